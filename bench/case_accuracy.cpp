@@ -20,7 +20,7 @@
 #include "tests/support/model_renderer.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_accuracy {
 namespace {
 
 using materials::DiffuseModel;
@@ -260,4 +260,4 @@ const bool kAdded =
     add_case({"accuracy", "OpenGL against the reference renderer, BRDF by BRDF", run_accuracy});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_accuracy

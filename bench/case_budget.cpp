@@ -21,7 +21,7 @@
 #include "workspace/budget.h"
 #include "workspace/open.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_budget {
 namespace {
 
 constexpr double kIfov = 1e-4;
@@ -261,4 +261,4 @@ void run(Context& context) {
 const bool kAdded = add_case({"budget", "models as budgets near and far need them", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_budget

@@ -11,7 +11,7 @@
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_check {
 
 namespace {
 
@@ -88,4 +88,4 @@ const bool kAdded = add_case({"check", "examination of meshes, computed normals"
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_check

@@ -9,7 +9,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/geometry/shapes.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_clean {
 
 namespace {
 
@@ -144,4 +144,4 @@ const bool kAdded = add_case({"clean", "cleaning of meshes", run});
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_clean

@@ -9,7 +9,7 @@
 #include "compiler/compile.h"
 #include "pan/model.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_compile {
 
 namespace {
 
@@ -230,4 +230,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_compile

@@ -12,7 +12,7 @@
 #include "tests/support/view.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_error_bars {
 namespace {
 
 struct Scene {
@@ -205,4 +205,4 @@ const bool kAdded =
     add_case({"error_bars", "the reference renderer's error bars against true errors", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_error_bars

@@ -8,7 +8,7 @@
 #include "materials/brdf.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_formulas {
 
 namespace {
 
@@ -130,4 +130,4 @@ const bool kAdded = add_case({"formulas", "reflectance formulas, float against d
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_formulas

@@ -10,7 +10,7 @@
 #include "preview/renderer.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_frames {
 
 namespace {
 
@@ -227,4 +227,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_frames

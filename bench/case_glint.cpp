@@ -18,7 +18,7 @@
 #include "tests/support/model_renderer.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_glint {
 namespace {
 
 using namespace disc_quadrature;
@@ -240,4 +240,4 @@ const bool kAdded =
     add_case({"glint", "the Sun's glint on a flat plate against a quadrature over its disc", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_glint

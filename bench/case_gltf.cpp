@@ -16,7 +16,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "importers/import.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_gltf {
 
 namespace {
 
@@ -302,4 +302,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_gltf

@@ -19,7 +19,7 @@
 #include "tests/geometry/shapes.h"
 #include "tests/support/ray_caster.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_hidden {
 
 namespace {
 
@@ -378,4 +378,4 @@ const bool kAdded = add_case({"hidden", "removal of hidden parts", run});
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_hidden

@@ -12,7 +12,7 @@
 #include "bench/scenes.h"
 #include "pan/model.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_import {
 
 namespace {
 
@@ -181,4 +181,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_import

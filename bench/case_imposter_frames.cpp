@@ -8,7 +8,7 @@
 #include "bench/bench.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_imposter_frames {
 
 namespace {
 
@@ -101,4 +101,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_imposter_frames

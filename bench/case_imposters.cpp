@@ -13,7 +13,7 @@
 #include "tests/support/oracles.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_imposters {
 
 namespace {
 
@@ -526,4 +526,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_imposters

@@ -13,7 +13,7 @@
 #include "world/evaluation.h"
 #include "world/world.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_joints {
 
 namespace {
 
@@ -167,4 +167,4 @@ const bool kAdded = add_case({"joints", "joint values to node matrices, and aims
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_joints

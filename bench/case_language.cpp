@@ -8,7 +8,7 @@
 #include "bench/scenes.h"
 #include "pan/model.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_language {
 
 namespace {
 
@@ -114,4 +114,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_language

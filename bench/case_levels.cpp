@@ -22,7 +22,7 @@
 #include "pxn/materials.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_levels {
 namespace {
 
 constexpr double kWidth = 1.28;  // metres
@@ -393,4 +393,4 @@ const bool kAdded =
               [](Context& context) { run_far(context, 0.3); }});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_levels

@@ -17,7 +17,7 @@
 #include "tests/support/model_renderer.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_maps {
 
 namespace {
 
@@ -276,4 +276,4 @@ const bool kAdded = add_case({"maps", "what maps, holes and decals cost, and the
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_maps

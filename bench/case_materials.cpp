@@ -18,7 +18,7 @@
 #include "tests/support/hard_cases.h"
 #include "tests/support/surface_text.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_materials {
 
 namespace {
 
@@ -369,4 +369,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_materials

@@ -19,7 +19,7 @@
 #include "tests/support/view.h"
 #include "workspace/open.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_mesh_levels {
 namespace {
 
 constexpr double kIfov = 0.5e-3;
@@ -302,4 +302,4 @@ const bool kAdded =
     add_case({"mesh_levels", "levels of detail of meshes as a camera comes closer", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_mesh_levels

@@ -6,7 +6,7 @@
 #include "bench/bench.h"
 #include "mli/sheet.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_mli {
 
 namespace {
 
@@ -170,4 +170,4 @@ const bool kAdded = add_case({"mli", "sheets of foil", run});
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_mli

@@ -16,7 +16,7 @@
 #include "tests/support/model_renderer.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_moments {
 
 namespace {
 
@@ -309,4 +309,4 @@ const bool kAdded = add_case({"moments", "far plates with normal maps, and their
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_moments

@@ -11,7 +11,7 @@
 #include "pan/diff.h"
 #include "pan/model.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_pan {
 
 namespace {
 
@@ -142,4 +142,4 @@ const bool kAdded = add_case({"pan", "opening and checking compiled files", run}
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_pan

@@ -15,7 +15,7 @@
 #include "pxn/pxn.h"
 #include "tests/support/model_renderer.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_penumbra {
 namespace {
 
 struct Errors {
@@ -149,4 +149,4 @@ void run(Context& context) {
 const bool kAdded = add_case({"penumbra", "shadows of the Sun's disc against the reference", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_penumbra

@@ -11,7 +11,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/support/ray_caster.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_ray {
 
 namespace {
 
@@ -119,4 +119,4 @@ const bool kAdded = add_case({"ray", "ray casting on spheres", run});
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_ray

@@ -14,7 +14,7 @@
 #include "tests/support/oracles.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_reference {
 
 namespace {
 
@@ -193,4 +193,4 @@ const bool kAdded = add_case({"reference", "the path tracer's rays and errors", 
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_reference

@@ -14,7 +14,7 @@
 #include "tests/support/model_renderer.h"
 #include "tests/support/oracles.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_render {
 
 namespace {
 
@@ -225,4 +225,4 @@ const bool kAdded = add_case({"render", "images of spheres against closed forms;
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_render

@@ -8,7 +8,7 @@
 #include "preview/renderer.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_samples {
 
 namespace {
 
@@ -156,4 +156,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_samples

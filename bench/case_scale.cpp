@@ -18,7 +18,7 @@
 #include "bench/scenes.h"
 #include "pan/model.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_scale {
 
 namespace {
 
@@ -206,4 +206,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_scale

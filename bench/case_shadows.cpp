@@ -14,7 +14,7 @@
 #include "tests/support/sun_rays.h"
 #include "workspace/open.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_shadows {
 
 namespace {
 
@@ -216,4 +216,4 @@ const bool kAdded = add_case({"shadows", "Sun shadows of the servicer and of sca
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_shadows

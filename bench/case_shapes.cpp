@@ -13,7 +13,7 @@
 #include "pan/writer.h"
 #include "tests/support/shape_distance.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_shapes {
 
 namespace {
 
@@ -312,4 +312,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_shapes

@@ -12,7 +12,7 @@
 #include "preview/renderer.h"
 #include "workspace/workspace.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_specular {
 
 namespace {
 
@@ -182,4 +182,4 @@ const bool kAdded = add_case({"specular", "narrow highlights on curved surfaces,
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_specular

@@ -10,7 +10,7 @@
 #include "geometry/mesh/check.h"
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_sphere {
 
 namespace {
 
@@ -106,4 +106,4 @@ const bool kAdded = add_case({"sphere", "tessellation of spheres against their e
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_sphere

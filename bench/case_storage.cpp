@@ -10,7 +10,7 @@
 #include "pan/model.h"
 #include "workspace/open.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_storage {
 
 namespace {
 
@@ -139,4 +139,4 @@ const bool kAdded = add_case({"storage", "forms of storage: bytes, speed and wha
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_storage

@@ -12,7 +12,7 @@
 #include "tests/support/cages.h"
 #include "tests/support/catmull_clark.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_subdiv {
 
 namespace {
 
@@ -113,4 +113,4 @@ const bool kAdded =
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_subdiv

@@ -12,7 +12,7 @@
 #include "pxn/pxn.h"
 #include "pxn/writer.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_text {
 
 namespace {
 
@@ -144,4 +144,4 @@ const bool kAdded = add_case({"text", "the canonical form of a text, and a scene
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_text

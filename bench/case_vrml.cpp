@@ -20,7 +20,7 @@
 #include <Inventor/nodes/SoSeparator.h>
 #endif
 
-namespace panwright::bench {
+namespace panwright::bench::case_vrml {
 
 namespace {
 
@@ -183,4 +183,4 @@ const bool kAdded = add_case({"vrml", "texts of VRML to documents and scenes", r
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_vrml

@@ -14,7 +14,7 @@
 #include "pxn/pxn.h"
 #include "tests/support/model_renderer.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_wide {
 
 namespace {
 
@@ -171,4 +171,4 @@ const bool kAdded = add_case({"wide", "Sun shadows of wide models against the re
 
 }  // namespace
 
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_wide

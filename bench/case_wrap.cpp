@@ -14,7 +14,7 @@
 #include "mli/wrap.h"
 #include "workspace/open.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_wrap {
 namespace {
 
 // A mesh of the file where it stands, metres in the world.
@@ -184,4 +184,4 @@ void run(Context& context) {
 const bool kAdded = add_case({"wrap", "blankets over imported spacecraft", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_wrap

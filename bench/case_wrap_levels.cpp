@@ -14,7 +14,7 @@
 #include "pxn/pxn.h"
 #include "tests/support/view.h"
 
-namespace panwright::bench {
+namespace panwright::bench::case_wrap_levels {
 namespace {
 
 constexpr std::size_t kLevels = 4;
@@ -112,4 +112,4 @@ const bool kAdded =
     add_case({"wrap_levels", "levels of detail of blankets, against the finest", run});
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::case_wrap_levels

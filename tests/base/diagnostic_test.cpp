@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace panwright {
+namespace panwright::diagnostic_test {
 namespace {
 
 using testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST(NearestName, AllowsOneErrorInThreeLetters) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::diagnostic_test

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 
-namespace panwright {
+namespace panwright::file_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -136,4 +136,4 @@ TEST_F(Cache, WritersAndReadersMeetWholeEntries) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::file_cache_test

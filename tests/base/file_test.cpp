@@ -9,7 +9,7 @@
 #include <csignal>
 #include <fstream>
 
-namespace panwright {
+namespace panwright::file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ TEST_F(File, ALinkThatLeadsNowhereStaysALink) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::file_test

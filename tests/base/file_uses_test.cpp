@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 
-namespace panwright {
+namespace panwright::file_uses_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(Uses, ALogApartKnowsTheRun) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::file_uses_test

@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 
-namespace panwright {
+namespace panwright::job_test {
 namespace {
 
 TEST(Job, TheDefaultOneIsNeverCancelled) {
@@ -150,4 +150,4 @@ TEST(Phase, IsToldOneCallAtATime) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::job_test

@@ -9,7 +9,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 
-namespace panwright {
+namespace panwright::math_test {
 namespace {
 
 // distance in units in the last place of b
@@ -147,4 +147,4 @@ TEST(Math, StretchOfHardMatrices) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::math_test

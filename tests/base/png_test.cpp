@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace panwright {
+namespace panwright::png_test {
 namespace {
 
 using Pixels = std::vector<std::uint8_t>;
@@ -79,4 +79,4 @@ TEST(Png, BytesOfImagesAreThoseOfTheOneCallWriter) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::png_test

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-namespace panwright {
+namespace panwright::random_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -41,4 +41,4 @@ TEST(Random, NeighboursAreIndependent) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::random_test

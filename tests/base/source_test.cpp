@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace panwright {
+namespace panwright::source_test {
 namespace {
 
 FileId add(SourceMap& map, std::string text, Encoding encoding = Encoding::utf8) {
@@ -65,4 +65,4 @@ TEST(ToUtf8, ReplacesWhatIsNoText) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::source_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace panwright {
+namespace panwright::srgb_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -43,4 +43,4 @@ TEST(Srgb, EndsAndRoundTrip) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::srgb_test

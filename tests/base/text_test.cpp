@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace panwright {
+namespace panwright::text_test {
 namespace {
 
 TEST(ParseDouble, ReadsDecimalNumbersOnly) {
@@ -69,4 +69,4 @@ TEST(Counted, Plural) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::text_test

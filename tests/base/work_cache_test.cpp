@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 
-namespace panwright {
+namespace panwright::work_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ TEST(Bytes, KeysTellListsApart) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::work_cache_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace panwright::bench {
+namespace panwright::bench::flip_test {
 namespace {
 
 std::vector<float> plain(float r, float g, float b, std::size_t pixels) {
@@ -63,4 +63,4 @@ TEST(Flip, FeaturesRaiseIt) {
 }
 
 }  // namespace
-}  // namespace panwright::bench
+}  // namespace panwright::bench::flip_test

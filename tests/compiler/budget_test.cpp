@@ -9,7 +9,7 @@
 #include "pan/model.h"
 #include "tests/compiler/facet_sums.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::budget_test {
 namespace {
 
 using pan::layout::ToleranceReason;
@@ -231,4 +231,4 @@ TEST(Budget, MaterialsWithMapsHaveTexcoords) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::budget_test

@@ -8,7 +8,7 @@
 #include "compiler/compile.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::circular_edges_test {
 namespace {
 
 geometry::Cylinder cylinder(double radius, double height) {
@@ -307,4 +307,4 @@ TEST(CircularEdges, BytesDoNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::circular_edges_test

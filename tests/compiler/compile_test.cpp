@@ -10,7 +10,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::compile_test {
 namespace {
 
 geometry::MeshShape plate(double offset) {
@@ -348,4 +348,4 @@ TEST(Compile, ProvenanceNamesInputsAndOptions) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::compile_test

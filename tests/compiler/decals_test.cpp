@@ -8,7 +8,7 @@
 #include "compiler/internal/decals.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::decals_test {
 namespace {
 
 scene::Scene scene_of(const geometry::Shape& shape) {
@@ -254,4 +254,4 @@ TEST(Decals, ShowWhereATriangleReachesIntoTheirBox) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::decals_test

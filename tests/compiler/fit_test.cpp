@@ -17,7 +17,7 @@
 #include "pan/model.h"
 #include "tests/compiler/facet_sums.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::fit_test {
 namespace {
 
 using geometry::Mesh;
@@ -480,4 +480,4 @@ TEST(Fit, NormalsAreWithinAQuarterOfTheSlope) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::fit_test

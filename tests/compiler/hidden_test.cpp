@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "tests/support/ray_caster.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::hidden_test {
 namespace {
 
 using assemblies::Assembly;
@@ -408,4 +408,4 @@ TEST(Hidden, WhatAJointUncoversStays) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::hidden_test

@@ -14,7 +14,7 @@
 #include "geometry/mesh/bytes.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::kept_meshes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -284,4 +284,4 @@ TEST(MeshBytes, UnsoundMeshesAreRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::kept_meshes_test

@@ -13,7 +13,7 @@
 #include "geometry/mesh/closest.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::mesh_levels_test {
 namespace {
 
 // Half of a dish of n × n quads; the two halves meet at x = 0.
@@ -161,4 +161,4 @@ TEST(MeshLevels, SameBytesWhateverTheThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::mesh_levels_test

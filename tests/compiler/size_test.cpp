@@ -8,7 +8,7 @@
 #include "compiler/compile.h"
 #include "geometry/tessellate/shape.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::size_test {
 namespace {
 
 using testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST(Size, OfACelestialBodyIsNeverWrong) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::size_test

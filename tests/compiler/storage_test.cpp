@@ -7,7 +7,7 @@
 #include "compiler/compile.h"
 #include "pan/model.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::storage_test {
 namespace {
 
 constexpr double kTop = 0.3137;  // where the cylinder ends and the cone begins
@@ -140,4 +140,4 @@ TEST(CompilerStorage, NothingIsLostWithoutBits) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::storage_test

@@ -9,7 +9,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/compiler/facet_sums.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::tolerance_test {
 namespace {
 
 using pan::layout::ToleranceReason;
@@ -300,4 +300,4 @@ TEST(NeedConstants, HoldForCones) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::tolerance_test

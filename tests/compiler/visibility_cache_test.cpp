@@ -12,7 +12,7 @@
 #include "compiler/compile.h"
 #include "compiler/hidden.h"
 
-namespace panwright::compiler {
+namespace panwright::compiler::visibility_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -259,4 +259,4 @@ TEST_F(VisibilityCache, KnowsItsVersion) {
 }
 
 }  // namespace
-}  // namespace panwright::compiler
+}  // namespace panwright::compiler::visibility_cache_test

@@ -17,7 +17,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::coverage_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -290,4 +290,4 @@ TEST(Coverage, ExplanationsNameRealOptions) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::coverage_test

@@ -14,7 +14,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/ray_caster.h"
 
-namespace panwright {
+namespace panwright::examples_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -182,4 +182,4 @@ INSTANTIATE_TEST_SUITE_P(
         Example{"calibration/spheres.pxn", {}, {"camera"}, {"centre0", "centre3"}, 8}));
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::examples_test

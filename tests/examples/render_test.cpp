@@ -11,7 +11,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::render_test {
 namespace {
 
 const std::string kExamples = PANWRIGHT_SOURCE_DIR "/examples/";
@@ -106,4 +106,4 @@ TEST(ExampleImages, LambertSpheresHaveTheirPhaseCurve) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::render_test

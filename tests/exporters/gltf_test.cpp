@@ -14,7 +14,7 @@
 #include "exporters/export.h"
 #include "tests/importers/gltf/sample.h"
 
-namespace panwright::exporters {
+namespace panwright::exporters::gltf_test {
 namespace {
 
 using namespace importers;  // read back by our reader
@@ -569,4 +569,4 @@ TEST(GltfExport, SameModelSameBytes) {
 }
 
 }  // namespace
-}  // namespace panwright::exporters
+}  // namespace panwright::exporters::gltf_test

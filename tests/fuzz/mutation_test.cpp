@@ -15,7 +15,7 @@
 #include "tests/fuzz/targets_roundtrip.h"
 #include "tests/support/paths.h"
 
-namespace panwright {
+namespace panwright::mutation_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ TEST(Mutations, Pan) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::mutation_test

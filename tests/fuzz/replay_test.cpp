@@ -10,7 +10,7 @@
 #include "tests/fuzz/targets_roundtrip.h"
 #include "tests/support/paths.h"
 
-namespace panwright {
+namespace panwright::replay_test {
 namespace {
 
 void replay(const std::filesystem::path& folder, void (*target)(std::span<const std::byte>)) {
@@ -43,4 +43,4 @@ TEST(Replay, ImageCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/imag
 TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::replay_test

@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::check_test {
 namespace {
 
 using shapes::cube;
@@ -164,4 +164,4 @@ TEST(Check, SetClosed) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::check_test

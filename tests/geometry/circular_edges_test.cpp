@@ -9,7 +9,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::circular_edges_test {
 namespace {
 
 Mesh made(const Shape& shape, const TessellationOptions& options) {
@@ -393,4 +393,4 @@ TEST(Limits, HoldBeforeAnythingIsAllocated) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::circular_edges_test

@@ -17,7 +17,7 @@
 #include "geometry/mesh/internal/tjunction.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::clean_test {
 namespace {
 
 Mesh soup(const Mesh& mesh) {
@@ -556,4 +556,4 @@ TEST(Clean, CrowdsStayFast) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::clean_test

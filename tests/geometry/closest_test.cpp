@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::closest_test {
 namespace {
 
 TEST(Closest, FacesEdgesAndCornersOfACube) {
@@ -82,4 +82,4 @@ TEST(Closest, TrianglesWithoutAreaHavePlaces) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::closest_test

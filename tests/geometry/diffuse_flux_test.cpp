@@ -7,7 +7,7 @@
 
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::diffuse_flux_test {
 namespace {
 
 Mesh ball(double radius, double error) {
@@ -56,4 +56,4 @@ TEST(DiffuseFlux, OpenSheetsAreSeenFromBothSides) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::diffuse_flux_test

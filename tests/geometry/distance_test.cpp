@@ -11,7 +11,7 @@
 #include "geometry/mesh/closest.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::distance_test {
 namespace {
 
 DistanceInterval distance(const Mesh& a, const Mesh& b, double relative = 0.1) {
@@ -310,4 +310,4 @@ TEST(ProjectedAreaError, OfABoxWithoutALid) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::distance_test

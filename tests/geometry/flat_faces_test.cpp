@@ -9,7 +9,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::flat_faces_test {
 namespace {
 
 struct Turn {
@@ -242,4 +242,4 @@ TEST(FlatFaces, ManyTrianglesAtOneEdgeStayFast) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::flat_faces_test

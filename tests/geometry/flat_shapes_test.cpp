@@ -6,7 +6,7 @@
 #include "geometry/mesh/strip.h"
 #include "outlines.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::flat_shapes_test {
 namespace {
 
 Mesh made(const Shape& shape, const TessellationOptions& options = {}) {
@@ -517,4 +517,4 @@ TEST(Polygons, Problems) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::flat_shapes_test

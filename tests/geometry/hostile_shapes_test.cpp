@@ -4,7 +4,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::hostile_shapes_test {
 namespace {
 
 // Numbers that authors do not write and files may hold, among a few small ones that meet often.
@@ -156,4 +156,4 @@ TEST(HostileShapes, Tubes) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::hostile_shapes_test

@@ -9,7 +9,7 @@
 
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::instances_test {
 namespace {
 
 Mesh ball(std::uint32_t rings) {
@@ -259,4 +259,4 @@ TEST(InstanceCaster, ACancelledBuildCanBeDoneAgain) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::instances_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace panwright::geometry {
+namespace panwright::geometry::joint_test {
 namespace {
 
 double difference(const Mat4& a, const Mat4& b) {
@@ -371,4 +371,4 @@ TEST(Pointing, TwoAxesWithLimitsAreAsGoodAsASearch) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::joint_test

@@ -12,7 +12,7 @@
 #include "geometry/mesh/closest.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::levels_test {
 namespace {
 
 // The largest distance of points spread over a mesh from the other one: corners, and some at random
@@ -286,4 +286,4 @@ TEST(MeshLevels, SameWhateverTheThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::levels_test

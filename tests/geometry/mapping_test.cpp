@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::mapping_test {
 namespace {
 
 // Every triangle is a sensible piece of the texture, and every corner is where it belongs.
@@ -139,4 +139,4 @@ TEST(BoxMapping, flat_meshes_and_those_without_area_have_finite_coordinates) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::mapping_test

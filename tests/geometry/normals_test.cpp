@@ -6,7 +6,7 @@
 #include "geometry/mesh/strip.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::normals_test {
 namespace {
 
 // Corners, each with its own vertex.
@@ -299,4 +299,4 @@ TEST(Normals, ManyFacetsAtOnePlaceStayFast) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::normals_test

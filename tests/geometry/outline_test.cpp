@@ -7,7 +7,7 @@
 #include "geometry/tessellate/internal/predicates.h"
 #include "outlines.h"
 
-namespace panwright::geometry::internal {
+namespace panwright::geometry::internal::outline_test {
 namespace {
 
 using shapes::Outline;
@@ -205,4 +205,4 @@ TEST(Outline, HugeAndTinyCoordinates) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry::internal
+}  // namespace panwright::geometry::internal::outline_test

@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::polygon_test {
 namespace {
 
 using Outline = std::vector<Vec3>;
@@ -360,4 +360,4 @@ TEST(Polygon, CoordinatesWithoutEndDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::polygon_test

@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry::internal {
+namespace panwright::geometry::internal::predicates_test {
 namespace {
 
 __extension__ using Wide = __int128;
@@ -96,4 +96,4 @@ TEST(InCircle, IsSureOnlyWhereItIsRight) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry::internal
+}  // namespace panwright::geometry::internal::predicates_test

@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::ray_test {
 namespace {
 
 support::RayCaster caster_of(const Mesh& mesh, const Mat4& world_from_mesh = Mat4(1)) {
@@ -281,4 +281,4 @@ TEST(Ray, BuildingAgainGivesTheSameAnswers) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::ray_test

@@ -8,7 +8,7 @@
 
 #include "geometry/mesh/revolution_axes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::revolution_axes_test {
 namespace {
 
 // A mesh of rings about +z: points of the profile (radius, height), `segments` over an arc.
@@ -272,4 +272,4 @@ TEST(RevolutionAxes, HostileMeshesEnd) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::revolution_axes_test

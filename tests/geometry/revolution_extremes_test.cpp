@@ -7,7 +7,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::revolution_extremes_test {
 namespace {
 
 using oracles::sampled_distance;
@@ -173,4 +173,4 @@ TEST(RoundExtremes, LongProfiles) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::revolution_extremes_test

@@ -13,7 +13,7 @@
 #include "geometry/mesh/check.h"
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::shape_warnings_test {
 namespace {
 
 MeshReport mesh_report(const Shape& shape, double error) {
@@ -293,4 +293,4 @@ TEST(ShapeWarnings, PolygonsWithHoles) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::shape_warnings_test

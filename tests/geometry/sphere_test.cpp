@@ -9,7 +9,7 @@
 #include "geometry/internal/triangle.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::sphere_test {
 namespace {
 
 using shapes::sphere;
@@ -328,4 +328,4 @@ TEST(Triangle, NearestPointMatchesASearch) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::sphere_test

@@ -11,7 +11,7 @@
 #include "geometry/mesh/check.h"
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::staggered_test {
 namespace {
 
 Mesh made(const Shape& shape, double error, bool texcoords = false) {
@@ -365,4 +365,4 @@ TEST(Frustum, SectorsWithWallsStayClosed) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::staggered_test

@@ -4,7 +4,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::strip_test {
 namespace {
 
 TEST(Strip, WindingAlternates) {
@@ -63,4 +63,4 @@ TEST(Strip, ATetrahedronFromOneStripIsClosedAndOutward) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::strip_test

@@ -11,7 +11,7 @@
 #include "tests/support/cages.h"
 #include "tests/support/catmull_clark.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::subdiv_test {
 namespace {
 
 using oracles::CatmullClark;
@@ -422,4 +422,4 @@ TEST(Subdiv, CurvatureOfACage) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::subdiv_test

@@ -12,7 +12,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::surfaces_of_revolution_test {
 namespace {
 
 using oracles::Distance;
@@ -322,4 +322,4 @@ TEST(RoundShapes, BytesDoNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::surfaces_of_revolution_test

@@ -8,7 +8,7 @@
 #include "geometry/tessellate/internal/predicates.h"
 #include "outlines.h"
 
-namespace panwright::geometry::internal {
+namespace panwright::geometry::internal::triangulate_test {
 namespace {
 
 using shapes::Outline;
@@ -188,4 +188,4 @@ TEST(Triangulate, AHundredThousandPointsInTime) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry::internal
+}  // namespace panwright::geometry::internal::triangulate_test

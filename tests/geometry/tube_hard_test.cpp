@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "tube_support.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::tube_hard_test {
 namespace {
 
 using namespace tubes;
@@ -163,4 +163,4 @@ TEST(Tube, BytesDoNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::tube_hard_test

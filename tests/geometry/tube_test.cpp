@@ -6,7 +6,7 @@
 
 #include "tube_support.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::tube_test {
 namespace {
 
 using namespace tubes;
@@ -277,4 +277,4 @@ TEST(Tube, FramesDoNotTurnAboutThePath) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::tube_test

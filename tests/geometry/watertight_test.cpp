@@ -8,7 +8,7 @@
 #include "geometry/ray/instances.h"
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::watertight_test {
 namespace {
 
 // A convex mesh about the origin, inscribed in a stretched unit ball or cube.
@@ -90,4 +90,4 @@ TEST(Watertight, NothingSlipsThroughEdgesAndCorners) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::watertight_test

@@ -6,7 +6,7 @@
 
 #include "shapes.h"
 
-namespace panwright::geometry {
+namespace panwright::geometry::weld_test {
 namespace {
 
 // Against a double loop.
@@ -36,4 +36,4 @@ TEST(Weld, SortingAgreesOnASphere) {
 }
 
 }  // namespace
-}  // namespace panwright::geometry
+}  // namespace panwright::geometry::weld_test

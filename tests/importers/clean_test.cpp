@@ -6,7 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-namespace panwright::importers {
+namespace panwright::importers::clean_test {
 namespace {
 
 using geometry::Mesh;
@@ -225,4 +225,4 @@ TEST(Place, AsWrittenAddsNothing) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::clean_test

@@ -14,7 +14,7 @@
 #include "importers/clean.h"
 #include "importers/import.h"
 
-namespace panwright::importers {
+namespace panwright::importers::damage_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ TEST_P(DamagedCorpus, is_read_or_refused) {
 INSTANTIATE_TEST_SUITE_P(Files, DamagedCorpus, testing::ValuesIn(kFiles));
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::damage_corpus_test

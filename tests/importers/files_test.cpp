@@ -13,7 +13,7 @@
 #include "importers/import.h"
 #include "importers/internal/gzip.h"
 
-namespace panwright::importers {
+namespace panwright::importers::files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ TEST(Import, other_formats_are_refused_by_name) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::files_test

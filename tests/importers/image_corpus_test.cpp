@@ -12,7 +12,7 @@
 #include "importers/image.h"
 #include "tests/importers/image_oracle.h"
 
-namespace panwright::importers {
+namespace panwright::importers::image_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ TEST(ImageCorpus, JpegsAreReadAsByAnotherDecoderUpToRounding) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::image_corpus_test

@@ -17,7 +17,7 @@
 #include "base/file.h"
 #include "tests/importers/image_oracle.h"
 
-namespace panwright::importers {
+namespace panwright::importers::image_test {
 namespace {
 
 using testing::HasSubstr;
@@ -413,4 +413,4 @@ TEST(Image, DamagedJpegsAreRefusedOrTheSameEachTime) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::image_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace panwright::importers {
+namespace panwright::importers::palette_test {
 namespace {
 
 using testing::HasSubstr;
@@ -139,4 +139,4 @@ TEST(Palette, OtherTexturesStay) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::palette_test

@@ -8,7 +8,7 @@
 #include "importers/import.h"
 #include "pan/model.h"
 
-namespace panwright::importers {
+namespace panwright::importers::storable_test {
 namespace {
 
 struct Case {
@@ -83,4 +83,4 @@ TEST(Storable, repeatsOfTexturesFitSinglePrecision) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::storable_test

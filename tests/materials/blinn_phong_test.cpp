@@ -3,7 +3,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::blinn_phong_test {
 namespace {
 
 // Seen along the normal, all light comes back.
@@ -42,4 +42,4 @@ TEST(BlinnPhong, PowerOfTheHalfVector) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::blinn_phong_test

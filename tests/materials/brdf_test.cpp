@@ -6,7 +6,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::brdf_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -167,4 +167,4 @@ TEST(Brdf, CompiledIsTheSame) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::brdf_test

@@ -7,7 +7,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::cells_test {
 namespace {
 
 // What is at one point, by comparisons alone.
@@ -135,4 +135,4 @@ TEST(Cells, PartsAreMaterials) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::cells_test

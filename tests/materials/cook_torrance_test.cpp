@@ -4,7 +4,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::cook_torrance_test {
 namespace {
 
 constexpr std::array kMu{0.02, 0.05, 0.10, 0.25, 0.50, 0.75, 1.00};
@@ -123,4 +123,4 @@ TEST(CookTorrance, PrintedFormIsFourTimesBrighter) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::cook_torrance_test

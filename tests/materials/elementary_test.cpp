@@ -5,7 +5,7 @@
 
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::elementary_test {
 namespace {
 
 // the largest relative error over a sweep of decades, in units of epsilon
@@ -68,4 +68,4 @@ TEST(Elementary, AngleOfSineAndCosine) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::elementary_test

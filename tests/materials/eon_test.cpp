@@ -4,7 +4,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::eon_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -162,4 +162,4 @@ TEST(Eon, RoughnessOfASlope) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::eon_test

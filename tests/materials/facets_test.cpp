@@ -7,7 +7,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::facets_test {
 namespace {
 
 constexpr std::array kMu{0.02, 0.05, 0.10, 0.25, 0.50, 0.75, 1.00};
@@ -240,4 +240,4 @@ TEST(Microfacets, FloatNearTheHighlight) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::facets_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace panwright::materials {
+namespace panwright::materials::formula_text_test {
 namespace {
 
 using testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST(FormulaText, EveryValueIsPrecise) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::formula_text_test

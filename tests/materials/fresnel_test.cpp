@@ -7,7 +7,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::fresnel_test {
 namespace {
 
 // Fresnel's equations as they stand in textbooks, with Snell's angle, in long double.
@@ -181,4 +181,4 @@ TEST(Fresnel, ConductorAgainstComplexNumbers) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::fresnel_test

@@ -5,7 +5,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::hapke_h_test {
 namespace {
 
 constexpr std::array kAlbedos{0.0, 1e-9, 0.01, 0.1,    0.3,      0.5,
@@ -132,4 +132,4 @@ TEST(HapkeH, CorrectedFitsAreExact) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::hapke_h_test

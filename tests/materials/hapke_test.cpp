@@ -5,7 +5,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::hapke_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -174,4 +174,4 @@ TEST(Hapke, RoughnessIsContinuousAtTheNormalAndInPlane) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::hapke_test

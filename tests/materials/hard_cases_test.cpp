@@ -7,7 +7,7 @@
 
 #include "materials/brdf.h"
 
-namespace panwright::hard_cases {
+namespace panwright::hard_cases::hard_cases_test {
 namespace {
 
 std::string described(const Formula& formula, const Worst& worst) {
@@ -126,4 +126,4 @@ TEST(HardCases, OppositeDirections) {
 }
 
 }  // namespace
-}  // namespace panwright::hard_cases
+}  // namespace panwright::hard_cases::hard_cases_test

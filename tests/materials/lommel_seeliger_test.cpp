@@ -4,7 +4,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::lommel_seeliger_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -78,4 +78,4 @@ TEST(LommelSeeliger, AsAMaterial) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::lommel_seeliger_test

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace panwright::materials {
+namespace panwright::materials::material_test {
 namespace {
 
 using testing::HasSubstr;
@@ -219,4 +219,4 @@ TEST(Material, RemarksPointAtTheirPlace) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::material_test

@@ -13,7 +13,7 @@
 
 #include "materials/brdf.h"
 
-namespace panwright::materials {
+namespace panwright::materials::measured_test {
 namespace {
 
 class Table : public testing::Test {
@@ -195,4 +195,4 @@ TEST(Fits, FlatReadingsAreLambert) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::measured_test

@@ -3,7 +3,7 @@
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
-namespace panwright::materials {
+namespace panwright::materials::oren_nayar_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -78,4 +78,4 @@ TEST(OrenNayar, WhereTheFitIsNegativeItIsZero) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::oren_nayar_test

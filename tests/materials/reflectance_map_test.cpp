@@ -11,7 +11,7 @@
 #include "materials/report.h"
 #include "tests/materials/quadrature.h"
 
-namespace panwright::materials {
+namespace panwright::materials::reflectance_map_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -242,4 +242,4 @@ TEST(ReflectanceMap, WithoutFacetsItIsIdle) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::reflectance_map_test

@@ -12,7 +12,7 @@
 #include "materials/report.h"
 #include "materials/sample.h"
 
-namespace panwright::materials {
+namespace panwright::materials::retroreflector_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -187,4 +187,4 @@ TEST(Retroreflector, Report) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::retroreflector_test

@@ -10,7 +10,7 @@
 #include "materials/energy.h"
 #include "tests/materials/quadrature.h"
 
-namespace panwright::materials {
+namespace panwright::materials::sample_test {
 namespace {
 
 const Vec3 kNormal(0, 0, 1);
@@ -290,4 +290,4 @@ TEST(Sample, HapkeWithItsExactH) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::sample_test

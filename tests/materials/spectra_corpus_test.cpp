@@ -8,7 +8,7 @@
 
 #include "materials/spectra.h"
 
-namespace panwright::materials {
+namespace panwright::materials::spectra_corpus_test {
 namespace {
 
 const std::string kFolder = PANWRIGHT_CORPUS_DIR "/optical-constants/";
@@ -185,4 +185,4 @@ TEST(SpectraCorpus, AmberOfKapton) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::spectra_corpus_test

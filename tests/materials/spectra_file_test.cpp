@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace panwright::materials {
+namespace panwright::materials::spectra_file_test {
 namespace {
 
 std::string problem_of(std::string_view text, std::size_t line) {
@@ -101,4 +101,4 @@ TEST(SpectraFile, BadTables) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::spectra_file_test

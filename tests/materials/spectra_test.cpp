@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace panwright::materials {
+namespace panwright::materials::spectra_test {
 namespace {
 
 OpticalConstants constants(std::string_view name) {
@@ -194,4 +194,4 @@ TEST(Spectra, HemisphericalIsTheMeanOverAngles) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::spectra_test

@@ -8,7 +8,7 @@
 #include "materials/material.h"
 #include "tests/support/disc_quadrature.h"
 
-namespace panwright::materials {
+namespace panwright::materials::sun_disc_test {
 namespace {
 
 using namespace disc_quadrature;
@@ -209,4 +209,4 @@ TEST(SunDisc, Mirror) {
 }
 
 }  // namespace
-}  // namespace panwright::materials
+}  // namespace panwright::materials::sun_disc_test

@@ -15,7 +15,7 @@
 #include "tests/support/hard_cases.h"
 #include "tests/support/surface_text.h"
 
-namespace panwright::hard_cases {
+namespace panwright::hard_cases::formulas_gl_test {
 namespace {
 
 using materials::DiffuseModel;
@@ -284,4 +284,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, FormulasGl,
                          });
 
 }  // namespace
-}  // namespace panwright::hard_cases
+}  // namespace panwright::hard_cases::formulas_gl_test

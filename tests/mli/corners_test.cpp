@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace panwright::mli {
+namespace panwright::mli::corners_test {
 namespace {
 
 using Face = std::array<Vec3, 3>;
@@ -104,4 +104,4 @@ TEST(Corners, KeysHoldWhatIsNear) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::corners_test

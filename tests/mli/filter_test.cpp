@@ -1,7 +1,7 @@
 // One foil at every detail.
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::filter_test {
 namespace {
 
 using testing::everything;
@@ -108,4 +108,4 @@ TEST(Filter, AFinerGridOfTheRecipeShowsTheSameFoil) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::filter_test

@@ -8,7 +8,7 @@
 #include "mli/preset.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::fit_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(Fit, RefusesWhatNoSheetHas) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::fit_test

@@ -7,7 +7,7 @@
 #include "mli/form.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::form_test {
 namespace {
 
 using geometry::Mesh;
@@ -277,4 +277,4 @@ TEST(Form, SizesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::form_test

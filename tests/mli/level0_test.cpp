@@ -1,7 +1,7 @@
 // The operations of the paper against tables, numpy and figure 9.
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::level0_test {
 namespace {
 
 using testing::recipe;
@@ -154,4 +154,4 @@ TEST(Level0, TapersOfZeroWidthAreNone) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::level0_test

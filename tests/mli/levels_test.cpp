@@ -11,7 +11,7 @@
 #include "mli/preset.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::levels_test {
 namespace {
 
 using testing::recipe;
@@ -166,4 +166,4 @@ TEST(Levels, OfForms) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::levels_test

@@ -6,7 +6,7 @@
 #include "mli/internal/grid.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::operations_test {
 namespace {
 
 using testing::everything;
@@ -377,4 +377,4 @@ TEST(Seeds, AreEquallyDistributed) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::operations_test

@@ -6,7 +6,7 @@
 
 #include "mli/sheet.h"
 
-namespace panwright::mli {
+namespace panwright::mli::preset_test {
 namespace {
 
 Recipe recipe_of(const Preset& preset, double width, double height) {
@@ -57,4 +57,4 @@ TEST(Presets, SlopesAreTheirOwnWhateverTheSize) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::preset_test

@@ -5,7 +5,7 @@
 
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::recipe_test {
 namespace {
 
 using testing::everything;
@@ -190,4 +190,4 @@ TEST(Recipe, OperationsHaveNames) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::recipe_test

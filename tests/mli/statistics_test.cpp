@@ -3,7 +3,7 @@
 
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::statistics_test {
 namespace {
 
 using testing::everything;
@@ -156,4 +156,4 @@ TEST(Statistics, ScaledIsMeasuredAgain) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::statistics_test

@@ -12,7 +12,7 @@
 #include "mli/trim.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::trim_test {
 namespace {
 
 using geometry::Mesh;
@@ -123,4 +123,4 @@ TEST(Trim, LevelsAreTrimmedAlike) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::trim_test

@@ -9,7 +9,7 @@
 #include "mli/wrap.h"
 #include "tests/mli/sheet_support.h"
 
-namespace panwright::mli {
+namespace panwright::mli::wrap_test {
 namespace {
 
 using geometry::Mesh;
@@ -461,4 +461,4 @@ TEST(Wrap, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::mli
+}  // namespace panwright::mli::wrap_test

@@ -11,7 +11,7 @@
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::backs_test {
 namespace {
 
 using support::problems;
@@ -104,4 +104,4 @@ TEST(Backs, AreComparedByTheMaterialsTheyName) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::backs_test

@@ -13,7 +13,7 @@
 #include "tests/support/pan_damage.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::check_test {
 namespace {
 
 // The codes that reading some bytes gives; none: a sound file.
@@ -220,4 +220,4 @@ TEST(Check, MappedFilesThatAreCutAreRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::check_test

@@ -11,7 +11,7 @@
 #include "pan/model.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::compress_test {
 namespace {
 
 using layout::SectionKind;
@@ -253,4 +253,4 @@ TEST(Compress, ACancelledCheckCanBeDoneAgain) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::compress_test

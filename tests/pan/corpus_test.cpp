@@ -11,7 +11,7 @@
 #include "pan/model.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pan {
+namespace panwright::pan::corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ TEST(Corpus, EveryKindOfThingIsInIt) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::corpus_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::diff_test {
 namespace {
 
 Model load(const std::vector<std::byte>& bytes) {
@@ -274,4 +274,4 @@ TEST(Diff, TheLimitCountsWhatItHides) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::diff_test

@@ -8,7 +8,7 @@
 #include "pan/model.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::growth_test {
 namespace {
 
 using layout::FieldDefault;
@@ -185,4 +185,4 @@ TEST(Growth, MessagesSayWhatIsRead) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::growth_test

@@ -8,7 +8,7 @@
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::joints_test {
 namespace {
 
 using geometry::JointKind;
@@ -194,4 +194,4 @@ TEST(Joints, DifferencesAreNamed) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::joints_test

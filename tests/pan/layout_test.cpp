@@ -8,7 +8,7 @@
 #include "pan/model.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::layout_test {
 namespace {
 
 using layout::SectionKind;
@@ -161,4 +161,4 @@ TEST(Layout, HashOfManyBlocksIsTheHashOfTheirHashes) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::layout_test

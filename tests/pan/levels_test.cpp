@@ -12,7 +12,7 @@
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::levels_test {
 namespace {
 
 using support::problems;
@@ -97,4 +97,4 @@ TEST(Levels, DifferencesAreNamed) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::levels_test

@@ -10,7 +10,7 @@
 #include "pan/model.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::read_test {
 namespace {
 
 using layout::SectionKind;
@@ -301,4 +301,4 @@ TEST(Read, WideIndicesFromTheFirstVertexThatNeedsThem) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::read_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace panwright::pan::internal {
+namespace panwright::pan::internal::scan_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -155,4 +155,4 @@ TEST(Scan, TextIsUtf8) {
 }
 
 }  // namespace
-}  // namespace panwright::pan::internal
+}  // namespace panwright::pan::internal::scan_test

@@ -13,7 +13,7 @@
 #include "pan/model.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::storage_test {
 namespace {
 
 using layout::SectionKind;
@@ -237,4 +237,4 @@ TEST(Storage, DamageIsRefusedOrHarmless) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::storage_test

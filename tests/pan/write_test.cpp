@@ -17,7 +17,7 @@
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
 
-namespace panwright::pan {
+namespace panwright::pan::write_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -264,4 +264,4 @@ TEST(Write, FoldersThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::write_test

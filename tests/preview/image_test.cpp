@@ -23,7 +23,7 @@
 #include "preview/image/zip.h"
 #include "tests/support/paths.h"
 
-namespace panwright::preview {
+namespace panwright::preview::image_test {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -257,4 +257,4 @@ TEST_F(ImageFiles, SameImageSameBytes) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::image_test

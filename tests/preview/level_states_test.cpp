@@ -7,7 +7,7 @@
 
 #include "preview/frame/level_states.h"
 
-namespace panwright::preview {
+namespace panwright::preview::level_states_test {
 namespace {
 
 struct Scene {
@@ -124,4 +124,4 @@ TEST(LevelStates, ManyTargetsTakeFewStates) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::level_states_test

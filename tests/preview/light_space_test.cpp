@@ -5,7 +5,7 @@
 
 #include "preview/frame/light_space.h"
 
-namespace panwright::preview {
+namespace panwright::preview::light_space_test {
 namespace {
 
 DrawItem item(const Vec3& low, const Vec3& high, const Mat4& model_from_mesh) {
@@ -101,4 +101,4 @@ TEST(LightSpace, ThinThingsGiveFiniteFrames) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::light_space_test

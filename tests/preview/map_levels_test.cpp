@@ -6,7 +6,7 @@
 
 #include "base/math.h"
 
-namespace panwright::preview {
+namespace panwright::preview::map_levels_test {
 namespace {
 
 std::vector<std::uint8_t> noise(std::uint32_t width, std::uint32_t height) {
@@ -144,4 +144,4 @@ TEST(MapLevels, SharesOfCutouts) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::map_levels_test

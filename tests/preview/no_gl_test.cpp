@@ -3,7 +3,7 @@
 
 #include "preview/renderer.h"
 
-namespace panwright::preview {
+namespace panwright::preview::no_gl_test {
 namespace {
 
 TEST(WithoutOpenGL, NoContextCanBeHad) {
@@ -18,4 +18,4 @@ TEST(WithoutOpenGL, NoContextCanBeHad) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::no_gl_test

@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-namespace panwright::preview {
+namespace panwright::preview::pixel_errors_test {
 namespace {
 
 constexpr float kShare = 0.3f;            // of a second difference
@@ -185,4 +185,4 @@ TEST(PixelErrors, GroupsHoldEachPixelOnce) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::pixel_errors_test

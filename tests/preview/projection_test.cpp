@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace panwright::preview {
+namespace panwright::preview::projection_test {
 namespace {
 
 // uniform in [-1, 1), the same on every machine
@@ -196,4 +196,4 @@ TEST(Projection, TouchedPartsNeverMissAPoint) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::projection_test

@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "preview/model/map_levels.h"
 
-namespace panwright::preview {
+namespace panwright::preview::slope_levels_test {
 namespace {
 
 std::vector<std::uint8_t> noise(std::uint32_t width, std::uint32_t height, int least_z) {
@@ -180,4 +180,4 @@ TEST(SlopeLevels, NothingIsLostBetweenTexels) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::slope_levels_test

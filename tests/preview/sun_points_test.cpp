@@ -9,7 +9,7 @@
 
 #include "preview/frame/light_space.h"
 
-namespace panwright::preview {
+namespace panwright::preview::sun_points_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -125,4 +125,4 @@ TEST(SunPoints, RaysRunAlongTheShearedSpace) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::sun_points_test

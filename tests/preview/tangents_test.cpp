@@ -6,7 +6,7 @@
 
 #include "base/math.h"
 
-namespace panwright::preview {
+namespace panwright::preview::tangents_test {
 namespace {
 
 struct Vertices {
@@ -109,4 +109,4 @@ TEST(Tangents, AnyInTheirPlaneWhereTheImageHasNoArea) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::tangents_test

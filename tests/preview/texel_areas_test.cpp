@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace panwright::preview {
+namespace panwright::preview::texel_areas_test {
 namespace {
 
 world::Camera camera_of(std::uint32_t size = 32, double focal = 1000) {
@@ -410,4 +410,4 @@ TEST(ImposterFinder, TexelsStandWhereTheCameraSaysTheyDo) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::texel_areas_test

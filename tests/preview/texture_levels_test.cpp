@@ -8,7 +8,7 @@
 #include "preview/frame/samples.h"
 #include "preview/image.h"
 
-namespace panwright::preview {
+namespace panwright::preview::texture_levels_test {
 namespace {
 
 std::vector<std::uint8_t> noise(std::uint32_t width, std::uint32_t height) {
@@ -114,4 +114,4 @@ TEST(Samples, RunsHoldEachPixelOnce) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::texture_levels_test

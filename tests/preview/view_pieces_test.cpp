@@ -7,7 +7,7 @@
 #include "preview/frame/projection.h"
 #include "preview/frame/view_pieces.h"
 
-namespace panwright::preview {
+namespace panwright::preview::view_pieces_test {
 namespace {
 
 TEST(ViewPieces, BoundsHoldAllThatIsSeenAndNoMore) {
@@ -77,4 +77,4 @@ TEST(ViewPieces, WhatLiesOutsideIsEmpty) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::view_pieces_test

@@ -5,7 +5,7 @@
 #include "tests/preview_gl/textured.h"
 #include "tests/reference/reference_models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::backs_test {
 namespace {
 
 using namespace testing_support;
@@ -184,4 +184,4 @@ TEST(Backs, LevelsHaveThemToo) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::backs_test

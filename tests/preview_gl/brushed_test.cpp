@@ -2,7 +2,7 @@
 #include "materials/brdf.h"
 #include "models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::brushed_test {
 namespace {
 
 using namespace testing_support;
@@ -81,4 +81,4 @@ TEST(Brushed, SpheresAsPlaced) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::brushed_test

@@ -2,7 +2,7 @@
 #include "materials/brdf.h"
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::bumps_test {
 namespace {
 
 using namespace testing_support;
@@ -162,4 +162,4 @@ TEST(Bumps, SteepestMapsAreFinite) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::bumps_test

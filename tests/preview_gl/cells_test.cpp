@@ -4,7 +4,7 @@
 #include "materials/brdf.h"
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::cells_test {
 namespace {
 
 using namespace testing_support;
@@ -164,4 +164,4 @@ TEST(Cells, GapsHaveNoGlass) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::cells_test

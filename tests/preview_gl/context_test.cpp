@@ -6,7 +6,7 @@
 #include <array>
 #include <thread>
 
-namespace panwright::preview {
+namespace panwright::preview::context_test {
 namespace {
 
 std::unique_ptr<Context> create(ContextKind kind) {
@@ -108,4 +108,4 @@ TEST(Context, ReleasedAndMadeCurrentAgain) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::context_test

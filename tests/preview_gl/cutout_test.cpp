@@ -1,7 +1,7 @@
 // Holes: how much of a surface is there, and what is seen through them.
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::cutout_test {
 namespace {
 
 using namespace testing_support;
@@ -254,4 +254,4 @@ TEST(Cutout, HostileTexturesGiveNoNan) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::cutout_test

@@ -1,7 +1,7 @@
 // Textures laid on instances, against their projection in double.
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::decals_test {
 namespace {
 
 using namespace testing_support;
@@ -298,4 +298,4 @@ TEST(Decals, OfWhatIsNotSeenDoNotShow) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::decals_test

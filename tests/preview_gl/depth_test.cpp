@@ -2,7 +2,7 @@
 #include "models.h"
 #include "tests/support/ray_caster.h"
 
-namespace panwright::preview {
+namespace panwright::preview::depth_test {
 namespace {
 
 using namespace testing_support;
@@ -205,4 +205,4 @@ TEST(GroundTruthLayers, SmoothNormalsOfASphere) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::depth_test

@@ -6,7 +6,7 @@
 #include "models.h"
 #include "preview/gl/gl_objects.h"
 
-namespace panwright::preview {
+namespace panwright::preview::device_test {
 namespace {
 
 using namespace testing_support;
@@ -261,4 +261,4 @@ TEST(Device, AModelLivesAsLongAsARendererHoldsIt) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::device_test

@@ -24,7 +24,7 @@ std::atomic<std::uint64_t> heap_calls = 0;
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace panwright::preview {
+namespace panwright::preview::frames_test {
 namespace {
 
 using namespace testing_support;
@@ -249,4 +249,4 @@ TEST(Frames, DroppedAreForgotten) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::frames_test

@@ -1,7 +1,7 @@
 // Cameras in awkward places, models of any size, textures, colours, and what is refused.
 #include "models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::hard_cases_test {
 namespace {
 
 using namespace testing_support;
@@ -288,4 +288,4 @@ TEST(Refused, ImagesOverTheLimits) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::hard_cases_test

@@ -6,7 +6,7 @@
 #include "models.h"
 #include "tests/support/oracles.h"
 
-namespace panwright::preview {
+namespace panwright::preview::imposters_test {
 namespace {
 
 using namespace testing_support;
@@ -530,4 +530,4 @@ TEST(Imposters, ShadowsFinerThanPixels) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::imposters_test

@@ -3,7 +3,7 @@
 
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::invariance_test {
 namespace {
 
 using namespace testing_support;
@@ -300,4 +300,4 @@ TEST(Sun, IrradianceScalesAndNamesTheUnit) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::invariance_test

@@ -4,7 +4,7 @@
 
 #include "tests/preview_gl/models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::levels_test {
 namespace {
 
 using namespace testing_support;
@@ -152,4 +152,4 @@ TEST(DetailLevels, UnderWay) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::levels_test

@@ -5,7 +5,7 @@
 #include "tests/reference/reference_models.h"
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::maps_test {
 namespace {
 
 // images show glints as wide as the Sun's disc makes them
@@ -367,4 +367,4 @@ TEST(ReflectanceMap, AgreesWithTheReference) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::maps_test

@@ -2,7 +2,7 @@
 #include "materials/brdf.h"
 #include "models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::materials_test {
 namespace {
 
 using namespace testing_support;
@@ -120,4 +120,4 @@ TEST(Materials, ManyOnOneImageKeepApart) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::materials_test

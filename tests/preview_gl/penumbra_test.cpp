@@ -2,7 +2,7 @@
 #include "preview/frame/sun_points.h"
 #include "shadow_scenes.h"
 
-namespace panwright::preview {
+namespace panwright::preview::penumbra_test {
 namespace {
 
 using namespace testing_support;
@@ -232,4 +232,4 @@ TEST(Penumbra, OfATargetFarAway) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::penumbra_test

@@ -1,7 +1,7 @@
 // Images against closed forms and facet sums (physics: Lambert plates and spheres, facet sums).
 #include "models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::radiometry_test {
 namespace {
 
 using namespace testing_support;
@@ -128,4 +128,4 @@ TEST(Radiometry, IntensityDoesNotDependOnDistance) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::radiometry_test

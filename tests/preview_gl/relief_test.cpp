@@ -5,7 +5,7 @@
 #include "shadow_scenes.h"
 #include "tests/support/sun_rays.h"
 
-namespace panwright::preview {
+namespace panwright::preview::relief_test {
 namespace {
 
 using namespace testing_support;
@@ -60,4 +60,4 @@ TEST(Shadows, ReliefFinerThanTexelsKeepsItsLight) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::relief_test

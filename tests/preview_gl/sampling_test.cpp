@@ -4,7 +4,7 @@
 
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::sampling_test {
 namespace {
 
 using namespace testing_support;
@@ -295,4 +295,4 @@ TEST(Sampling, TilesChangeNothingOfWhatIsSampledInFull) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::sampling_test

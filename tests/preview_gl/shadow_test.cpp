@@ -4,7 +4,7 @@
 #include "shadow_scenes.h"
 #include "tests/support/sun_rays.h"
 
-namespace panwright::preview {
+namespace panwright::preview::shadow_test {
 namespace {
 
 using namespace testing_support;
@@ -560,4 +560,4 @@ TEST(Shadows, HardCasesGiveNoNan) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::shadow_test

@@ -4,7 +4,7 @@
 
 #include "models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::specular_filter_test {
 namespace {
 
 using namespace testing_support;
@@ -227,4 +227,4 @@ TEST(SpecularFilter, OddPlaces) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::specular_filter_test

@@ -3,7 +3,7 @@
 #include "models.h"
 #include "tests/support/disc_quadrature.h"
 
-namespace panwright::preview {
+namespace panwright::preview::sun_glint_test {
 namespace {
 
 using namespace testing_support;
@@ -75,4 +75,4 @@ TEST(SunGlint, FlatPlate) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::sun_glint_test

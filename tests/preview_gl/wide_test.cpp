@@ -3,7 +3,7 @@
 #include "models.h"
 #include "preview/reference/reference.h"
 
-namespace panwright::preview {
+namespace panwright::preview::wide_test {
 namespace {
 
 using namespace testing_support;
@@ -177,4 +177,4 @@ TEST(WideModels, MapsAreKept) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::wide_test

@@ -6,7 +6,7 @@
 #include "tests/support/sun_rays.h"
 #include "textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::world_test {
 namespace {
 
 using namespace testing_support;
@@ -447,4 +447,4 @@ TEST_P(EditedWorlds, HaveTheBitsOfAFreshRenderer) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::world_test

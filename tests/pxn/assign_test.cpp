@@ -3,7 +3,7 @@
 
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::assign_test {
 namespace {
 
 // A plate with a colour at each vertex, on two nodes.
@@ -65,4 +65,4 @@ TEST(Assign, PartsWithoutARuleKeepTheirColors) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::assign_test

@@ -4,7 +4,7 @@
 
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::backs_test {
 namespace {
 
 // Fronts and backs of the instances, by name, "-" where both sides are alike.
@@ -170,4 +170,4 @@ TEST(Backs, OfSheetsAndNotOfBlankets) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::backs_test

@@ -12,7 +12,7 @@
 #include "tests/pxn/expressions.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::bare_numbers_test {
 namespace {
 
 using schemas::Dimension;
@@ -537,4 +537,4 @@ TEST(BareNumbers, AnyExpressionInAnyUnitsIsAnsweredFor) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::bare_numbers_test

@@ -10,7 +10,7 @@
 
 #include "cell_grid_support.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::cell_grid_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,4 +49,4 @@ TEST(CellGridCorpus, CellsAreTrueMetres) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::cell_grid_corpus_test

@@ -6,7 +6,7 @@
 
 #include "cell_grid_support.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::cell_grid_test {
 namespace {
 
 using testing::HasSubstr;
@@ -171,4 +171,4 @@ TEST(CellGrid, MaterialsWithoutCellsAndOwnShapesAreAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::cell_grid_test

@@ -13,7 +13,7 @@
 #include "schemas/generated/pxn_schema.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::defaults_test {
 namespace {
 
 using schemas::ElementId;
@@ -297,4 +297,4 @@ TEST(ShapeParameters, EachOneCounts) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::defaults_test

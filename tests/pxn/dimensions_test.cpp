@@ -9,7 +9,7 @@
 
 #include "tests/pxn/expressions.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::dimensions_test {
 namespace {
 
 using schemas::Dimension;
@@ -152,4 +152,4 @@ TEST(Kinds, AreHowValuesScale) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::dimensions_test

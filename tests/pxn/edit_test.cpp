@@ -15,7 +15,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::edit_test {
 namespace {
 
 // By hand: the n-th word of the first element of that name behind the material's.
@@ -168,4 +168,4 @@ TEST(Edit, NoNumbersWhereNoneStand) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::edit_test

@@ -10,7 +10,7 @@
 #include "base/math.h"
 #include "tests/pxn/expressions.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::expression_test {
 namespace {
 
 using schemas::Dimension;
@@ -509,4 +509,4 @@ TEST(Expression, MoreThanIsKept) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::expression_test

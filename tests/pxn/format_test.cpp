@@ -15,7 +15,7 @@
 #include "pxn/text/xml.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::format_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -387,4 +387,4 @@ TEST(Format, DifferencesAreSeen) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::format_test

@@ -6,7 +6,7 @@
 
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::grammar_test {
 namespace {
 
 using schemas::Attribute;
@@ -130,4 +130,4 @@ TEST(Grammar, TheTablesOfPxnHoldTogether) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::grammar_test

@@ -12,7 +12,7 @@
 #include "tests/support/process.h"
 #include "tests/support/sanitizers.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::hostile_test {
 namespace {
 
 using testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(Hostile, LimitsAreLimits) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::hostile_test

@@ -12,7 +12,7 @@
 #include "pxn/materials.h"
 #include "pxn/pxn.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::import_test {
 namespace {
 
 using testing::ElementsAre;
@@ -334,4 +334,4 @@ TEST(Skeleton, each_material_is_assigned_its_own_whatever_its_name) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::import_test

@@ -8,7 +8,7 @@
 #include "tests/pxn/reading.h"
 #include "tests/support/process.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::include_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -184,4 +184,4 @@ TEST(Include, LimitsOnBytesAndUses) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::include_test

@@ -8,7 +8,7 @@
 #include "pxn/writer.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::joint_test {
 namespace {
 
 using geometry::JointKind;
@@ -261,4 +261,4 @@ TEST(JointElement, ComesBackFromText) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::joint_test

@@ -13,7 +13,7 @@
 #include "geometry/mesh/bytes.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::kept_foil_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -396,4 +396,4 @@ TEST(FoilBytes, UnsoundSheetsAreRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::kept_foil_test

@@ -5,7 +5,7 @@
 
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::level1_test {
 namespace {
 
 using testing::HasSubstr;
@@ -432,4 +432,4 @@ TEST(Level1, LevelZeroStaysWhatItWas) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::level1_test

@@ -13,7 +13,7 @@
 #include "pxn/import_template.h"
 #include "pxn/materials.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::material_guess_test {
 namespace {
 
 using testing::ElementsAre;
@@ -173,4 +173,4 @@ TEST(MaterialGuess, the_text_lists_each_material_with_colour_and_reason) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::material_guess_test

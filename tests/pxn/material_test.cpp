@@ -4,7 +4,7 @@
 
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::material_test {
 namespace {
 
 const std::string kSphere = "<sphere rings=\"4\" quads=\"4\"/>";
@@ -138,4 +138,4 @@ TEST(Material, RangesAreHeld) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::material_test

@@ -8,7 +8,7 @@
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::mesh_test {
 namespace {
 
 using testing::HasSubstr;
@@ -160,4 +160,4 @@ TEST(Mesh, CountsAreChecked) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::mesh_test

@@ -8,7 +8,7 @@
 #include "schemas/generated/pxn_schema.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::mli_test {
 namespace {
 
 using testing::HasSubstr;
@@ -249,4 +249,4 @@ TEST(Mli, NewOperationsBelongToLevel1) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::mli_test

@@ -8,7 +8,7 @@
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::named_material_test {
 namespace {
 
 using materials::Beckmann;
@@ -247,4 +247,4 @@ TEST(NamedMaterial, SpectraFromFiles) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::named_material_test

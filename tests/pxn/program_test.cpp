@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace panwright::pxn {
+namespace panwright::pxn::program_test {
 namespace {
 
 Formula read(const std::string& text) {
@@ -80,4 +80,4 @@ TEST(Program, LongAndDeep) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::program_test

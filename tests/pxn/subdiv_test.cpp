@@ -6,7 +6,7 @@
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::subdiv_test {
 namespace {
 
 using geometry::Subdiv;
@@ -76,4 +76,4 @@ TEST(Subdiv, TheExampleIsSound) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::subdiv_test

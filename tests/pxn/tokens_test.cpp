@@ -8,7 +8,7 @@
 
 #include "pxn/text/markup.h"
 
-namespace panwright::pxn::xml {
+namespace panwright::pxn::xml::tokens_test {
 namespace {
 
 TEST(Tokens, KindsOfPieces) {
@@ -71,4 +71,4 @@ TEST(Tokens, MarkupPutsTogetherWhatItTakesApart) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn::xml
+}  // namespace panwright::pxn::xml::tokens_test

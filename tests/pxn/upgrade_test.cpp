@@ -13,7 +13,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::upgrade_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -282,4 +282,4 @@ TEST(Upgrade, RandomTreesLookTheSame) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::upgrade_test

@@ -10,7 +10,7 @@
 #include "base/math.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::values_test {
 namespace {
 
 using schemas::Attribute;
@@ -485,4 +485,4 @@ TEST(Values, HostileTexts) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::values_test

@@ -9,7 +9,7 @@
 #include "pxn/reader/blankets.h"
 #include "tests/pxn/reading.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::wrap_test {
 namespace {
 
 using testing::HasSubstr;
@@ -380,4 +380,4 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::wrap_test

@@ -15,7 +15,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -477,4 +477,4 @@ TEST(Writer, TexturesBesideTheText) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::writer_test

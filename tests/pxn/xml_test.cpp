@@ -13,7 +13,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::pxn {
+namespace panwright::pxn::xml_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -352,4 +352,4 @@ TEST(Xml, Limits) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::pxn::xml_test

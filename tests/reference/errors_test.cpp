@@ -3,7 +3,7 @@
 #include "reference_models.h"
 #include "tests/support/oracles.h"
 
-namespace panwright::preview {
+namespace panwright::preview::errors_test {
 namespace {
 
 using namespace testing_support;
@@ -258,4 +258,4 @@ TEST(ReferenceErrors, PsfOfAPoint) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::errors_test

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "reference_models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::hard_cases_test {
 namespace {
 
 using namespace testing_support;
@@ -250,4 +250,4 @@ TEST(ReferenceHardCases, ExtremeOptions) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::hard_cases_test

@@ -11,7 +11,7 @@
 #include "reference_models.h"
 #include "world/evaluation.h"
 
-namespace panwright::preview {
+namespace panwright::preview::independence_test {
 namespace {
 
 using namespace testing_support;
@@ -294,4 +294,4 @@ TEST(ReferenceIndependence, JointsMoveNodesAlike) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::independence_test

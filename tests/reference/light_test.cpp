@@ -3,7 +3,7 @@
 
 #include "reference_models.h"
 
-namespace panwright::preview {
+namespace panwright::preview::light_test {
 namespace {
 
 using namespace testing_support;
@@ -223,4 +223,4 @@ TEST(ReferenceLight, EmissionIsSeenAndLightsOthers) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::light_test

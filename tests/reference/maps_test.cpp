@@ -2,7 +2,7 @@
 #include "reference_models.h"
 #include "tests/preview_gl/textured.h"
 
-namespace panwright::preview {
+namespace panwright::preview::maps_test {
 namespace {
 
 using namespace testing_support;
@@ -124,4 +124,4 @@ TEST(ReferenceMaps, DecalsOfWhatIsNotSeenDoNotShow) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::maps_test

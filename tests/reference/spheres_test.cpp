@@ -3,7 +3,7 @@
 #include "reference_models.h"
 #include "tests/support/oracles.h"
 
-namespace panwright::preview {
+namespace panwright::preview::spheres_test {
 namespace {
 
 using namespace testing_support;
@@ -199,4 +199,4 @@ TEST(ReferenceSpheres, SunDiscHardlyChangesALambertSphere) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::spheres_test

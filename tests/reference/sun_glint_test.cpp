@@ -3,7 +3,7 @@
 #include "reference_models.h"
 #include "tests/support/disc_quadrature.h"
 
-namespace panwright::preview {
+namespace panwright::preview::sun_glint_test {
 namespace {
 
 using namespace testing_support;
@@ -57,4 +57,4 @@ TEST(ReferenceSunGlint, FlanksOfNarrowLobes) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::sun_glint_test

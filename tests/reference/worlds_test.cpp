@@ -5,7 +5,7 @@
 #include "reference_models.h"
 #include "tests/support/oracles.h"
 
-namespace panwright::preview {
+namespace panwright::preview::worlds_test {
 namespace {
 
 using namespace testing_support;
@@ -462,4 +462,4 @@ TEST(ReferenceWorlds, SameBytesForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::preview::worlds_test

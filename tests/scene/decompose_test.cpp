@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-namespace panwright::scene {
+namespace panwright::scene::decompose_test {
 namespace {
 
 double off(const Mat4& matrix, const Decomposed& parts) {
@@ -67,4 +67,4 @@ TEST(Decomposed, flat_and_foreign_matrices_are_refused) {
 }
 
 }  // namespace
-}  // namespace panwright::scene
+}  // namespace panwright::scene::decompose_test

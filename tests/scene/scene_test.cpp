@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-namespace panwright::scene {
+namespace panwright::scene::scene_test {
 namespace {
 
 Scene sound_scene() {
@@ -88,4 +88,4 @@ TEST(Check, NamesEachDefect) {
 }
 
 }  // namespace
-}  // namespace panwright::scene
+}  // namespace panwright::scene::scene_test

@@ -10,7 +10,7 @@
 
 #include "geometry/tessellate/tessellate.h"
 
-namespace panwright::oracles {
+namespace panwright::oracles::oracles_test {
 namespace {
 
 Vec3 direction_at(double phase) { return {std::cos(phase), std::sin(phase), 0}; }
@@ -260,4 +260,4 @@ TEST(ImageSums, NpyFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::oracles
+}  // namespace panwright::oracles::oracles_test

@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -208,4 +208,4 @@ TEST_F(Cache, WholeImportsAreFound) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::cache_test

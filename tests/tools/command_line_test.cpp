@@ -24,7 +24,7 @@
 #include "tools/words.h"
 #include "workspace/open.h"
 
-namespace panwright {
+namespace panwright::command_line_test {
 namespace {
 
 using support::Outcome;
@@ -508,4 +508,4 @@ TEST(Progress, SaysHowMuchHowFastAndHowLong) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::command_line_test

@@ -11,7 +11,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::first_hour_test {
 namespace {
 
 using support::Outcome;
@@ -386,4 +386,4 @@ TEST_F(FirstHour, InfoSaysTheCoatOfAMaterial) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::first_hour_test

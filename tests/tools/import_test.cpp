@@ -11,7 +11,7 @@
 #include "tests/support/process.h"
 #include "tools/mesh_report_page.h"
 
-namespace panwright {
+namespace panwright::import_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -377,4 +377,4 @@ TEST(Export, comes_back_as_it_went) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::import_test

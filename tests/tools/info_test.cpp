@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::tools {
+namespace panwright::tools::info_test {
 namespace {
 
 using json = nlohmann::json;
@@ -173,4 +173,4 @@ TEST_F(Info, CountsAndListsKeypointsAndDecals) {
 }
 
 }  // namespace
-}  // namespace panwright::tools
+}  // namespace panwright::tools::info_test

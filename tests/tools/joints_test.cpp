@@ -9,7 +9,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::joints_test {
 namespace {
 
 using nlohmann::json;
@@ -160,4 +160,4 @@ TEST(BudgetOption, ImagesAreMadeAgain) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::joints_test

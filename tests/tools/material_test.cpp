@@ -11,7 +11,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::material_test {
 namespace {
 
 using nlohmann::json;
@@ -131,4 +131,4 @@ TEST(MaterialCommand, TheStudioIsForMirrors) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::material_test

@@ -9,7 +9,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::mli_test {
 namespace {
 
 using nlohmann::json;
@@ -160,4 +160,4 @@ TEST(MliCommand, RefusesWithOneMessage) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::mli_test

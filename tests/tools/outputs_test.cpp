@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::outputs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -292,4 +292,4 @@ TEST_F(Parameters, FoldersThatAreMissing) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::outputs_test

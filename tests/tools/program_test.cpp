@@ -14,7 +14,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::program_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -338,4 +338,4 @@ TEST(Program, WatchesWhatItChecks) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::program_test

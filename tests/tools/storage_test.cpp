@@ -13,7 +13,7 @@
 #include "tests/support/process.h"
 #include "tests/support/sanitizers.h"
 
-namespace panwright::tools {
+namespace panwright::tools::storage_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ TEST(Storage, FilesThatAreCutShortWhileTheyAreMappedAreNamed) {
 }
 
 }  // namespace
-}  // namespace panwright::tools
+}  // namespace panwright::tools::storage_test

@@ -11,7 +11,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::targets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ TEST_F(Targets, ASignalLeavesWholeImages) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::targets_test

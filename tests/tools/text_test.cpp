@@ -9,7 +9,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::text_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -124,4 +124,4 @@ TEST(Expand, HiddenPartsStayAway) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::text_test

@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright {
+namespace panwright::views_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -187,4 +187,4 @@ TEST_F(Views, AModelThatChangedIsSaidAndAnImageWithoutARecordToo) {
 }
 
 }  // namespace
-}  // namespace panwright
+}  // namespace panwright::views_test

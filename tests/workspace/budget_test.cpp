@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace panwright::workspace {
+namespace panwright::workspace::budget_test {
 namespace {
 
 using testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST(BudgetText, WrongOnesAreNamed) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::budget_test

@@ -14,7 +14,7 @@
 #include "tests/support/process.h"
 #include "workspace/workspace.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::cancel_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -151,4 +151,4 @@ TEST(Cancel, ViewsAreWholeOrNotThere) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::cancel_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace panwright::workspace {
+namespace panwright::workspace::exposure_test {
 namespace {
 
 // Radiance 1 to 1000, in steps, in a shuffled order; background around them.
@@ -52,4 +52,4 @@ TEST(AutoExposure, LooksAtLitPixelsAlone) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::exposure_test

@@ -11,7 +11,7 @@
 #include "workspace/views.h"
 #include "world/evaluation.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::joints_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST(JointTexts, RecordsKeepEveryBit) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::joints_test

@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::open_test {
 namespace {
 
 using support::TemporaryFolder;
@@ -135,4 +135,4 @@ TEST(IsCad, GoesByTheExtension) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::open_test

@@ -9,7 +9,7 @@
 #include "preview/image.h"
 #include "tests/support/process.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,4 +142,4 @@ TEST(RunViews, NamesTheTargetsInTheHeader) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::run_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/process.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::targets_test {
 namespace {
 
 using support::TemporaryFolder;
@@ -99,4 +99,4 @@ TEST(BoundingSpheres, HoldEachTargetAndAllOfThem) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::targets_test

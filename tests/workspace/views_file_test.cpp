@@ -6,7 +6,7 @@
 #include "tests/support/process.h"
 #include "workspace/views.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::views_file_test {
 namespace {
 
 Result<std::vector<ViewText>> read(const std::string& text, DiagnosticLog& log,
@@ -309,4 +309,4 @@ TEST(ReadViews, MutationsAreRefusedInOurOwnWords) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::views_file_test

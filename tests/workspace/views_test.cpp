@@ -7,7 +7,7 @@
 #include "compiler/compile.h"
 #include "world/evaluation.h"
 
-namespace panwright::workspace {
+namespace panwright::workspace::views_test {
 namespace {
 
 // A ball of radius 2 about (10, 20, 30), with a frame "camera" on it.
@@ -224,4 +224,4 @@ TEST(MakeView, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace panwright::workspace
+}  // namespace panwright::workspace::views_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace panwright::world {
+namespace panwright::world::camera_test {
 namespace {
 
 void expect_near(const Vec3& a, const Vec3& b, double tolerance) {
@@ -224,4 +224,4 @@ TEST(Camera, PoseIsRigid) {
 }
 
 }  // namespace
-}  // namespace panwright::world
+}  // namespace panwright::world::camera_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/pan_sample.h"
 
-namespace panwright::world {
+namespace panwright::world::evaluation_test {
 namespace {
 
 ModelPtr small_model() {
@@ -144,4 +144,4 @@ TEST(Evaluation, ACameraRidesOnAFrameOfAMovedNode) {
 }
 
 }  // namespace
-}  // namespace panwright::world
+}  // namespace panwright::world::evaluation_test

@@ -10,7 +10,7 @@
 #include "world/evaluation.h"
 #include "world/sweep.h"
 
-namespace panwright::world {
+namespace panwright::world::joints_test {
 namespace {
 
 geometry::JointValues one(double value) {
@@ -430,4 +430,4 @@ TEST(Sweep, NamesWhatAPartRunsInto) {
 }
 
 }  // namespace
-}  // namespace panwright::world
+}  // namespace panwright::world::joints_test

@@ -8,7 +8,7 @@
 #include "tests/support/pan_sample.h"
 #include "world/evaluation.h"
 
-namespace panwright::world {
+namespace panwright::world::world_test {
 namespace {
 
 ModelPtr small_model() {
@@ -172,4 +172,4 @@ TEST(World, AModelLivesAsLongAsItIsHeld) {
 }
 
 }  // namespace
-}  // namespace panwright::world
+}  // namespace panwright::world::world_test

@@ -7,7 +7,7 @@
 
 #include "tests/importers/gltf/sample.h"
 
-namespace panwright::importers {
+namespace panwright::importers::animation_test {
 namespace {
 
 using nlohmann::json;
@@ -187,4 +187,4 @@ TEST(GltfAnimation, samplers_that_do_not_fit_are_said_and_left_out) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::animation_test

@@ -10,7 +10,7 @@
 #include "tests/importers/gltf/sample.h"
 #include "tests/support/paths.h"
 
-namespace panwright::importers {
+namespace panwright::importers::bad_test {
 namespace {
 
 using nlohmann::json;
@@ -463,4 +463,4 @@ TEST(GltfBad, AMeshoptStreamDamagedAtEveryByte) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::bad_test

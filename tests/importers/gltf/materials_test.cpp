@@ -9,7 +9,7 @@
 #include "materials/energy.h"
 #include "tests/importers/gltf/sample.h"
 
-namespace panwright::importers {
+namespace panwright::importers::materials_test {
 namespace {
 
 struct Look {
@@ -484,4 +484,4 @@ TEST(GltfMaterials, FactorsMayBeRounded) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::materials_test

@@ -6,7 +6,7 @@
 
 #include "tests/importers/gltf/sample.h"
 
-namespace panwright::importers {
+namespace panwright::importers::reader_test {
 namespace {
 
 using nlohmann::json;
@@ -420,4 +420,4 @@ TEST(GltfReader, NormalsAreUnitAndMissingOnesFollowTheFacets) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::reader_test

@@ -7,7 +7,7 @@
 
 #include "tests/importers/meshes/mesh_files.h"
 
-namespace panwright::importers {
+namespace panwright::importers::damage_test {
 namespace {
 
 constexpr int kCuts = 500;
@@ -79,4 +79,4 @@ TEST(DamagedMeshes, AreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::damage_test

@@ -7,7 +7,7 @@
 
 #include "tests/importers/meshes/mesh_files.h"
 
-namespace panwright::importers {
+namespace panwright::importers::formats_test {
 namespace {
 
 using testing::ElementsAre;
@@ -177,4 +177,4 @@ TEST(MeshFormats, AFileWithoutFacesIsRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::formats_test

@@ -5,7 +5,7 @@
 
 #include "tests/importers/meshes/mesh_files.h"
 
-namespace panwright::importers {
+namespace panwright::importers::obj_test {
 namespace {
 
 using testing::ElementsAre;
@@ -244,4 +244,4 @@ TEST(Obj, ManyUnknownNamesTakeTheirTime) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::obj_test

@@ -7,7 +7,7 @@
 
 #include "tests/importers/meshes/mesh_files.h"
 
-namespace panwright::importers {
+namespace panwright::importers::ply_test {
 namespace {
 
 using testing::ElementsAre;
@@ -219,4 +219,4 @@ TEST(Ply, WrongHeadersAreRefusedAtTheirPlace) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::ply_test

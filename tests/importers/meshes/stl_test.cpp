@@ -7,7 +7,7 @@
 
 #include "tests/importers/meshes/mesh_files.h"
 
-namespace panwright::importers {
+namespace panwright::importers::stl_test {
 namespace {
 
 using testing::ElementsAre;
@@ -116,4 +116,4 @@ TEST(Stl, WrongWordsCostTheirFacetAlone) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::stl_test

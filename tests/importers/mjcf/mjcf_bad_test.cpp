@@ -6,7 +6,7 @@
 
 #include "tests/importers/mjcf/mjcf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::mjcf_bad_test {
 namespace {
 
 using testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(MjcfBad, DamagedTextsGiveSoundScenes) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::mjcf_bad_test

@@ -4,7 +4,7 @@
 
 #include "tests/importers/mjcf/mjcf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::mjcf_include_test {
 namespace {
 
 using testing::HasSubstr;
@@ -112,4 +112,4 @@ TEST(MjcfReplicate, IsBounded) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::mjcf_include_test

@@ -10,7 +10,7 @@
 #include "tests/importers/mjcf/mjcf_reading.h"
 #include "tests/importers/robot_maps.h"
 
-namespace panwright::importers {
+namespace panwright::importers::mjcf_kinematics_test {
 namespace {
 
 using testing::ElementsAre;
@@ -257,4 +257,4 @@ TEST(MjcfKinematics, FramesAreOfTheirBody) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::mjcf_kinematics_test

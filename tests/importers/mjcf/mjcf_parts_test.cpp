@@ -4,7 +4,7 @@
 
 #include "tests/importers/mjcf/mjcf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::mjcf_parts_test {
 namespace {
 
 using testing::ElementsAre;
@@ -131,4 +131,4 @@ TEST(MjcfParts, IsToldByItsFirstElement) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::mjcf_parts_test

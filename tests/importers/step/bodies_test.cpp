@@ -21,7 +21,7 @@
 #include "geometry/mesh/check.h"
 #include "importers/step/internal/bodies.h"
 
-namespace panwright::importers::step {
+namespace panwright::importers::step::bodies_test {
 namespace {
 
 // Metres; negative inside.
@@ -336,4 +336,4 @@ TEST(StepExact, LeavesWhatIsCutOrHollow) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::step
+}  // namespace panwright::importers::step::bodies_test

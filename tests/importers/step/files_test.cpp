@@ -16,7 +16,7 @@
 #include "tests/importers/step/reading.h"
 #include "tests/importers/step/sample.h"
 
-namespace panwright::importers::step {
+namespace panwright::importers::step::files_test {
 namespace {
 
 gp_Trsf shift(double x, double y, double z) {
@@ -191,4 +191,4 @@ TEST(StepFiles, TheSameTextGivesTheSameScene) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::step
+}  // namespace panwright::importers::step::files_test

@@ -8,7 +8,7 @@
 #include "tests/importers/step/reading.h"
 #include "tests/importers/step/sample.h"
 
-namespace panwright::importers::step {
+namespace panwright::importers::step::hostile_test {
 namespace {
 
 std::string half_cylinder() {
@@ -230,4 +230,4 @@ TEST(StepHostile, NothingIsPrinted) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::step
+}  // namespace panwright::importers::step::hostile_test

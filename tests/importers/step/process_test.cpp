@@ -29,7 +29,7 @@
 #include "tests/support/process.h"
 #include "tests/support/sanitizers.h"
 
-namespace panwright::importers::step {
+namespace panwright::importers::step::process_test {
 namespace {
 
 using support::TemporaryFolder;
@@ -390,4 +390,4 @@ TEST(StepAnswer, RequestsAreReadBackOrRefused) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::step
+}  // namespace panwright::importers::step::process_test

@@ -6,7 +6,7 @@
 
 #include "tests/importers/urdf/urdf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::urdf_bad_test {
 namespace {
 
 using testing::ElementsAre;
@@ -205,4 +205,4 @@ TEST(UrdfBad, DamagedTextsGiveSoundScenes) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::urdf_bad_test

@@ -9,7 +9,7 @@
 #include "tests/importers/robot_maps.h"
 #include "tests/importers/urdf/urdf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::urdf_kinematics_test {
 namespace {
 
 using testing::ElementsAre;
@@ -156,4 +156,4 @@ TEST(UrdfKinematics, LimitsMassesAndInertia) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::urdf_kinematics_test

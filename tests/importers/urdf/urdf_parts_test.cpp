@@ -4,7 +4,7 @@
 
 #include "tests/importers/urdf/urdf_reading.h"
 
-namespace panwright::importers {
+namespace panwright::importers::urdf_parts_test {
 namespace {
 
 using testing::ElementsAre;
@@ -130,4 +130,4 @@ TEST(UrdfParts, AreKnownByTheirFirstElement) {
 }
 
 }  // namespace
-}  // namespace panwright::importers
+}  // namespace panwright::importers::urdf_parts_test

@@ -8,7 +8,7 @@
 #include "geometry/mesh/check.h"
 #include "importers/vrml/internal/faces.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::faces_extrusion_test {
 namespace {
 
 using geometry::Mesh;
@@ -355,4 +355,4 @@ TEST(Extrusions, TooLittleAndTooMuch) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::faces_extrusion_test

@@ -8,7 +8,7 @@
 
 #include "geometry/mesh/check.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::faces_test {
 namespace {
 
 using geometry::Mesh;
@@ -491,4 +491,4 @@ TEST(Grids, WholeRowsOfTooFewHeights) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::faces_test

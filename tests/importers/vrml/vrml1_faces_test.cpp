@@ -5,7 +5,7 @@
 #include "geometry/mesh/check.h"
 #include "vrml1_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml1_faces_test {
 namespace {
 
 // Two triangles and a quadrilateral over a strip, corners 0 to 5.
@@ -316,4 +316,4 @@ TEST(Vrml1, EveryPrefixOfAFileIsRead) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml1_faces_test

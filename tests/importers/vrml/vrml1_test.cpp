@@ -6,7 +6,7 @@
 #include "geometry/mesh/check.h"
 #include "vrml1_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml1_test {
 namespace {
 
 // ---- state
@@ -354,4 +354,4 @@ TEST(Vrml1, AMaterialForEachPartOfACylinder) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml1_test

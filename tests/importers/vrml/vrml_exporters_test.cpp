@@ -5,7 +5,7 @@
 
 #include "tests/importers/vrml/vrml_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_exporters_test {
 namespace {
 
 using testing::ElementsAre;
@@ -393,4 +393,4 @@ TEST(VrmlLimits, ExtrusionsAreRefusedBeforeTheyAreMade) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_exporters_test

@@ -8,7 +8,7 @@
 
 #include "tests/importers/vrml/vrml_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_gif_test {
 namespace {
 
 // 12 × 9 pixels of (20·x, 28·y, 3·(x xor y)): 108 colours.
@@ -112,4 +112,4 @@ TEST(VrmlGif, TexturesAreReadFromThem) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_gif_test

@@ -9,7 +9,7 @@
 #include "importers/vrml/internal/numbers.h"
 #include "tests/importers/vrml/vrml_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_grammar_test {
 namespace {
 
 using testing::ElementsAre;
@@ -286,4 +286,4 @@ TEST(VrmlNodes, Vrml1UnknownNodesWithFieldsAndIsA) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_grammar_test

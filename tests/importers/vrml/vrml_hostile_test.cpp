@@ -6,7 +6,7 @@
 
 #include "tests/importers/vrml/vrml_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_hostile_test {
 namespace {
 
 const std::string kModel = R"(#VRML V2.0 utf8
@@ -256,4 +256,4 @@ TEST(VrmlHostile, MillionsOfProblems) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_hostile_test

@@ -9,7 +9,7 @@
 #include "tests/importers/vrml/vrml_reading.h"
 #include "tests/support/affine_maps.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_joints_test {
 namespace {
 
 const std::string kJoint = R"(
@@ -102,4 +102,4 @@ DEF ARM Joint { jointType "rotate" jointAxis 0 0.6 0.8 translation 0.1 0.2 0.3 c
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_joints_test

@@ -8,7 +8,7 @@
 #include "geometry/tessellate/tessellate.h"
 #include "tests/importers/vrml/vrml_reading.h"
 
-namespace panwright::importers::vrml {
+namespace panwright::importers::vrml::vrml_scene_test {
 namespace {
 
 using testing::ElementsAre;
@@ -401,4 +401,4 @@ TEST(VrmlJoints, OfHAnimTurnAboutTheirCentre) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::vrml
+}  // namespace panwright::importers::vrml::vrml_scene_test

@@ -9,7 +9,7 @@
 #include "tests/support/pan_sample.h"
 #include "tests/support/paths.h"
 
-namespace panwright::pan {
+namespace panwright::pan::later_test {
 namespace {
 
 using layout::SectionKind;
@@ -82,4 +82,4 @@ TEST(Later, RulesHoldForWhatWasAdded) {
 }
 
 }  // namespace
-}  // namespace panwright::pan
+}  // namespace panwright::pan::later_test
