@@ -105,6 +105,9 @@ struct TextStyle {
   bool notes = true;
 };
 
+// "error", "warning" or "note".
+const char* severity_word(Severity severity);
+
 // file:line:column: severity: message [code], the source line, a caret, hints and the include
 // stack, for each entry, then one line that counts what was not shown.
 std::string to_text(const DiagnosticLog& log, const TextStyle& style = {});

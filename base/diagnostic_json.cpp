@@ -8,10 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* word(Severity severity) {
-  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
-}
-
 Json place(const SourceMap& sources, const SourceSpan& where) {
   Json out;
   out["file"] = sources.file(where.file).name;
@@ -63,7 +59,7 @@ std::string to_json(const DiagnosticLog& log) {
   for (const Diagnostic& entry : log.entries()) {
     Json item;
     item["code"] = code_info(entry.code).name;
-    item["severity"] = word(entry.severity());
+    item["severity"] = severity_word(entry.severity());
     item["message"] = entry.message;
     if (entry.where.file != kNoFile) {
       item.update(place(log.sources(), entry.where));
@@ -92,7 +88,7 @@ std::string to_sarif(const DiagnosticLog& log) {
     Json result;
     result["ruleId"] = about.name;
     result["ruleIndex"] = rule_index[code];
-    result["level"] = word(entry.severity());
+    result["level"] = severity_word(entry.severity());
     result["message"]["text"] =
         entry.hint.empty() ? entry.message : entry.message + " (" + entry.hint + ")";
     if (entry.where.file != kNoFile) {

@@ -16,10 +16,6 @@ struct Paint {
   }
 };
 
-const char* word(Severity severity) {
-  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
-}
-
 const char* ink(Severity severity) {
   return severity == Severity::error ? "1;31" : severity == Severity::warning ? "1;35" : "1;36";
 }
@@ -83,6 +79,10 @@ void append_include_stack(const SourceMap& sources, FileId file, std::string& ou
 
 }  // namespace
 
+const char* severity_word(Severity severity) {
+  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
+}
+
 std::string to_text(const DiagnosticLog& log, const TextStyle& style) {
   const Paint paint{style.color};
   const SourceMap& sources = log.sources();
@@ -100,7 +100,7 @@ std::string to_text(const DiagnosticLog& log, const TextStyle& style) {
       out += paint(
           "1", fmt::format("{}: ", located ? sources.file(entry.where.file).name : "panwright"));
     }
-    out += paint(ink(severity), fmt::format("{}: ", word(severity)));
+    out += paint(ink(severity), fmt::format("{}: ", severity_word(severity)));
     // a JSON pointer is all that says where, in a file without lines
     const std::string at =
         !text && entry.object.starts_with('/') ? fmt::format(" (at {})", entry.object) : "";

@@ -1,6 +1,7 @@
 // Vectors, and elementary functions whose last bit does not depend on the machine.
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
@@ -61,5 +62,8 @@ struct Stretch {
 Stretch stretch_of(const Mat4& m);
 
 bool is_finite(const Vec3& v);
+
+// The largest of three components, with its sign.
+inline double max_component(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace panwright

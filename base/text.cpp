@@ -92,4 +92,10 @@ std::string in_quotes(std::string_view text) {
   return out + "'";
 }
 
+bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks) {
+  for (const std::string_view mark : marks)
+    if (text.starts_with(mark)) return true;
+  return false;
+}
+
 }  // namespace panwright

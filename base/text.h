@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,5 +24,8 @@ std::string markup_escaped(std::string_view text);
 
 // Quotes a value for a message: control characters escaped, cut after 60 characters.
 std::string in_quotes(std::string_view text);
+
+// Whether a text starts with one of `marks`.
+bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks);
 
 }  // namespace panwright

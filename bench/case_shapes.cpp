@@ -159,7 +159,7 @@ std::vector<Subject> subjects() {
   all.push_back({"vase, spline", vase, 1, oracles::to_revolved(oracles::profile_of(vase, 30000)),
                  nullptr, 2e-9});
   const Vec3 half = Vec3(1, 0.7, 0.5) - Vec3(0.2);
-  all.push_back({"box 2 x 1.4 x 1, round 0.2", Box{{2, 1.4, 1}, 0.2, true}, 1,
+  all.push_back({"box 2 x 1.4 x 1, round 0.2", geometry::Box{{2, 1.4, 1}, 0.2, true}, 1,
                  [half](const Vec3& p) {
                    const Vec3 q = glm::abs(p) - half;
                    const double inside = std::min(0.0, std::max({q.x, q.y, q.z}));

@@ -22,7 +22,7 @@ using geometry::Mesh;
 using geometry::MeshShape;
 using geometry::SpotKind;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kUnused = 0xffffffffu;
 // what a spacecraft and its parts measure, metres
 constexpr double kSmallest = 0.05;
 constexpr double kLargest = 500;
@@ -181,13 +181,13 @@ class SceneCleaner {
   }
 
   void list_meshes(const std::vector<Mat4>& world) {
-    std::vector<std::uint32_t> at(scene_.shapes.size(), kNone);
+    std::vector<std::uint32_t> at(scene_.shapes.size(), kUnused);
     stretch_.assign(scene_.shapes.size(), 0);
     sided_.assign(scene_.shapes.size(), 0);
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const auto shape = static_cast<std::uint32_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
-      if (at[shape] == kNone) {
+      if (at[shape] == kUnused) {
         at[shape] = static_cast<std::uint32_t>(out_.meshes.size());
         out_.meshes.push_back({shape, i, 0, path_of(scene_, scene_.instances[i].node), {}});
       }

@@ -29,12 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks) {
-  for (const std::string_view mark : marks)
-    if (text.starts_with(mark)) return true;
-  return false;
-}
-
 // The extension in lower case, that below ".gz" where there is one.
 std::string extension_of(std::string_view path) {
   fs::path file = fs::path(path).filename();

@@ -1,4 +1,5 @@
 #include "importers/other_formats.h"
+#include "base/text.h"
 
 #include <filesystem>
 #include <initializer_list>
@@ -86,12 +87,6 @@ constexpr ByName kByName[] = {
     {".mb", {"a Maya file", "export FBX with Maya, and convert it to glTF (.glb) with Blender"}},
     {".c4d", {"a Cinema 4D file", "export glTF (.glb) with Cinema 4D"}},
 };
-
-bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks) {
-  for (const std::string_view mark : marks)
-    if (text.starts_with(mark)) return true;
-  return false;
-}
 
 std::optional<OtherFormat> xml_format(std::string_view head) {
   if (head.find("<COLLADA") != head.npos) return kCollada;

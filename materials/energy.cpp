@@ -312,15 +312,13 @@ Vec3 direction(double mu, double azimuth) {
 
 constexpr std::array kAzimuths{0.0, 0.25 * kPi, 0.5 * kPi, 0.75 * kPi};
 
-double most(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 // The largest directional albedo at some cosines, of any azimuth.
 Gain largest_albedo(const Material& material, std::span<const double> mus, int order) {
   const std::size_t azimuths = !is_anisotropic(material) ? 1 : kAzimuths.size();
   Gain gain;
   for (const double mu : mus)
     for (std::size_t i = 0; i < azimuths; ++i) {
-      const double found = most(albedo(material, direction(mu, kAzimuths[i]), order, Vec3(1)));
+      const double found = max_component(albedo(material, direction(mu, kAzimuths[i]), order, Vec3(1)));
       if (found > gain.albedo) gain = {found, mu};
     }
   return gain;

@@ -16,9 +16,9 @@
 namespace panwright::materials {
 namespace {
 
-constexpr std::size_t kTerms = 7;
-constexpr std::size_t kNodes = 32;
-constexpr int kAzimuths = 8;     // of microfacets that are anisotropic
+constexpr std::size_t kMicrofacetTerms = 7;
+constexpr std::size_t kMicrofacetNodes = 32;
+constexpr int kFittedAzimuths = 8;     // of microfacets that are anisotropic
 constexpr double kLeast = 1e-6;  // cosine used for grazing
 // where the loss has its bend: the b of albedo_deficit_polynomial; negative ones are tried as well
 constexpr std::array kBends{2e-3, 6e-3, 0.016, 0.035, 0.07, 0.1, 0.15,
@@ -29,7 +29,7 @@ struct Loss {
   double error = 0;  // largest, of any azimuth
 };
 
-using Terms = std::array<double, kTerms>;
+using Terms = std::array<double, kMicrofacetTerms>;
 
 double warped(double cosine, double bend) {
   const double c = bend < 0 ? cosine * cosine : cosine;
@@ -40,34 +40,34 @@ double warped(double cosine, double bend) {
 // Chebyshev's polynomials of 2x − 1.
 Terms chebyshev(double x) {
   Terms t{1, 2 * x - 1};
-  for (std::size_t k = 2; k < kTerms; ++k) t[k] = 2 * t[1] * t[k - 1] - t[k - 2];
+  for (std::size_t k = 2; k < kMicrofacetTerms; ++k) t[k] = 2 * t[1] * t[k - 1] - t[k - 2];
   return t;
 }
 
 double dot(const Terms& a, const Terms& b) {
   double sum = 0;
-  for (std::size_t k = 0; k < kTerms; ++k) sum += a[k] * b[k];
+  for (std::size_t k = 0; k < kMicrofacetTerms; ++k) sum += a[k] * b[k];
   return sum;
 }
 
 // Least squares; the normal equations of Chebyshev's polynomials are well conditioned.
-Terms solved(const std::array<Terms, kNodes>& rows, const std::array<double, kNodes>& values,
-             const std::array<double, kNodes>& weights) {
-  std::array<std::array<double, kTerms + 1>, kTerms> a{};
-  for (std::size_t i = 0; i < kNodes; ++i)
-    for (std::size_t r = 0; r < kTerms; ++r) {
-      for (std::size_t c = 0; c < kTerms; ++c) a[r][c] += weights[i] * rows[i][r] * rows[i][c];
-      a[r][kTerms] += weights[i] * rows[i][r] * values[i];
+Terms solved(const std::array<Terms, kMicrofacetNodes>& rows, const std::array<double, kMicrofacetNodes>& values,
+             const std::array<double, kMicrofacetNodes>& weights) {
+  std::array<std::array<double, kMicrofacetTerms + 1>, kMicrofacetTerms> a{};
+  for (std::size_t i = 0; i < kMicrofacetNodes; ++i)
+    for (std::size_t r = 0; r < kMicrofacetTerms; ++r) {
+      for (std::size_t c = 0; c < kMicrofacetTerms; ++c) a[r][c] += weights[i] * rows[i][r] * rows[i][c];
+      a[r][kMicrofacetTerms] += weights[i] * rows[i][r] * values[i];
     }
   // Cholesky's order needs no pivots
-  for (std::size_t p = 0; p < kTerms; ++p)
-    for (std::size_t r = 0; r < kTerms; ++r) {
+  for (std::size_t p = 0; p < kMicrofacetTerms; ++p)
+    for (std::size_t r = 0; r < kMicrofacetTerms; ++r) {
       if (r == p) continue;
       const double factor = a[r][p] / a[p][p];
-      for (std::size_t c = p; c <= kTerms; ++c) a[r][c] -= factor * a[p][c];
+      for (std::size_t c = p; c <= kMicrofacetTerms; ++c) a[r][c] -= factor * a[p][c];
     }
   Terms result{};
-  for (std::size_t r = 0; r < kTerms; ++r) result[r] = a[r][kTerms] / a[r][r];
+  for (std::size_t r = 0; r < kMicrofacetTerms; ++r) result[r] = a[r][kMicrofacetTerms] / a[r][r];
   return result;
 }
 
@@ -77,52 +77,52 @@ struct Minimax {
 };
 
 // C. L. Lawson's iteration: weights grow where the error is large.
-Minimax minimax(const std::array<double, kNodes>& cosines, const std::array<double, kNodes>& values,
+Minimax minimax(const std::array<double, kMicrofacetNodes>& cosines, const std::array<double, kMicrofacetNodes>& values,
                 double bend) {
-  std::array<Terms, kNodes> rows;
-  for (std::size_t i = 0; i < kNodes; ++i) rows[i] = chebyshev(warped(cosines[i], bend));
-  std::array<double, kNodes> weights;
-  weights.fill(1.0 / kNodes);
+  std::array<Terms, kMicrofacetNodes> rows;
+  for (std::size_t i = 0; i < kMicrofacetNodes; ++i) rows[i] = chebyshev(warped(cosines[i], bend));
+  std::array<double, kMicrofacetNodes> weights;
+  weights.fill(1.0 / kMicrofacetNodes);
   Minimax best;
   for (int iteration = 0; iteration < 12; ++iteration) {
     const Terms terms = solved(rows, values, weights);
-    std::array<double, kNodes> errors;
+    std::array<double, kMicrofacetNodes> errors;
     double largest = 0;
     double sum = 0;
-    for (std::size_t i = 0; i < kNodes; ++i) {
+    for (std::size_t i = 0; i < kMicrofacetNodes; ++i) {
       errors[i] = std::fabs(dot(rows[i], terms) - values[i]);
       largest = std::max(largest, errors[i]);
       sum += weights[i] * errors[i];
     }
     if (largest < best.error) best = {terms, largest};
     if (!(sum > 1e-14)) break;
-    for (std::size_t i = 0; i < kNodes; ++i) weights[i] = weights[i] * errors[i] / sum + 1e-9;
+    for (std::size_t i = 0; i < kMicrofacetNodes; ++i) weights[i] = weights[i] * errors[i] / sum + 1e-9;
   }
   return best;
 }
 
 // From Chebyshev's polynomials of 2x − 1 to powers of x.
 Terms powers(const Terms& chebyshevs) {
-  std::array<Terms, kTerms> t{};
+  std::array<Terms, kMicrofacetTerms> t{};
   t[0] = {1};
   t[1] = {-1, 2};
-  for (std::size_t k = 2; k < kTerms; ++k)
-    for (std::size_t i = 0; i < kTerms; ++i)
+  for (std::size_t k = 2; k < kMicrofacetTerms; ++k)
+    for (std::size_t i = 0; i < kMicrofacetTerms; ++i)
       t[k][i] = 2 * ((i > 0 ? 2 * t[k - 1][i - 1] : 0) - t[k - 1][i]) - t[k - 2][i];
   Terms result{};
-  for (std::size_t k = 0; k < kTerms; ++k)
-    for (std::size_t i = 0; i < kTerms; ++i) result[i] += chebyshevs[k] * t[k][i];
+  for (std::size_t k = 0; k < kMicrofacetTerms; ++k)
+    for (std::size_t i = 0; i < kMicrofacetTerms; ++i) result[i] += chebyshevs[k] * t[k][i];
   return result;
 }
 
 // microfacets, a mirror under a rough coat, or a coat's surface, whose loss is fitted.
-struct Stack {
+struct FittedStack {
   Microfacets microfacets;
   std::optional<Coat> coat;  // its depth is ignored
 };
 
 // What is missing of the light from one direction, as microfacet_albedo_deficit takes it.
-double missing(const Stack& stack, const Vec3& v) {
+double missing(const FittedStack& stack, const Vec3& v) {
   if (!stack.coat) return 1 - microfacet_albedo(stack.microfacets, v, 16);
   Material white;
   white.weights = {0, 1, 0};
@@ -139,11 +139,11 @@ double missing(const Stack& stack, const Vec3& v) {
 // Fits `value` of (cosine, azimuth), in the mean over `azimuths` of a quarter.
 template <class Value>
 Loss fitted(int azimuths, Value value) {
-  std::array<double, kNodes> cosines;
-  std::array<double, kNodes> values{};
-  std::array<double, kNodes> spread{};  // of the azimuths about their mean
-  for (std::size_t i = 0; i < kNodes; ++i) {
-    const double root = 0.5 - 0.5 * det::cos(kPi * (static_cast<double>(i) + 0.5) / kNodes);
+  std::array<double, kMicrofacetNodes> cosines;
+  std::array<double, kMicrofacetNodes> values{};
+  std::array<double, kMicrofacetNodes> spread{};  // of the azimuths about their mean
+  for (std::size_t i = 0; i < kMicrofacetNodes; ++i) {
+    const double root = 0.5 - 0.5 * det::cos(kPi * (static_cast<double>(i) + 0.5) / kMicrofacetNodes);
     const double mu = std::max(root * root, kLeast);
     const double sine = std::sqrt((1 - mu) * (1 + mu));
     cosines[i] = mu;
@@ -171,7 +171,7 @@ Loss fitted(int azimuths, Value value) {
   Loss albedo_deficit;
   const Terms terms = powers(best.terms);
   std::copy(terms.begin(), terms.end(), albedo_deficit.coefficients.begin());
-  albedo_deficit.coefficients[kTerms] = bend;
+  albedo_deficit.coefficients[kMicrofacetTerms] = bend;
   // between nodes it is a little more than at them
   albedo_deficit.error = 1.4 * best.error + *std::max_element(spread.begin(), spread.end());
   return albedo_deficit;
@@ -179,7 +179,7 @@ Loss fitted(int azimuths, Value value) {
 
 // Models have many materials and few kinds of microfacets.
 template <class Make>
-Loss remembered(const Stack& stack, Make make) {
+Loss remembered(const FittedStack& stack, Make make) {
   static std::mutex mutex;
   static std::map<std::tuple<SpecularModel, double, double, double, double>, Loss> all;
   const Coat coat = stack.coat.value_or(Coat{.index = 0});
@@ -197,10 +197,10 @@ Loss remembered(const Stack& stack, Make make) {
   return albedo_deficit;
 }
 
-Loss deficit_of(const Stack& stack) {
+Loss deficit_of(const FittedStack& stack) {
   return remembered(stack, [&] {
     const bool round = stack.microfacets.slope_x == stack.microfacets.slope_y;
-    return fitted(round ? 1 : kAzimuths, [&](const Vec3& v) { return missing(stack, v); });
+    return fitted(round ? 1 : kFittedAzimuths, [&](const Vec3& v) { return missing(stack, v); });
   });
 }
 
@@ -227,8 +227,6 @@ Vec3 kept_by_depth(const Coat& coat) {
          });
 }
 
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 }  // namespace
 
 double mean_albedo_deficit(const Material& material) {
@@ -252,14 +250,14 @@ void fit_microfacets(Material& material) {
     return s.specular * composition.own_fresnel(s, mu, outer);
   };
   const bool always = material.compensation == Compensation::on;
-  const double f0 = largest(s.weights.y * reflected(1));
+  const double f0 = max_component(s.weights.y * reflected(1));
   // 1 − E_avg stays below 0.6 up to slopes of 1, and below 1 always
   if (!(f0 > 0) || (!always && !(f0 > kWorthCompensation))) return;
 
   // a mirror takes the slopes of its coat
   const Vec2 alpha = slopes_of(material).value_or(Vec2(0));
   const auto slope = [&](double a) { return blurred ? 0 : f64::microfacet_slope(a); };
-  const Stack stack{{brdf, slope(alpha.x), slope(alpha.y)}, material.coat};
+  const FittedStack stack{{brdf, slope(alpha.x), slope(alpha.y)}, material.coat};
   const Loss albedo_deficit = deficit_of(stack);
   Material tried = material;
   tried.fits.albedo_deficit = albedo_deficit.coefficients;

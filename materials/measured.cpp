@@ -26,7 +26,7 @@ constexpr double kBrightest = 1e9;  // 1/sr; a flat mirror shows the Sun with 1.
 // closer to the horizon instruments measure the edge of the sample
 constexpr double kLowest = 0.03;  // cosine
 
-Vec3 direction(double zenith_deg, double azimuth_deg) {
+Vec3 direction_at(double zenith_deg, double azimuth_deg) {
   const auto z = det::sincos(zenith_deg * kDegree);
   const auto a = det::sincos(azimuth_deg * kDegree);
   return {z.sin * a.cos, z.sin * a.sin, z.cos};
@@ -237,7 +237,7 @@ std::vector<Model> models() {
   return all;
 }
 
-bool has_microfacets(const Material& m) { return m.specular_model() != SpecularModel::none; }
+bool has_specular_model(const Material& m) { return m.specular_model() != SpecularModel::none; }
 
 // The fields of a material of models() as pxn.
 std::string text_of(const Material& m) {
@@ -245,7 +245,7 @@ std::string text_of(const Material& m) {
   std::string text = fmt::format("<diffuse> {} </diffuse>", rgb(m.diffuse));
   if (const auto* eon = std::get_if<Eon>(&m.diffuse_brdf))
     text += fmt::format("\n<eon> {:.4g} </eon>", eon->roughness);
-  if (has_microfacets(m)) {
+  if (has_specular_model(m)) {
     const char* const tag = m.specular_model() == SpecularModel::ggx ? "ggx" : "beckmann";
     text += fmt::format(
         "\n<specular> {} </specular>\n<reflect> {:.4g} {:.4g} 0 </reflect>\n"
@@ -345,7 +345,7 @@ void run(Search& search, const std::vector<Reading>& few, const std::vector<Read
 Material tinted(const Material& grey, const std::vector<Reading>& readings, double floor) {
   Material base = grey;
   Point start{std::clamp(grey.diffuse.x, 1e-3, 0.999)};
-  if (has_microfacets(grey)) {
+  if (has_specular_model(grey)) {
     const double sum = grey.weights.x + grey.weights.y;
     base.weights = {grey.weights.x / sum, grey.weights.y / sum, 0};
     start = Point(2, std::clamp(sum, 1e-3, 0.999));
@@ -413,7 +413,7 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
     const auto& n = read.numbers;
     const Vec3 rgb = numbers == 7 ? Vec3(n[4], n[5], n[6]) : Vec3(n[4]);
     const double mean = numbers == 7 ? (rgb.x + rgb.y + rgb.z) / 3 : n[4];
-    readings.push_back({direction(n[0], n[1]), direction(n[2], n[3]), mean, rgb});
+    readings.push_back({direction_at(n[0], n[1]), direction_at(n[2], n[3]), mean, rgb});
     usable += readings.back().to_light.z >= kLowest && readings.back().to_viewer.z >= kLowest;
   }
   if (complaints.report(log)) return failed;

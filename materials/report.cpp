@@ -15,8 +15,6 @@ constexpr double kOrenGain = 1.05;
 
 constexpr double kRounding = 1e-9;
 
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 // Directions about +z: polar angles from the zenith to just above the horizon.
 std::vector<Vec3> directions(std::span<const double> azimuths) {
   constexpr double kAngles_deg[] = {0, 0.1, 1, 5, 15, 30, 45, 60, 75, 85, 89, 89.9};
@@ -54,7 +52,7 @@ void compare_precisions(const Material& material, MaterialReport& out) {
         pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
         pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
                                      glm::vec3(normal), glm::vec3(1), local));
-        peak = std::max(peak, largest(pair.exact));
+        peak = std::max(peak, max_component(pair.exact));
         pairs.push_back(pair);
       }
   double sum = 0;
@@ -168,7 +166,7 @@ bool may_gain(const Material& m) {
   const Vec2 alpha = slopes_of(m).value_or(Vec2(0));
   const bool brushed = alpha.x != alpha.y && (m.coat || !m.refract || m.maps.reflectance >= 0);
   const bool twice = m.coat && m.coat->alpha > 0 && m.fits.compensation_scale != Vec3(0);
-  const bool uneven = brushed || (twice && m.weights.x * largest(m.diffuse) > 0);
+  const bool uneven = brushed || (twice && m.weights.x * max_component(m.diffuse) > 0);
   bool gain = false;
   for (int k = 0; k < 3; ++k) {
     const double d = m.weights.x * m.diffuse[k];

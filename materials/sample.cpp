@@ -12,8 +12,6 @@ namespace {
 // share of the microfacets in choosing a direction where a reflectance map leaves less
 constexpr double kLeastMapped = 0.04;
 
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 // A frame about a normal; x along the tangent where there is one.
 struct Frame {
   Vec3 x, y, z;
@@ -201,18 +199,18 @@ struct Scattering::Parts {
     const double passing = 1 - first(cosine);
     const SpecularModel brdf = composition.brdf_model.specular;
     const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
-    c.diffuse = passing * s.weights.x * largest(s.diffuse);
+    c.diffuse = passing * s.weights.x * max_component(s.diffuse);
     if (composition.brdf_model.compensated)
       c.diffuse += (smooth_coat() ? passing : 1) * s.weights.y *
-                   largest(s.specular * s.compensation_scale) * kPi * lost *
+                   max_component(s.specular * s.compensation_scale) * kPi * lost *
                    f64::microfacet_albedo_deficit(s, cosine);
     if (mirror_shows()) {
-      c.mirror_below = largest(mirror_below(cosine));
+      c.mirror_below = max_component(mirror_below(cosine));
     } else if (brdf != SpecularModel::none) {
       Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
       // where a map says 0, microfacets still reflect towards grazing
       if (composition.brdf_model.mapped) fresnel = glm::max(fresnel, Vec3(kLeastMapped));
-      c.microfacets = passing * s.weights.y * largest(s.specular * fresnel);
+      c.microfacets = passing * s.weights.y * max_component(s.specular * fresnel);
     }
     (smooth_coat() ? c.mirror_peak : c.peak) = first(cosine);
     // every part gets at least 1/20

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostRows = 100'000;
 constexpr double kMost = 100;  // n and k
 
-struct Row {
+struct SpectrumRow {
   double wavelength;
   double value;
 };
@@ -133,7 +133,7 @@ class Reader {
     if (count == 3) add(k_, {wavelength, (*numbers)[2]}, "k");
   }
 
-  void add(std::vector<Row>& rows, const Row& one, const char* what) {
+  void add(std::vector<SpectrumRow>& rows, const SpectrumRow& one, const char* what) {
     if (!(one.wavelength > 0))
       return fail(fmt::format("a wavelength of {} micrometres, expected above 0",
                               format_double(one.wavelength)));
@@ -157,11 +157,11 @@ class Reader {
     return false;
   }
 
-  static double at(const std::vector<Row>& rows, double wavelength) {
+  static double at(const std::vector<SpectrumRow>& rows, double wavelength) {
     const auto above =
         std::upper_bound(rows.begin() + 1, rows.end() - 1, wavelength,
-                         [](double x, const Row& one) { return x < one.wavelength; });
-    const Row& a = *(above - 1);
+                         [](double x, const SpectrumRow& one) { return x < one.wavelength; });
+    const SpectrumRow& a = *(above - 1);
     const double t = (wavelength - a.wavelength) / (above->wavelength - a.wavelength);
     return a.value + t * (above->value - a.value);
   }
@@ -203,8 +203,8 @@ class Reader {
   TableProblem& problem_;
   Kind kind_ = Kind::any;
   std::size_t line_ = 0;
-  std::vector<Row> n_;
-  std::vector<Row> k_;
+  std::vector<SpectrumRow> n_;
+  std::vector<SpectrumRow> k_;
   int formula_ = 0;
   std::vector<double> coefficients_;
   double first_ = 0, last_ = 0;  // of the formula

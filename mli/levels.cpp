@@ -159,7 +159,7 @@ struct Finest {
   Finest(const Sheet& sheet, double crease_angle, std::span<const std::uint32_t> cells)
       : Finest(sheet, flat_mesh(sheet, crease_angle).mesh, cells) {}
   double facets;  // the variance of their slopes, both axes together
-  Spread spread;  // of the slopes that it is shaded with
+  TiltSpread spread;  // of the slopes that it is shaded with
   SlopeDensity density;
   std::vector<double> wanted;
   std::map<std::uint32_t, double> within;  // Moments::within over all, by cells
@@ -199,7 +199,7 @@ class Maker {
       const double apart = apart_of(flat);
       geometry::Mesh mesh = with_apart(flat, apart);
       const std::vector<Vec3> below = upright(mesh);
-      Spread reached;
+      TiltSpread reached;
       done.tilts = Tilts(mesh, below).towards(finest_.spread, reached);
       done.tilts.apart = apart;
       tilt(mesh.normals, below, done.tilts);

@@ -17,7 +17,7 @@ struct View {
   const double* row(std::size_t j) const { return heights + j * columns; }
 };
 
-struct Moments {
+struct SlopeMoments {
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 
   void add(double sx, double sy) {
@@ -27,7 +27,7 @@ struct Moments {
     xy += sx * sy;
     yy += sy * sy;
   }
-  void add(const Moments& m) {
+  void add(const SlopeMoments& m) {
     x += m.x;
     y += m.y;
     xx += m.xx;
@@ -43,7 +43,7 @@ struct Moments {
 
 struct RowSums {
   double height = 0, height2 = 0, lowest = 0, highest = 0;
-  Moments slopes, facets;
+  SlopeMoments slopes, facets;
   Vec3 normal{0, 0, 0};
   std::array<std::uint64_t, Statistics::kBins> tilts{};
 

@@ -22,7 +22,7 @@ using geometry::Triangle;
 
 constexpr std::size_t kLeastTriangles = 2000;          // of a level: a sample of slopes
 constexpr double kPays = 0.6;                          // of the triangles of the one before
-constexpr double kMostOff = 0.03, kMostMirror = 0.05;  // of Spread
+constexpr double kMostSpreadOff = 0.03, kMostMirror = 0.05;  // of TiltSpread
 
 struct Wrapper {
   const Faces& faces;
@@ -117,7 +117,7 @@ void Wrapper::finish() {
     const std::vector<Triangle> before = finest.mesh.triangles;
     geometry::compute_normals(finest.mesh, options.normals);
     copy_places(before, finest);
-    const Spread wanted = Tilts(finest.mesh, finest.below).spread();
+    const TiltSpread wanted = Tilts(finest.mesh, finest.below).spread();
     const double top = highest(finest);
     std::size_t last = finest.mesh.triangles.size();
     for (std::size_t k = 0; k < levels.size(); ++k) {
@@ -126,11 +126,11 @@ void Wrapper::finish() {
       const auto count = static_cast<double>(level.mesh.triangles.size());
       if (level.longest > 0 && level.mesh.triangles.size() < kLeastTriangles) break;
       if (level.longest == 0 || count > kPays * static_cast<double>(last)) continue;
-      Spread reached;
+      TiltSpread reached;
       const TiltMap map = Tilts(level.mesh, level.below).towards(wanted, reached);
       if (wanted.variance > 0 &&
-          std::max({std::fabs(reached.variance / wanted.variance - 1) / kMostOff,
-                    std::fabs(reached.level / wanted.level - 1) / kMostOff,
+          std::max({std::fabs(reached.variance / wanted.variance - 1) / kMostSpreadOff,
+                    std::fabs(reached.level / wanted.level - 1) / kMostSpreadOff,
                     std::fabs(reached.mirror / wanted.mirror - 1) / kMostMirror}) > 1)
         break;
       tilt(level.mesh.normals, level.below, map);

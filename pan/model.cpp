@@ -254,7 +254,7 @@ std::optional<Model::Bounds> Model::world_bounds() const {
 
 namespace {
 
-Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
+Vec3 vector3(const double* v) { return {v[0], v[1], v[2]}; }
 Quat quat(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 
 }  // namespace
@@ -262,7 +262,7 @@ Quat quat(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 geometry::Joint kinematic(const layout::Joint& joint) {
   geometry::Joint out;
   out.kind = static_cast<geometry::JointKind>(joint.kind);
-  out.axis = vec3(joint.axis);
+  out.axis = vector3(joint.axis);
   out.limited = (joint.flags & layout::kJointLimited) != 0;
   std::copy_n(joint.lower, geometry::kMaxJointValues, out.lower.begin());
   std::copy_n(joint.upper, geometry::kMaxJointValues, out.upper.begin());
@@ -273,11 +273,11 @@ geometry::Joint kinematic(const layout::Joint& joint) {
 }
 
 Mat4 parent_from_node(const layout::Node& node) {
-  return matrix_from_trs(vec3(node.translation), quat(node.rotation), vec3(node.scale));
+  return matrix_from_trs(vector3(node.translation), quat(node.rotation), vector3(node.scale));
 }
 
 Mat4 node_from_frame(const layout::Frame& frame) {
-  return matrix_from_trs(vec3(frame.origin), quat(frame.rotation), Vec3(1));
+  return matrix_from_trs(vector3(frame.origin), quat(frame.rotation), Vec3(1));
 }
 
 std::string kind_name(std::uint32_t kind) {
@@ -295,7 +295,7 @@ std::string_view reason_name(layout::ToleranceReason reason) {
 }
 
 Mat4 mesh_from_decal(const layout::Decal& decal) {
-  return matrix_from_trs(vec3(decal.origin), quat(decal.rotation), Vec3(1));
+  return matrix_from_trs(vector3(decal.origin), quat(decal.rotation), Vec3(1));
 }
 
 }  // namespace panwright::pan

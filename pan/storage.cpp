@@ -47,7 +47,7 @@ double longest_side(const PackedMesh& mesh, double low[3]) {
   return longest;
 }
 
-double angle_between(const float* a, const float* b) {
+double angle_of_directions(const float* a, const float* b) {
   const Vec3 p(a[0], a[1], a[2]), q(b[0], b[1], b[2]);
   return det::atan2(glm::length(glm::cross(p, q)), glm::dot(p, q));
 }
@@ -254,7 +254,7 @@ void snap_normals(PackedMesh& mesh, std::uint32_t bits) {
     float to[3];
     internal::codes_of(&mesh.normals[i], bits, codes);
     internal::normal_of(codes[0], codes[1], bits, to);
-    worst = std::max(worst, angle_between(to, &mesh.normals[i]));
+    worst = std::max(worst, angle_of_directions(to, &mesh.normals[i]));
     std::copy_n(to, 3, &mesh.normals[i]);
   }
   mesh.stream.normal_error = worst;

@@ -17,7 +17,7 @@ namespace {
 
 using schemas::ElementId;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ','; }
+bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ','; }
 
 class Finder {
  public:
@@ -99,12 +99,12 @@ class Finder {
     if (text.find_first_of("{&") != std::string_view::npos) return;
     std::vector<EditableNumber> numbers;
     for (std::size_t at = 0; at < text.size();) {
-      if (is_blank(text[at])) {
+      if (is_separator(text[at])) {
         ++at;
         continue;
       }
       std::size_t past = at;
-      while (past < text.size() && !is_blank(text[past])) ++past;
+      while (past < text.size() && !is_separator(text[past])) ++past;
       // the longest part of it that is a number; what is left is a unit
       std::size_t digits = past;
       while (digits > at && !parse_double(text.substr(at, digits - at))) --digits;

@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kLongest = 255;  // bytes of a name
 constexpr std::size_t kMost = 10'000;
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_ascii_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 // "panel.png", but not "0.5", "1e3" or "{2 * size}".
 bool looks_like_a_file(std::string_view name) {
@@ -18,8 +18,8 @@ bool looks_like_a_file(std::string_view name) {
       name.size() - point > 8 || name.front() == '{')
     return false;
   for (const char c : name.substr(point + 1))
-    if (!is_letter(c) && !(c >= '0' && c <= '9')) return false;
-  return name.find('\n') == name.npos && (is_letter(name[point + 1]) || is_letter(name.back()));
+    if (!is_ascii_letter(c) && !(c >= '0' && c <= '9')) return false;
+  return name.find('\n') == name.npos && (is_ascii_letter(name[point + 1]) || is_ascii_letter(name.back()));
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 
 // a file of more bytes than this is not looked at: uncompressed, its pixels would be more than
 // allowed
-constexpr std::uint64_t kMostBytes = 1ull << 30;
+constexpr std::uint64_t kMostTextureBytes = 1ull << 30;
 
 // Whether a file reads as the same texels, where that says nothing of holes by brightness.
 bool holds(const fs::path& path, const scene::Texture& texture) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
   DiagnosticLog ignored;
-  const auto bytes = read_file(path, kMostBytes, ignored);
+  const auto bytes = read_file(path, kMostTextureBytes, ignored);
   if (!bytes) return false;
   importers::DecodedImage image;
   if (importers::decode_image(as_bytes(*bytes), texture.rgba.size(), image).code) return false;

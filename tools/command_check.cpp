@@ -18,6 +18,7 @@
 
 namespace panwright::tools {
 
+namespace command_check {
 namespace {
 
 struct Options {
@@ -117,10 +118,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_check
 
 Command check_command() {
-  return command("check", "Check pxn, pan and CAD files and report every problem", declare_all,
-                 run);
+  return command("check", "Check pxn, pan and CAD files and report every problem", command_check::declare_all,
+                 command_check::run);
 }
 
 }  // namespace panwright::tools

@@ -13,6 +13,7 @@
 
 namespace panwright::tools {
 
+namespace command_compile {
 namespace {
 
 struct Options {
@@ -153,9 +154,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_compile
 
 Command compile_command() {
-  return command("compile", "Compile a pxn model into a pan file", declare_all, run);
+  return command("compile", "Compile a pxn model into a pan file", command_compile::declare_all, command_compile::run);
 }
 
 Command converter_command(const std::string& name) {
@@ -163,7 +165,7 @@ Command converter_command(const std::string& name) {
       name,
       fmt::format("{}: compiles a pxn model into a pan file; the same as 'panwright compile'",
                   name),
-      declare_converter, run);
+      command_compile::declare_converter, command_compile::run);
 }
 
 }  // namespace panwright::tools

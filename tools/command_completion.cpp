@@ -9,6 +9,7 @@
 
 namespace panwright::tools {
 
+namespace command_completion {
 namespace {
 
 struct Options {
@@ -54,15 +55,16 @@ int print_candidates(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_completion
 
 Command completion_command() {
-  return command("completion", "Print a completion script of a shell", declare_script,
-                 print_script);
+  return command("completion", "Print a completion script of a shell", command_completion::declare_script,
+                 command_completion::print_script);
 }
 
 Command complete_command() {
   return command("complete", "List what may stand at the cursor, for completion scripts",
-                 declare_words, print_candidates);
+                 command_completion::declare_words, command_completion::print_candidates);
 }
 
 }  // namespace panwright::tools

@@ -12,6 +12,7 @@
 
 namespace panwright::tools {
 
+namespace command_diff {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -95,9 +96,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_diff
 
 Command diff_command() {
-  return command("diff", "Compare two models; exit code 1 when they differ", declare_all, run);
+  return command("diff", "Compare two models; exit code 1 when they differ", command_diff::declare_all, command_diff::run);
 }
 
 }  // namespace panwright::tools

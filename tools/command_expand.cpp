@@ -13,6 +13,7 @@
 
 namespace panwright::tools {
 
+namespace command_expand {
 namespace {
 
 struct Options {
@@ -75,11 +76,12 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_expand
 
 Command expand_command() {
   return command("expand",
                  "Write a model as one pxn file without parts, repeats, includes and expressions",
-                 declare_all, run);
+                 command_expand::declare_all, command_expand::run);
 }
 
 }  // namespace panwright::tools

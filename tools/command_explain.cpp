@@ -11,6 +11,7 @@
 
 namespace panwright::tools {
 
+namespace command_explain {
 namespace {
 
 struct Options {
@@ -83,11 +84,12 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_explain
 
 Command explain_command() {
   return command("explain",
                  "Explain a diagnostic code with an example and its cure, or list them all",
-                 declare_all, run);
+                 command_explain::declare_all, command_explain::run);
 }
 
 }  // namespace panwright::tools

@@ -13,6 +13,7 @@
 
 namespace panwright::tools {
 
+namespace command_export {
 namespace {
 
 struct Options {
@@ -65,9 +66,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_export
 
 Command export_command() {
-  return command("export", "Write a model as a glTF file", declare_all, run);
+  return command("export", "Write a model as a glTF file", command_export::declare_all, command_export::run);
 }
 
 }  // namespace panwright::tools

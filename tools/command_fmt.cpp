@@ -13,6 +13,7 @@
 
 namespace panwright::tools {
 
+namespace command_fmt {
 namespace {
 
 struct Options {
@@ -97,10 +98,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_fmt
 
 Command fmt_command() {
-  return command("fmt", "Lay pxn files out in their canonical form, comments and all", declare_all,
-                 run);
+  return command("fmt", "Lay pxn files out in their canonical form, comments and all", command_fmt::declare_all,
+                 command_fmt::run);
 }
 
 }  // namespace panwright::tools

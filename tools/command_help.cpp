@@ -11,6 +11,7 @@
 
 namespace panwright::tools {
 
+namespace help_command_parts {
 namespace {
 
 struct Options {
@@ -75,9 +76,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace help_command_parts
 
 Command help_command() {
-  return command("help", "List the commands, or the options of one", declare_all, run);
+  return command("help", "List the commands, or the options of one", help_command_parts::declare_all, help_command_parts::run);
 }
 
 }  // namespace panwright::tools

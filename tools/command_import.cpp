@@ -21,6 +21,7 @@
 
 namespace panwright::tools {
 
+namespace command_import {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -422,18 +423,19 @@ int run_importer(const Options& typed, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_import
 
 Command import_command() {
   return command(
       "import",
       "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
-      declare_all, run);
+      command_import::declare_all, command_import::run);
 }
 
 Command importer_command(const std::string& name) {
   return command(
       name, fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name),
-      declare_all, run_importer);
+      command_import::declare_all, command_import::run_importer);
 }
 
 }  // namespace panwright::tools

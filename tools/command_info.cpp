@@ -22,6 +22,7 @@
 
 namespace panwright::tools {
 
+namespace command_info {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -695,7 +696,8 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_info
 
-Command info_command() { return command("info", "Show what is in a model", declare_all, run); }
+Command info_command() { return command("info", "Show what is in a model", command_info::declare_all, command_info::run); }
 
 }  // namespace panwright::tools

@@ -15,6 +15,7 @@
 
 namespace panwright::tools {
 
+namespace command_joints {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -136,10 +137,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_joints
 
 Command joints_command() {
-  return command("joints", "List the joints of a model, and where they take its parts", declare_all,
-                 run);
+  return command("joints", "List the joints of a model, and where they take its parts", command_joints::declare_all,
+                 command_joints::run);
 }
 
 }  // namespace panwright::tools

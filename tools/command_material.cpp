@@ -27,6 +27,7 @@
 #include "workspace/views.h"
 
 namespace panwright::tools {
+namespace command_material {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -544,10 +545,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_material
 
 Command material_command() {
   return command("material", "Report on materials: albedo, energy, reciprocity, precision",
-                 declare_all, run);
+                 command_material::declare_all, command_material::run);
 }
 
 }  // namespace panwright::tools

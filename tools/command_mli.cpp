@@ -28,6 +28,7 @@
 #include "workspace/open.h"
 
 namespace panwright::tools {
+namespace command_mli {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -581,10 +582,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_mli
 
 Command mli_command() {
   return command("mli", "Show a sheet of foil by itself: statistics, image, heights, slopes",
-                 declare_all, run);
+                 command_mli::declare_all, command_mli::run);
 }
 
 }  // namespace panwright::tools

@@ -16,6 +16,7 @@
 
 namespace panwright::tools {
 
+namespace command_new {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,10 +83,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_new
 
 Command new_command() {
   return command("new", "Write a small model to begin with, and the schema for editors beside it",
-                 declare_all, run);
+                 command_new::declare_all, command_new::run);
 }
 
 }  // namespace panwright::tools

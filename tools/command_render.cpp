@@ -12,6 +12,7 @@
 
 namespace panwright::tools {
 
+namespace command_render {
 namespace {
 
 struct Options {
@@ -356,9 +357,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_render
 
 Command render_command() {
-  return command("render", "Render one or more models as a camera sees them", declare_all, run);
+  return command("render", "Render one or more models as a camera sees them", command_render::declare_all, command_render::run);
 }
 
 }  // namespace panwright::tools

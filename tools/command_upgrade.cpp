@@ -12,6 +12,7 @@
 
 namespace panwright::tools {
 
+namespace command_upgrade {
 namespace {
 
 struct Options {
@@ -78,9 +79,10 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_upgrade
 
 Command upgrade_command() {
-  return command("upgrade", "Rewrite pxn files of level 0 in level 1", declare_all, run);
+  return command("upgrade", "Rewrite pxn files of level 0 in level 1", command_upgrade::declare_all, command_upgrade::run);
 }
 
 }  // namespace panwright::tools

@@ -12,6 +12,7 @@
 
 namespace panwright::tools {
 
+namespace command_version {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -64,10 +65,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_version
 
 Command version_command() {
-  return command("version", "Print the version; with --json, how it was built too", declare_all,
-                 run);
+  return command("version", "Print the version; with --json, how it was built too", command_version::declare_all,
+                 command_version::run);
 }
 
 }  // namespace panwright::tools

@@ -13,6 +13,7 @@
 
 namespace panwright::tools {
 
+namespace command_view {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,10 +98,11 @@ int run(const Options& options, const Host& host) {
 }
 
 }  // namespace
+}  // namespace command_view
 
 Command view_command() {
   return command("view", "Show models in a window that follows their files, and move what they have",
-                 declare_all, run);
+                 command_view::declare_all, command_view::run);
 }
 
 }  // namespace panwright::tools

@@ -24,13 +24,13 @@ const Option* named(const Arguments& arguments, std::string_view name) {
 }
 
 // "--size=64x64" as two words; a lone "=", which bash makes of it, is taken away.
-struct Line {
+struct TypedLine {
   Words words;
   std::string prefix;  // "--size=", of the last word; empty where bash cuts it off
 };
 
-Line split(const Words& words) {
-  Line line;
+TypedLine split(const Words& words) {
+  TypedLine line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const bool last = i + 1 == words.size();
     if (words[i] == "=" && !line.words.empty()) {
@@ -156,7 +156,7 @@ Candidates candidates(std::vector<std::string> words, const Job& job) {
     out.words.push_back({"--help", "List the commands"});
     out.words.push_back({"--version", "Print the version"});
   } else if (const DescribedCommand* command = find_command(table, words[0])) {
-    const Line line = split({words.begin() + 1, words.end()});
+    const TypedLine line = split({words.begin() + 1, words.end()});
     out = Completer(*command->arguments, job).complete(line.words);
     for (Candidates::Word& word : out.words) word.text.insert(0, line.prefix);
     const std::string last = line.prefix + line.words.back();

@@ -7,7 +7,7 @@ namespace panwright::tools {
 
 namespace {
 
-constexpr CodeExample kExamples[] = {
+constexpr CodeExample kCodeExamples[] = {
 #define PANWRIGHT_EXAMPLE(code, example, cure) {Code::code, example, cure},
 #include "tools/explain_examples.def"
 #undef PANWRIGHT_EXAMPLE
@@ -16,9 +16,9 @@ constexpr CodeExample kExamples[] = {
 }  // namespace
 
 const CodeExample* example_of(Code code) {
-  const auto at = std::find_if(std::begin(kExamples), std::end(kExamples),
+  const auto at = std::find_if(std::begin(kCodeExamples), std::end(kCodeExamples),
                                [&](const CodeExample& each) { return each.code == code; });
-  return at == std::end(kExamples) ? nullptr : at;
+  return at == std::end(kCodeExamples) ? nullptr : at;
 }
 
 }  // namespace panwright::tools

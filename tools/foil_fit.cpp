@@ -117,7 +117,7 @@ bool take(std::string_view item, mli::FitTarget& target, DiagnosticLog& log) {
 }
 
 // To a tenth, and never -0.
-double percent(double share) { return std::round(share * 1000) / 10 + 0.0; }
+double rounded_percent(double share) { return std::round(share * 1000) / 10 + 0.0; }
 
 std::string value_text(const Row& row, double value) {
   return row.is_length ? fmt::format("{:.4g} mm", value * 1000) : fmt::format("{:.4f}", value);
@@ -189,7 +189,7 @@ void print_fit(const mli::Fit& fit, const mli::FitTarget& target, const std::str
                                   value_text(row, row.fitted.mean))
                     : fmt::format("fitted {}", value_text(row, row.fitted.mean)),
           value_text(row, row.checked.mean), value_text(row, error),
-          row.asked ? fmt::format(" ({:+.1f} %)", percent(row.checked.mean / *row.asked - 1))
+          row.asked ? fmt::format(" ({:+.1f} %)", rounded_percent(row.checked.mean / *row.asked - 1))
                     : std::string(),
           100 * row.checked.deviation / row.checked.mean);
   }

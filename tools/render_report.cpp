@@ -43,7 +43,7 @@ std::string milliseconds(double seconds) {
 }
 
 // "0.03", "20": one digit, and whole percents.
-std::string percent(double share) {
+std::string percent_words(double share) {
   return share < 0.1 ? fmt::format("{:.1g}", 100 * share) : fmt::format("{:.0f}", 100 * share);
 }
 
@@ -65,7 +65,7 @@ std::string line_of(const Written& image) {
       for (const preview::ImposterReport& one : sampling.imposters)
         flux_error = std::max(flux_error, one.flux_error);
       line += fmt::format(", {} (flux within {} %)", counted(sampling.imposters.size(), "imposter"),
-                          percent(flux_error));
+                          percent_words(flux_error));
     }
     if (sampling.shadow_edge > 0)
       line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);
@@ -103,7 +103,7 @@ std::string explained(const Written& image) {
     text +=
         fmt::format("  {}: an imposter of {} x {} texels for {:.3g} pixels, flux within {} %, {}\n",
                     fmt::join(names, ", "), one.width, one.height, one.extent,
-                    percent(one.flux_error), milliseconds(one.seconds));
+                    percent_words(one.flux_error), milliseconds(one.seconds));
   }
   for (std::size_t i = 0; i < told.size(); ++i)
     if (!told[i])

@@ -25,9 +25,9 @@ std::optional<double> pixels_of(std::string_view text) {
   return (*number)[0];
 }
 
-class Reader {
+class BudgetReader {
  public:
-  explicit Reader(DiagnosticLog& log) : log_(log) {}
+  explicit BudgetReader(DiagnosticLog& log) : log_(log) {}
 
   Result<scene::Budget> read(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {
@@ -111,7 +111,7 @@ class Reader {
 
 Result<scene::Budget> budget_of_text(std::string_view text, DiagnosticLog& log) {
   if (text == "none") return scene::Budget{};
-  return Reader(log).read(text);
+  return BudgetReader(log).read(text);
 }
 
 }  // namespace panwright::workspace

@@ -40,9 +40,9 @@ std::optional<std::uint64_t> parse_bytes(std::string_view text) {
   return static_cast<std::uint64_t>(bytes);
 }
 
-class Reader {
+class DrawReader {
  public:
-  explicit Reader(DiagnosticLog& log) : log_(log) {}
+  explicit DrawReader(DiagnosticLog& log) : log_(log) {}
   bool ok() const { return ok_; }
 
   void fail(const std::string& message) {
@@ -111,7 +111,7 @@ const char* stray_option(const ViewText& text, bool traced) {
 }
 
 // N, or 0 for auto.
-unsigned read_samples(const ViewText& text, bool traced, Reader& reader) {
+unsigned read_samples(const ViewText& text, bool traced, DrawReader& reader) {
   if (!text.samples) return traced ? 8u : 0u;
   if (*text.samples == "auto" && !traced) return 0u;
   const auto number = parse_numbers(*text.samples, 1);
@@ -122,7 +122,7 @@ unsigned read_samples(const ViewText& text, bool traced, Reader& reader) {
   return 1;
 }
 
-void read_imposters(const ViewText& text, Reader& reader, preview::RenderOptions& gl) {
+void read_imposters(const ViewText& text, DrawReader& reader, preview::RenderOptions& gl) {
   reader.share("flux-error", text.flux_error, "0.1%", gl.flux_error);
   if (!text.imposters || *text.imposters == "auto") return;
   const auto pixels = parse_numbers(*text.imposters, 1);
@@ -136,7 +136,7 @@ void read_imposters(const ViewText& text, Reader& reader, preview::RenderOptions
     reader.refuse("imposters", text.imposters, "auto, off, always, or a number of pixels");
 }
 
-void read_shadows(const ViewText& text, Reader& reader, preview::RenderOptions& gl) {
+void read_shadows(const ViewText& text, DrawReader& reader, preview::RenderOptions& gl) {
   bool no_shadows = false;
   reader.flag("no-shadows", text.no_shadows, no_shadows);
   if (no_shadows && text.shadows) reader.fail("--shadows cannot be combined with --no-shadows");
@@ -157,7 +157,7 @@ void read_shadows(const ViewText& text, Reader& reader, preview::RenderOptions& 
     reader.fail("--sun-points needs --shadows auto or soft");
 }
 
-void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
+void read_gl(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
   preview::RenderOptions& gl = draw.gl;
   gl.samples = draw.samples;
   if (text.pixel_error && draw.samples > 0)
@@ -183,7 +183,7 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
                   "auto, off, or what a pixel sees, as 2cm or 0.02 (metres)");
 }
 
-void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOptions& traced) {
+void read_reference(const ViewText& text, DrawReader& reader, preview::ReferenceOptions& traced) {
   reader.share("until-error", text.until_error, "0.1%", traced.until_error);
   reader.whole("max-samples", text.max_samples, 32u, 1u << 30, traced.max_samples);
   reader.whole("bounces", text.bounces, 0u, 1000u, traced.bounces);
@@ -203,7 +203,7 @@ void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOpti
                   fmt::format("box, or gaussian:SIGMA of up to {} pixels", kWidestPsf));
 }
 
-void read_psf(const ViewText& text, Reader& reader, DrawOptions& draw) {
+void read_psf(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
   const auto sigma = parse_numbers(*text.psf, 1);
   if (text.filter)
     reader.fail("--psf cannot be combined with --filter");
@@ -214,7 +214,7 @@ void read_psf(const ViewText& text, Reader& reader, DrawOptions& draw) {
 }
 
 Result<DrawOptions> read(const ViewText& text, preview::ContextKind context, DiagnosticLog& log) {
-  Reader reader(log);
+  DrawReader reader(log);
   DrawOptions draw;
   draw.context = context;
   const bool traced = text.engine == "reference";

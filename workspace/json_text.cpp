@@ -10,7 +10,7 @@ namespace panwright::workspace {
 
 namespace {
 
-using Json = nlohmann::json;
+using Document = nlohmann::json;
 
 constexpr std::size_t kMostNested = 16;
 
@@ -43,7 +43,7 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
 }
 
 // Builds the value, and keeps the library's own words to itself.
-class Builder : public nlohmann::json_sax<Json> {
+class Builder : public nlohmann::json_sax<Document> {
  public:
   Builder(std::string_view text, JsonText& out, JsonProblem& problem)
       : text_(text), out_(out), problem_(problem) {}
@@ -57,13 +57,13 @@ class Builder : public nlohmann::json_sax<Json> {
   }
   bool string(string_t& value) override { return add(std::move(value)) != nullptr; }
   bool binary(binary_t&) override { return false; }
-  bool start_object(std::size_t) override { return open(Json::object()); }
-  bool start_array(std::size_t) override { return open(Json::array()); }
+  bool start_object(std::size_t) override { return open(Document::object()); }
+  bool start_array(std::size_t) override { return open(Document::array()); }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
     if (open_.back()->contains(name)) {
-      const Json& outer = *open_.front();
+      const Document& outer = *open_.front();
       out_.repeated.push_back({outer.is_array() ? outer.size() - 1 : 0, name});
     }
     key_ = std::move(name);
@@ -77,19 +77,19 @@ class Builder : public nlohmann::json_sax<Json> {
   }
 
  private:
-  Json* add(Json&& value) {
+  Document* add(Document&& value) {
     if (open_.empty()) {
       out_.value = std::move(value);
       return &out_.value;
     }
-    Json& parent = *open_.back();
+    Document& parent = *open_.back();
     if (parent.is_array()) {
       parent.push_back(std::move(value));
       return &parent.back();
     }
     return &(parent[key_] = std::move(value));
   }
-  bool open(Json&& value) {
+  bool open(Document&& value) {
     if (open_.size() == kMostNested) {
       problem_.message = fmt::format("values are nested more than {} deep", kMostNested);
       return false;
@@ -105,7 +105,7 @@ class Builder : public nlohmann::json_sax<Json> {
   std::string_view text_;
   JsonText& out_;
   JsonProblem& problem_;
-  std::vector<Json*> open_;
+  std::vector<Document*> open_;
   std::string key_;
 };
 
@@ -114,7 +114,7 @@ class Builder : public nlohmann::json_sax<Json> {
 Result<JsonText> parse_json(std::string_view text, JsonProblem& problem) {
   JsonText out;
   Builder builder(text, out, problem);
-  if (!Json::sax_parse(text, &builder)) return failed;
+  if (!Document::sax_parse(text, &builder)) return failed;
   return out;
 }
 

@@ -18,7 +18,7 @@ using nlohmann::json;
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
-constexpr std::size_t kMaxBytes = 16u << 20;
+constexpr std::size_t kMaxRecordBytes = 16u << 20;
 
 Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -263,7 +263,7 @@ Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& lo
   JsonProblem problem;
   DiagnosticLog inner = log.apart();
   std::string wrong;
-  if (text->size() > kMaxBytes) {
+  if (text->size() > kMaxRecordBytes) {
     wrong = "it is too long";
   } else if (const auto parsed = parse_json(*text, problem)) {
     wrong = read_into(parsed->value, record, inner);

@@ -21,9 +21,9 @@ constexpr double kWidestDefault = 90;  // degrees
 constexpr std::uint32_t kMaxSide = 16384;
 
 // Reads texts one by one and remembers whether any of them failed.
-class Reader {
+class ViewReader {
  public:
-  explicit Reader(DiagnosticLog& log) : log_(log) {}
+  explicit ViewReader(DiagnosticLog& log) : log_(log) {}
   bool ok() const { return ok_; }
 
   void fail(const std::string& name, const std::string& value, const char* accepted) {
@@ -99,7 +99,7 @@ class Reader {
   bool ok_ = true;
 };
 
-void read_size(const ViewText& text, Reader& reader, world::Camera& camera) {
+void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) {
   if (!text.size) return;
   const std::string_view size = *text.size;
   const std::size_t cross = size.find_first_of("xX");
@@ -118,7 +118,7 @@ void read_size(const ViewText& text, Reader& reader, world::Camera& camera) {
 }
 
 // Focal lengths and principal point, when the text gives them.
-bool read_lens(const ViewText& text, Reader& reader, world::Camera& camera) {
+bool read_lens(const ViewText& text, ViewReader& reader, world::Camera& camera) {
   const int given = int(text.fov.has_value()) + int(text.ifov.has_value()) +
                     int(text.intrinsics.has_value()) + int(text.ortho.has_value());
   if (given > 1) reader.conflict("--fov, --ifov, --intrinsics and --ortho cannot be combined");
@@ -163,7 +163,7 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
 
-std::optional<world::Pose> pose_of(const PoseText& text, Reader& reader) {
+std::optional<world::Pose> pose_of(const PoseText& text, ViewReader& reader) {
   const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
   const auto numbers = parse_numbers(text.value, 7);
   if (!numbers) {
@@ -176,7 +176,7 @@ std::optional<world::Pose> pose_of(const PoseText& text, Reader& reader) {
 }
 
 // A pose of the world's targets, into the view and into the world as it is seen.
-void read_pose(const PoseText& text, Reader& reader, world::World& world, View& view,
+void read_pose(const PoseText& text, ViewReader& reader, world::World& world, View& view,
                DiagnosticLog& log) {
   std::size_t target = 0;
   if (!text.target.empty()) {
@@ -195,7 +195,7 @@ void read_pose(const PoseText& text, Reader& reader, world::World& world, View& 
 
 // Position and attitude; `sphere` returns what is around the targets.
 template <class Sphere>
-void read_attitude(const ViewText& text, const Sphere& sphere, Reader& reader,
+void read_attitude(const ViewText& text, const Sphere& sphere, ViewReader& reader,
                    world::Camera& camera, DiagnosticLog& log) {
   const auto position = reader.vector("camera", text.camera, false);
   const auto target = reader.vector("look-at", text.look_at, false);
@@ -242,7 +242,7 @@ bool place_in_frame(const std::string& text, const world::World& world, world::C
   return false;
 }
 
-void read_sun(const ViewText& text, Reader& reader, View& view) {
+void read_sun(const ViewText& text, ViewReader& reader, View& view) {
   const Quat& q = view.camera.world_from_camera;
   world::Sun sun;
   // behind the camera, over its left shoulder: camera axes are x right, y down
@@ -306,7 +306,7 @@ PoseText pose_text(std::string_view text) {
 
 void check_values(const ViewText& text, DiagnosticLog& log) {
   DiagnosticLog apart = log.apart();
-  Reader reader(apart);
+  ViewReader reader(apart);
   View view;
   read_size(text, reader, view.camera);
   for (const PoseText& pose : text.poses) (void)pose_of(pose, reader);
@@ -333,7 +333,7 @@ Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {
 }
 
 Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
-  Reader reader(log);
+  ViewReader reader(log);
   const std::size_t errors = log.errors();
   View view;
   view.label = text.label;

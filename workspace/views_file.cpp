@@ -20,7 +20,7 @@ using nlohmann::json;
 using schemas::ViewMember;
 using schemas::ViewOption;
 
-constexpr std::uint64_t kMaxBytes = 256ull << 20;
+constexpr std::uint64_t kMaxViewsBytes = 256ull << 20;
 constexpr std::size_t kMaxViews = 1'000'000;
 constexpr std::size_t kMostOutputs = 16;
 
@@ -153,9 +153,9 @@ const char* type_of(const json& value) {
 }
 
 // Reads the members of one view.
-class ViewReader {
+class OneViewReader {
  public:
-  ViewReader(std::size_t index, const std::string& file, DiagnosticLog& log)
+  OneViewReader(std::size_t index, const std::string& file, DiagnosticLog& log)
       : index_(index), log_(log) {
     view_.file = file;
     view_.label = view_label(index, {});
@@ -368,7 +368,7 @@ ViewText with_defaults(ViewText view, const ViewText& defaults) {
 
 Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
                                          const ViewText& defaults, DiagnosticLog& log) {
-  const auto text = read_file(path, kMaxBytes, log);
+  const auto text = read_file(path, kMaxViewsBytes, log);
   if (!text) return failed;
   return parse_views(*text, path.string(), defaults, log);
 }
@@ -395,7 +395,7 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
     bool good = true;
     std::size_t repeated = 0;
     for (const json& item : list) {
-      ViewReader reader(views.size(), name, to);
+      OneViewReader reader(views.size(), name, to);
       reader.name(item);
       for (; repeated < parsed->repeated.size() && parsed->repeated[repeated].item == views.size();
            ++repeated)
@@ -425,7 +425,7 @@ bool parse_view(std::string_view text, std::size_t index, const ViewText& defaul
     log.report_file(Code::E0203, {}, view.label + ": " + problem.message, problem.hint);
     return false;
   }
-  ViewReader reader(index, {}, log);
+  OneViewReader reader(index, {}, log);
   reader.name(parsed->value);
   for (const JsonText::Repeated& each : parsed->repeated) reader.repeated(each.member);
   reader.read(parsed->value);

@@ -11,14 +11,14 @@
 namespace panwright::world {
 namespace {
 
-struct Box {
+struct SweepBox {
   Vec3 low{HUGE_VAL};
   Vec3 high{-HUGE_VAL};
   void add(const Vec3& p) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  bool meets(const Box& other) const {
+  bool meets(const SweepBox& other) const {
     for (int k = 0; k < 3; ++k)
       if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
     return true;
@@ -26,7 +26,7 @@ struct Box {
 };
 
 // The box around a box that is moved.
-Box moved(const Box& box, const Mat4& m) {
+SweepBox moved(const SweepBox& box, const Mat4& m) {
   const Vec3 centre = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
   const Vec3 at(m * Vec4(centre, 1));
   Vec3 reach(0);
@@ -54,7 +54,7 @@ class MeshTree {
     split(0, 0, static_cast<std::uint32_t>(order_.size()));
   }
 
-  const Box& box() const { return nodes_[0].box; }
+  const SweepBox& box() const { return nodes_[0].box; }
 
   // Whether some triangle of this mesh cuts one of another, which `own_from_other` places.
   bool cuts(const MeshTree& other, const Mat4& own_from_other, double slack) const {
@@ -80,18 +80,18 @@ class MeshTree {
  private:
   // Children first and first + 1, or triangles order_[first, first + count).
   struct Node {
-    Box box;
+    SweepBox box;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
 
-  static bool larger(const Box& a, const Box& b) {
+  static bool larger(const SweepBox& a, const SweepBox& b) {
     return glm::length(a.high - a.low) >= glm::length(b.high - b.low);
   }
 
   void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
     constexpr std::uint32_t kLeaf = 4;
-    Box box, centres;
+    SweepBox box, centres;
     const auto centre = [&](std::uint32_t i) {
       return (triangles_[i][0] + triangles_[i][1] + triangles_[i][2]) / 3.0;
     };
@@ -217,7 +217,7 @@ class Sweeper {
       const std::uint32_t node = model_.instances()[i].node;
       if (now.node_visible[node]) (moving[node] ? movers : others).push_back(i);
     }
-    Box swept;
+    SweepBox swept;
     World world = world_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, Collision> met;
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> met_now;
@@ -229,7 +229,7 @@ class Sweeper {
       values[0] = value;
       world.set_joint(target_, joint, values);
       const EvaluatedInstance at = evaluated(world[target_]);
-      std::vector<Box> boxes(model_.instances().size());
+      std::vector<SweepBox> boxes(model_.instances().size());
       for (const std::uint32_t i : movers) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : others) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : movers) {
@@ -287,7 +287,7 @@ class Sweeper {
     return *trees_[mesh];
   }
 
-  Box box_of(std::uint32_t i, const EvaluatedInstance& at) {
+  SweepBox box_of(std::uint32_t i, const EvaluatedInstance& at) {
     const pan::layout::Instance& placed = model_.instances()[i];
     return moved(tree(placed.mesh).box(), at.model_from_nodes[placed.node]);
   }

@@ -28,7 +28,7 @@ struct WorldCircularEdge {
 };
 
 // Two circular edges that meet, and the angle from the start of one to that of the other.
-struct Meeting {
+struct EdgeMeeting {
   std::uint32_t a, b;  // jobs
   double phase;
 };
@@ -155,7 +155,7 @@ std::vector<JobEdges> edges_of_jobs(const std::vector<MeshJob>& jobs) {
   return out;
 }
 
-std::vector<Meeting> meetings_of(const std::vector<Mat4>& world, const scene::Scene& scene,
+std::vector<EdgeMeeting> meetings_of(const std::vector<Mat4>& world, const scene::Scene& scene,
                                  const Plan& plan, const std::vector<JobEdges>& jobs) {
   std::vector<WorldCircularEdge> circular_edges;
   std::vector<std::uint32_t> instance_of;
@@ -170,7 +170,7 @@ std::vector<Meeting> meetings_of(const std::vector<Mat4>& world, const scene::Sc
       instance_of.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  std::vector<Meeting> out;
+  std::vector<EdgeMeeting> out;
   EdgeGrid grid(circular_edges);
   for (std::uint32_t i = 0; i < circular_edges.size(); ++i) {
     const std::uint32_t first = grid.first_met(i);
@@ -202,16 +202,16 @@ class UnionFind {
 // Jobs that share circular edges, directly or through others.
 struct Family {
   std::vector<std::uint32_t> jobs;
-  std::vector<Meeting> meetings;
+  std::vector<EdgeMeeting> meetings;
 };
 
-std::vector<Family> families_of(const std::vector<Meeting>& meetings, std::size_t jobs) {
+std::vector<Family> families_of(const std::vector<EdgeMeeting>& meetings, std::size_t jobs) {
   UnionFind sets(jobs);
-  for (const Meeting& meeting : meetings) sets.unite(meeting.a, meeting.b);
+  for (const EdgeMeeting& meeting : meetings) sets.unite(meeting.a, meeting.b);
   std::vector<Family> out;
   std::unordered_map<std::uint32_t, std::size_t> place;
   std::vector<char> listed(jobs);
-  for (const Meeting& meeting : meetings) {
+  for (const EdgeMeeting& meeting : meetings) {
     const auto [found, added] = place.emplace(sets.root(meeting.a), out.size());
     if (added) out.emplace_back();
     Family& family = out[found->second];
@@ -241,7 +241,7 @@ bool divides(const Family& family, const std::vector<JobEdges>& jobs, double tur
 
 std::vector<double> phases_of(const Family& family) {
   std::vector<double> phases;
-  for (const Meeting& meeting : family.meetings) phases.push_back(meeting.phase);
+  for (const EdgeMeeting& meeting : family.meetings) phases.push_back(meeting.phase);
   std::sort(phases.begin(), phases.end());
   const auto same = [](double a, double b) { return b - a <= 1e-12; };
   phases.erase(std::unique(phases.begin(), phases.end(), same), phases.end());
@@ -274,12 +274,12 @@ bool settle(const Family& family, const std::vector<JobEdges>& circular_edges,
 
 void share_circular_edges(const std::vector<Mat4>& world, const scene::Scene& scene, Plan& plan) {
   const std::vector<JobEdges> circular_edges = edges_of_jobs(plan.jobs);
-  const std::vector<Meeting> meetings = meetings_of(world, scene, plan, circular_edges);
-  std::vector<Meeting> straight;
+  const std::vector<EdgeMeeting> meetings = meetings_of(world, scene, plan, circular_edges);
+  std::vector<EdgeMeeting> straight;
   for (const Family& family : families_of(meetings, plan.jobs.size())) {
     if (settle(family, circular_edges, plan.jobs)) continue;
     // one that is turned askew does not keep the others apart
-    for (const Meeting& meeting : family.meetings)
+    for (const EdgeMeeting& meeting : family.meetings)
       if (std::fabs(meeting.phase) <= kSame) straight.push_back(meeting);
   }
   for (const Family& family : families_of(straight, plan.jobs.size()))

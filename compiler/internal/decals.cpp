@@ -10,7 +10,7 @@ namespace panwright::compiler::internal {
 
 namespace {
 
-constexpr double kParallel = 1e-6;  // radians
+constexpr double kParallelPlanes = 1e-6;  // radians
 
 // note: divided first, so that squares of very short or long vectors stay numbers
 Vec3 unit(const Vec3& v) {
@@ -20,7 +20,7 @@ Vec3 unit(const Vec3& v) {
 
 Vec3 upright(const scene::Decal& decal, const Vec3& normal) {
   for (const auto& up : {decal.up, std::optional(Vec3(0, 0, 1))})
-    if (up && glm::length(glm::cross(unit(*up), normal)) > kParallel) return unit(*up);
+    if (up && glm::length(glm::cross(unit(*up), normal)) > kParallelPlanes) return unit(*up);
   return {0, 1, 0};
 }
 

@@ -22,7 +22,7 @@ constexpr std::size_t kLeastTriangles = 64;
 // What levels begin with: the tolerance may be more than the light allows.
 constexpr double kFinest = 1.0 / 16;  // of the tolerance
 constexpr double kFine = 1e-4;        // of the diagonal
-constexpr double kCoarse = 0.25;      // of the diagonal: the coarsest
+constexpr double kCoarsestMesh = 0.25;      // of the diagonal: the coarsest
 
 class Simplifier {
  public:
@@ -202,7 +202,7 @@ class Simplifier {
     geometry::LevelOptions options;
     options.unit = chosen.tolerance.metres;
     options.least_error = std::min(kFinest * chosen.tolerance.metres, kFine * diagonal);
-    options.most_error = std::min(chosen.tolerance.metres / diagonal * (1 + 1e-12), kCoarse);
+    options.most_error = std::min(chosen.tolerance.metres / diagonal * (1 + 1e-12), kCoarsestMesh);
     options.most_area_error = std::min(options.most_area_error, most_flux);
     options.most_normal_error = std::min(options.most_normal_error, chosen.slope / 4);
     options.most_flux_error = std::min(most_flux, 1.0);

@@ -23,7 +23,7 @@ constexpr double kTextureShare = 0.25;  // of the budget's flux
 constexpr double kMostLight = 0.01;     // relative, where the budget has no flux
 constexpr double kLeastSamples = 4;     // of a texture, in each triangle
 constexpr double kSamples = 1e6;        // of a mesh
-constexpr double kCoarse = 0.02;        // of the radius of curvature: meshes of exact shapes
+constexpr double kCoarseShapes = 0.02;        // of the radius of curvature: meshes of exact shapes
 
 // The mesh of a shape, with texture coordinates; null: none.
 MeshShape textured_surface(const geometry::Shape& shape) {
@@ -31,7 +31,7 @@ MeshShape textured_surface(const geometry::Shape& shape) {
     return (*mesh)->texcoords.empty() ? nullptr : *mesh;
   geometry::TessellationOptions options;
   const auto radius = radius_of_curvature(shape);
-  options.max_error = radius && *radius > 0 ? kCoarse * *radius : 1e30;
+  options.max_error = radius && *radius > 0 ? kCoarseShapes * *radius : 1e30;
   options.texcoords = true;
   options.max_triangles = 1u << 20;
   DiagnosticLog ignored;  // the compilation reports the same

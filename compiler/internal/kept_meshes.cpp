@@ -11,7 +11,7 @@ namespace panwright::compiler::internal {
 namespace {
 
 // About 0.1 ms; a file costs as much.
-constexpr double kLeastTriangles = 1000;
+constexpr double kLeastKeptTriangles = 1000;
 
 enum class Kept : std::uint64_t { packed, mesh };
 
@@ -29,7 +29,7 @@ Hash128 key_of(const MeshJob& job, const geometry::TessellationOptions& tessella
   return key.key();
 }
 
-bool is_finite(const std::vector<float>& values) {
+bool all_finite(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
@@ -37,7 +37,7 @@ bool is_finite(const std::vector<float>& values) {
 
 bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
   return !std::holds_alternative<geometry::MeshShape>(*job.shape) &&
-         geometry::planned_triangles(*job.shape, tessellation) >= kLeastTriangles;
+         geometry::planned_triangles(*job.shape, tessellation) >= kLeastKeptTriangles;
 }
 
 Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
@@ -68,8 +68,8 @@ pan::PackedMesh read_packed(ByteReader& from) {
   const bool sound = std::isfinite(glm::length(mesh.origin)) && std::isfinite(mesh.error) &&
                      count > 0 && mesh.positions.size() == 3 * count &&
                      mesh.normals.size() == 3 * count && fits(mesh.texcoords, 2) &&
-                     fits(mesh.colors, 3) && is_finite(mesh.positions) && is_finite(mesh.normals) &&
-                     is_finite(mesh.texcoords) && is_finite(mesh.colors) && !mesh.indices.empty() &&
+                     fits(mesh.colors, 3) && all_finite(mesh.positions) && all_finite(mesh.normals) &&
+                     all_finite(mesh.texcoords) && all_finite(mesh.colors) && !mesh.indices.empty() &&
                      mesh.indices.size() % 3 == 0 &&
                      *std::max_element(mesh.indices.begin(), mesh.indices.end()) < count;
   if (!sound) from.fail();

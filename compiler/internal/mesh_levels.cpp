@@ -17,7 +17,7 @@
 namespace panwright::compiler::internal {
 namespace {
 
-constexpr std::size_t kLeastTriangles = 512;
+constexpr std::size_t kLeastLevelTriangles = 512;
 
 // Levels change where they leave at most this share of the triangles of the whole model: frames in
 // between are drawn with both.
@@ -153,7 +153,7 @@ class MeshLevels {
     for (std::uint32_t i = 0; i < out_.instances.size(); ++i) {
       const std::uint32_t mesh = out_.instances[i].mesh;
       const double stretch = stretch_of(world_[i]).largest;
-      if (unfit[i] || out_.meshes[mesh].triangle_count() < kLeastTriangles || !(stretch > 0))
+      if (unfit[i] || out_.meshes[mesh].triangle_count() < kLeastLevelTriangles || !(stretch > 0))
         continue;
       if (at[mesh] == chosen_.max_size()) {
         at[mesh] = chosen_.size();

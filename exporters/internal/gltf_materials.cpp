@@ -34,7 +34,6 @@ constexpr int kSamples = 64;  // texels a side that a decision looks at
 // 0 to 1; what single precision left beside 1 is 1.
 double unit(double x) { return x > 1 - 1e-6 ? 1 : std::max(x, 0.0); }
 double mean(const Vec3& v) { return (v.x + v.y + v.z) / 3; }
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 ordered_json list(const Vec3& v) { return ordered_json::array({unit(v.x), unit(v.y), unit(v.z)}); }
 
 bool shines(const Material& m) {
@@ -220,21 +219,21 @@ class Translation {
   }
 
   void choose() {
-    if (!shines_ || largest(mean_reflectance_) <= 0) {
+    if (!shines_ || max_component(mean_reflectance_) <= 0) {
       form_ = Form::diffuse;
       return;
     }
     const bool clear = m_.refract && m_.extinction == Vec3(0) && !mapped() && !m_.coat &&
-                       reflectance_of_index(largest(*m_.refract)) < 0.2;
+                       reflectance_of_index(max_component(*m_.refract)) < 0.2;
     if (clear) {
       form_ = Form::dielectric;
-    } else if (largest(mean_diffuse_) <= 0) {
+    } else if (max_component(mean_diffuse_) <= 0) {
       form_ = Form::metal;
     } else {
       // metal and roughness share a texture
       const bool apart = has_map(maps_.roughness) && color_repeat_ != maps_.repeat;
       // a faint reflectance that is the same everywhere needs no texture
-      const bool even = colored() && !mapped() && largest(mean_reflectance_) < 0.2;
+      const bool even = colored() && !mapped() && max_component(mean_reflectance_) < 0.2;
       form_ = !apart && !even && mixture_error() <= kMixed ? Form::mixture : Form::dielectric;
     }
   }
@@ -244,7 +243,7 @@ class Translation {
       case Form::diffuse:
         return d;
       case Form::dielectric:
-        return d / std::max(1 - largest(r), 1e-3);
+        return d / std::max(1 - max_component(r), 1e-3);
       case Form::metal:
         return r;
       case Form::mixture:
@@ -293,7 +292,7 @@ class Translation {
     } else {
       surface_.specular_color = reflectance / kDielectric;
       // ours and glTF's differ by rounding where a file came from glTF
-      if (largest(glm::abs(surface_.specular_color - Vec3(1))) < 2e-3)
+      if (max_component(glm::abs(surface_.specular_color - Vec3(1))) < 2e-3)
         surface_.specular_color = Vec3(1);
     }
   }
@@ -437,7 +436,7 @@ class Translation {
 
   void write_emission(ordered_json& more) {
     const Vec3 emissive = m_.weights.z * m_.emissive;
-    const double brightest = largest(emissive);
+    const double brightest = max_component(emissive);
     if (!(brightest > 0)) return;
     json["emissiveFactor"] = list(brightest > 1 ? emissive / brightest : emissive);
     if (brightest > 1) more["KHR_materials_emissive_strength"] = {{"emissiveStrength", brightest}};

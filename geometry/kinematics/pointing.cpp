@@ -11,12 +11,12 @@ namespace {
 // Below it, a part across an axis is none: its direction would be noise.
 constexpr double kAlong = 1e-14;
 
-struct Range {
+struct AngleRange {
   double lower = -HUGE_VAL;
   double upper = HUGE_VAL;
 };
 
-Range range_of(const Joint& joint) {
+AngleRange range_of(const Joint& joint) {
   if (joint.kind == JointKind::continuous || !joint.limited) return {};
   return {joint.lower[0], joint.upper[0]};
 }
@@ -26,7 +26,7 @@ bool turns(const Joint& joint) {
 }
 
 // That of q + 2πn that lies in the range, nearest to `now`; none: no such.
-bool place(double q, const Range& range, double now, double& out) {
+bool place(double q, const AngleRange& range, double now, double& out) {
   if (range.lower == -HUGE_VAL && range.upper == HUGE_VAL) {
     out = wrapped_angle(q);
     return true;
@@ -43,7 +43,7 @@ bool place(double q, const Range& range, double now, double& out) {
 }
 
 // The best angle about a unit axis within a range. `closest`: none is better than another.
-double best_angle(const Vec3& axis, const Range& range, const Vec3& v, const Vec3& target,
+double best_angle(const Vec3& axis, const AngleRange& range, const Vec3& v, const Vec3& target,
                   double now) {
   const Vec3 a = v - glm::dot(axis, v) * axis;
   const Vec3 b = target - glm::dot(axis, target) * axis;
@@ -81,7 +81,7 @@ PointingPair point_two(const Joint& outer, const Mat3& outer_from_inner, const J
                        const Vec3& v, const Vec3& target, double outer_now, double inner_now) {
   assert(turns(outer) && turns(inner));
   const Vec3 u = glm::normalize(v), to = glm::normalize(target);
-  const Range range_outer = range_of(outer), range_inner = range_of(inner);
+  const AngleRange range_outer = range_of(outer), range_inner = range_of(inner);
   PointingPair best;
   best.error = HUGE_VAL;
   double best_distance = HUGE_VAL;

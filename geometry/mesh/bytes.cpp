@@ -19,7 +19,7 @@ void put(const Mesh& mesh, To& to) {
 }
 
 template <class V>
-bool is_finite(const std::vector<V>& values) {
+bool all_finite(const std::vector<V>& values) {
   return std::all_of(values.begin(), values.end(), [](const V& v) {
     for (int k = 0; k < v.length(); ++k)
       if (!std::isfinite(v[k])) return false;
@@ -46,8 +46,8 @@ Mesh read_mesh(ByteReader& from) {
   const auto fits = [&](std::size_t size) { return size == 0 || size == count; };
   const bool sound =
       fits(mesh.normals.size()) && fits(mesh.texcoords.size()) && fits(mesh.colors.size()) &&
-      is_finite(mesh.positions) && is_finite(mesh.normals) && is_finite(mesh.texcoords) &&
-      is_finite(mesh.colors) && std::isfinite(mesh.error) &&
+      all_finite(mesh.positions) && all_finite(mesh.normals) && all_finite(mesh.texcoords) &&
+      all_finite(mesh.colors) && std::isfinite(mesh.error) &&
       std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
         return std::max({t[0], t[1], t[2]}) < count;
       });

@@ -10,7 +10,7 @@ namespace panwright::geometry {
 
 namespace {
 
-struct Edges {
+struct EdgeCounts {
   std::uint64_t boundary = 0;
   std::uint64_t non_manifold = 0;
   std::uint64_t misoriented = 0;
@@ -29,7 +29,7 @@ bool is_collapsed(const Triangle& t, const std::vector<std::uint32_t>& first) {
 }
 
 // Sorts the sides of triangles by their lower vertex, then by their upper one.
-Edges count_edges(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
+EdgeCounts count_edges(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
   const std::size_t vertices = mesh.positions.size();
   const auto for_each_side = [&](const auto& body) {
     for (const Triangle& t : mesh.triangles) {
@@ -49,7 +49,7 @@ Edges count_edges(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
     sides[start[low + 1]++] = 2 * std::uint64_t{high} + (forward ? 1 : 0);
   });
 
-  Edges edges;
+  EdgeCounts edges;
   for (std::size_t v = 0; v < vertices; ++v) {
     const auto begin = sides.begin() + static_cast<std::ptrdiff_t>(start[v]);
     const auto end = sides.begin() + static_cast<std::ptrdiff_t>(start[v + 1]);
@@ -155,7 +155,7 @@ MeshReport check(const Mesh& mesh) {
   check_vertices(mesh, report);
   const std::vector<std::uint32_t> first = welded(mesh.positions);
   measure_triangles(mesh, first, report);
-  const Edges edges = count_edges(mesh, first);
+  const EdgeCounts edges = count_edges(mesh, first);
   report.boundary_edges = edges.boundary;
   report.non_manifold_edges = edges.non_manifold;
   report.misoriented_edges = edges.misoriented;

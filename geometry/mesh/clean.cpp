@@ -24,15 +24,15 @@ namespace panwright::geometry {
 
 namespace {
 
-constexpr std::size_t kChunk = 1u << 14;
+constexpr std::size_t kCleanChunk = 1u << 14;
 // of the diagonal: the resolution of positions in single precision
 constexpr double kJunction = 1e-6;
 
 template <class Body>
-void for_chunks(std::size_t count, const Body& body) {
-  parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min(count, (chunk + 1) * kChunk);
-    for (std::size_t i = chunk * kChunk; i < end; ++i) body(i);
+void for_each_index(std::size_t count, const Body& body) {
+  parallel_for((count + kCleanChunk - 1) / kCleanChunk, [&](std::size_t chunk) {
+    const std::size_t end = std::min(count, (chunk + 1) * kCleanChunk);
+    for (std::size_t i = chunk * kCleanChunk; i < end; ++i) body(i);
   });
 }
 
@@ -100,7 +100,7 @@ class Cleaner {
     const std::vector<std::uint32_t>& first = plain ? unique_position_ : seams;
     for (std::size_t v = 0; v < first.size(); ++v) report_.welded += first[v] != v;
     if (report_.welded == 0) return;
-    for_chunks(mesh_.triangles.size(), [&](std::size_t i) {
+    for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
       for (std::uint32_t& v : mesh_.triangles[i]) v = first[v];
     });
   }
@@ -153,13 +153,13 @@ class Cleaner {
 
   void drop_collapsed() {
     std::vector<char> marked(mesh_.triangles.size());
-    for_chunks(marked.size(), [&](std::size_t i) { marked[i] = is_collapsed(i); });
+    for_each_index(marked.size(), [&](std::size_t i) { marked[i] = is_collapsed(i); });
     report_.degenerate += drop(marked);
   }
 
   void drop_slivers() {
     std::vector<char> marked(mesh_.triangles.size());
-    for_chunks(marked.size(), [&](std::size_t i) {
+    for_each_index(marked.size(), [&](std::size_t i) {
       const Triangle& t = mesh_.triangles[i];
       const bool sliver =
           measure(mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]).degenerate();
@@ -199,7 +199,7 @@ class Cleaner {
         count, hash, [&](std::uint32_t a, std::uint32_t b) { return sorted(a) == sorted(b); });
     if (!first) return;
     std::vector<char> marked(count);
-    for_chunks(count, [&](std::size_t i) {
+    for_each_index(count, [&](std::size_t i) {
       const std::uint32_t other = (*first)[i];
       marked[i] = other != i && !is_collapsed(i) && repeats(other, static_cast<std::uint32_t>(i));
     });
@@ -236,7 +236,7 @@ class Cleaner {
   // the two the file has wrong. Vertices that others share are doubled.
   void turn_normals() {
     std::vector<char> marked(mesh_.triangles.size());
-    for_chunks(marked.size(), [&](std::size_t i) {
+    for_each_index(marked.size(), [&](std::size_t i) {
       const Triangle& t = mesh_.triangles[i];
       const Vec3 outwards = glm::cross(mesh_.positions[t[1]] - mesh_.positions[t[0]],
                                        mesh_.positions[t[2]] - mesh_.positions[t[0]]);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kViews = 24;
 constexpr std::size_t kSuns = 7;  // for each; the first at the viewer
 constexpr double kTenth = 0.1;
-constexpr std::size_t kBlock = 4096;  // triangles
+constexpr std::size_t kFluxBlock = 4096;  // triangles
 
 struct View {
   Vec3 viewer{0};
@@ -65,12 +65,12 @@ void add(const Mesh& mesh, const Triangle& t, const std::array<View, kViews>& al
 }
 
 Flux flux_of(const Mesh& mesh, const std::array<View, kViews>& all, const Job& job) {
-  std::vector<Flux> sums((mesh.triangles.size() + kBlock - 1) / kBlock, Flux{});
+  std::vector<Flux> sums((mesh.triangles.size() + kFluxBlock - 1) / kFluxBlock, Flux{});
   parallel_for(
       sums.size(),
       [&](std::size_t block) {
-        const std::size_t end = std::min(mesh.triangles.size(), (block + 1) * kBlock);
-        for (std::size_t i = block * kBlock; i < end; ++i)
+        const std::size_t end = std::min(mesh.triangles.size(), (block + 1) * kFluxBlock);
+        for (std::size_t i = block * kFluxBlock; i < end; ++i)
           add(mesh, mesh.triangles[i], all, sums[block]);
       },
       job);

@@ -14,21 +14,21 @@ namespace panwright::geometry {
 namespace {
 
 constexpr double kUlps = 32 * std::numeric_limits<double>::epsilon();
-constexpr std::size_t kBlock = 4096;    // triangles
+constexpr std::size_t kDistanceBlock = 4096;    // triangles
 constexpr std::size_t kWave = 16;       // blocks that start from one bound
 constexpr double kSearches = 1024;      // of a block, and more for each triangle
 constexpr double kWorthCutting = 0.25;  // of an edge
 constexpr int kHalvings = 36;           // of an edge, to find a change on it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Corner {
+struct CornerPoint {
   Vec3 at{0};
   double distance = 0;
   std::uint32_t nearest = 0;  // triangle of the other mesh
 };
 
 struct Piece {
-  std::array<Corner, 3> corners;
+  std::array<CornerPoint, 3> corners;
   double most = 0;          // no point of it is further off
   std::uint32_t order = 0;  // in which pieces were made
   std::uint32_t depth = 0;
@@ -75,7 +75,7 @@ class OneSide {
   DistanceInterval run(double low) {
     DistanceInterval all{low, 0};
     if (low > options_.give_up) return {low, kInfinity};
-    const std::size_t blocks = (from_.triangles.size() + kBlock - 1) / kBlock;
+    const std::size_t blocks = (from_.triangles.size() + kDistanceBlock - 1) / kDistanceBlock;
     for (std::size_t begin = 0; begin < blocks; begin += kWave) {
       const std::size_t count = std::min(kWave, blocks - begin);
       std::array<DistanceInterval, kWave> found;
@@ -97,7 +97,7 @@ class OneSide {
     return std::max(low * (1 + options_.relative), low + options_.absolute) + rounding_;
   }
 
-  double distance(const Corner& corner, std::uint32_t triangle) const {
+  double distance(const CornerPoint& corner, std::uint32_t triangle) const {
     if (corner.nearest == triangle) return corner.distance;
     return std::sqrt(to_.triangles()[triangle].squared_distance(corner.at));
   }
@@ -108,14 +108,14 @@ class OneSide {
   }
 
   void bound(Piece& piece) const {
-    const std::array<Corner, 3>& c = piece.corners;
+    const std::array<CornerPoint, 3>& c = piece.corners;
     piece.most = std::max({c[0].distance, c[1].distance, c[2].distance}) + radius_of(piece);
     for (std::size_t k = 0; k < 3; ++k)
       if (k == 0 || c[k].nearest != c[k - 1].nearest)
         piece.most = std::min(piece.most, farthest(piece, c[k].nearest));
   }
 
-  Corner corner_at(const Vec3& at, std::uint32_t hint) const {
+  CornerPoint corner_at(const Vec3& at, std::uint32_t hint) const {
     const SurfaceSearch::Nearest found = to_.nearest(at, hint);
     return {at, std::sqrt(found.squared), found.triangle};
   }
@@ -129,7 +129,7 @@ class OneSide {
 
   // How far the triangle next to an edge's first end reaches along it, as a share: its distance
   // grows towards the other end, for it is convex. 1: to the end.
-  double reach(const Corner& a, const Corner& b, double enough) const {
+  double reach(const CornerPoint& a, const CornerPoint& b, double enough) const {
     if (distance(b, a.nearest) <= enough) return 1;
     const FramedTriangle& triangle = to_.triangles()[a.nearest];
     double from = 0, to = 1;
@@ -147,20 +147,20 @@ class OneSide {
   // the longest, as far as one of them is; where there is none or that is not far, and each
   // fourth time, which alone makes pieces small, the middle of the longest.
   std::pair<std::size_t, Vec3> cut(const Piece& piece, double enough) const {
-    const std::array<Corner, 3>& c = piece.corners;
+    const std::array<CornerPoint, 3>& c = piece.corners;
     std::array<double, 3> length;
     for (std::size_t k = 0; k < 3; ++k) length[k] = glm::length(c[(k + 1) % 3].at - c[k].at);
     std::size_t best = 3;
     for (std::size_t k = 0; k < 3 && piece.depth % 4 != 3; ++k) {
-      const Corner& next = c[(k + 1) % 3];
+      const CornerPoint& next = c[(k + 1) % 3];
       if (c[k].nearest == next.nearest || (best < 3 && length[k] <= length[best]) ||
           distance(next, c[k].nearest) <= enough || distance(c[k], next.nearest) <= enough)
         continue;
       best = k;
     }
     if (best < 3) {
-      const Corner& a = c[best];
-      const Corner& b = c[(best + 1) % 3];
+      const CornerPoint& a = c[best];
+      const CornerPoint& b = c[(best + 1) % 3];
       for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) {
         const double share = reach(*from, *to, enough);
         if (share >= kWorthCutting) return {best, from->at + share * (to->at - from->at)};
@@ -184,8 +184,8 @@ class OneSide {
       waiting.push_back(piece);
       std::push_heap(waiting.begin(), waiting.end(), is_below);
     };
-    const std::size_t begin = block * kBlock;
-    const std::size_t end = std::min(from_.triangles.size(), begin + kBlock);
+    const std::size_t begin = block * kDistanceBlock;
+    const std::size_t end = std::min(from_.triangles.size(), begin + kDistanceBlock);
     double left = kSearches + searches_ * static_cast<double>(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
       Piece piece = piece_of(from_.triangles[i]);
@@ -200,8 +200,8 @@ class OneSide {
       // the triangle that the middle is nearest to is the likeliest to be near all of it: corners
       // may be as near to neighbours
       if (piece.depth % 2 == 0) {
-        const std::array<Corner, 3>& c = piece.corners;
-        const Corner centre = corner_at((c[0].at + c[1].at + c[2].at) / 3.0, c[0].nearest);
+        const std::array<CornerPoint, 3>& c = piece.corners;
+        const CornerPoint centre = corner_at((c[0].at + c[1].at + c[2].at) / 3.0, c[0].nearest);
         --left;
         out.low = std::max(out.low, centre.distance);
         const double most = farthest(piece, centre.nearest);
@@ -212,7 +212,7 @@ class OneSide {
       }
       const auto [edge, at] = cut(piece, enough(out.low));
       const std::size_t next = (edge + 1) % 3;
-      const Corner corner = corner_at(at, piece.corners[edge].nearest);
+      const CornerPoint corner = corner_at(at, piece.corners[edge].nearest);
       --left;
       out.low = std::max(out.low, corner.distance);
       for (const std::size_t gone : {edge, next}) {
@@ -296,14 +296,14 @@ std::array<Vec3, kDirections> directions() {
 
 std::array<double, kDirections> projected_areas(const Mesh& mesh, const Job& job) {
   const std::array<Vec3, kDirections> all = directions();
-  const std::size_t chunks = (mesh.triangles.size() + kBlock - 1) / kBlock;
+  const std::size_t chunks = (mesh.triangles.size() + kDistanceBlock - 1) / kDistanceBlock;
   std::vector<std::array<double, kDirections>> sums(chunks);
   parallel_for(
       chunks,
       [&](std::size_t chunk) {
         sums[chunk].fill(0);
-        const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kBlock);
-        for (std::size_t i = chunk * kBlock; i < end; ++i) {
+        const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kDistanceBlock);
+        for (std::size_t i = chunk * kDistanceBlock; i < end; ++i) {
           const Triangle& t = mesh.triangles[i];
           const Vec3 cross = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
                                         mesh.positions[t[2]] - mesh.positions[t[0]]);

@@ -33,17 +33,17 @@ std::vector<std::uint32_t> first_near(const std::vector<Vec3>& points, const Vec
   return out;
 }
 
-struct Edge {
+struct DirectedEdge {
   std::uint32_t low, high, triangle;
   std::uint8_t corner;
   bool turned;
-  bool operator<(const Edge& o) const {
+  bool operator<(const DirectedEdge& o) const {
     return std::tie(low, high, triangle, corner) < std::tie(o.low, o.high, o.triangle, o.corner);
   }
 };
 
 void join(Faces& faces) {
-  std::vector<Edge> edges;
+  std::vector<DirectedEdge> edges;
   edges.reserve(faces.triangles.size() * 3);
   for (std::uint32_t t = 0; t < faces.triangles.size(); ++t)
     for (std::uint8_t k = 0; k < 3; ++k) {

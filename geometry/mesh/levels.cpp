@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/weld.h"
 #include "geometry/mesh/check.h"
 #include "geometry/mesh/diffuse_flux.h"
@@ -18,7 +19,6 @@ namespace {
 
 constexpr double kFinest = 3e-5;  // of the diagonal: the first tolerance
 constexpr std::size_t kLeastPart = 8;
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 // A connected part, and what was made of it.
 struct Part {

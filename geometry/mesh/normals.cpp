@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "geometry/internal/compressed_rows.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 #include "geometry/mesh/internal/normals.h"
@@ -19,11 +20,8 @@ namespace panwright::geometry {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-// radians: what rounding may do to the angle of a right-angled crease
-constexpr double kAngleSlack = 1e-9;
 constexpr int kChainLimit = 16;
-constexpr std::size_t kChunk = 1u << 13;   // triangles or vertices that a thread takes at once
+constexpr std::size_t kNormalChunk = 1u << 13;   // triangles or vertices that a thread takes at once
 constexpr std::size_t kParts = 8;          // of the vertices
 constexpr std::size_t kRecent = 1u << 12;  // facets that a thread keeps
 
@@ -228,9 +226,9 @@ void free_list(std::vector<T>& list) {
 }
 
 template <class Body>
-void for_chunks(std::size_t count, const Body& body) {
-  parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    body(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk));
+void for_ranges(std::size_t count, const Body& body) {
+  parallel_for((count + kNormalChunk - 1) / kNormalChunk, [&](std::size_t chunk) {
+    body(chunk, chunk * kNormalChunk, std::min(count, (chunk + 1) * kNormalChunk));
   });
 }
 
@@ -263,8 +261,8 @@ class NormalBuilder {
   void find_areas() {
     const std::size_t count = mesh_.triangles.size();
     number_of_.assign(3 * count, kNoNumber);
-    reach_.resize((count + kChunk - 1) / kChunk);
-    for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    reach_.resize((count + kNormalChunk - 1) / kNormalChunk);
+    for_ranges(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       Reach reach;
       for (std::size_t i = begin; i < end; ++i) {
         const Triangle& t = mesh_.triangles[i];
@@ -286,8 +284,8 @@ class NormalBuilder {
     for (std::size_t chunk = 0; chunk < reach_.size(); ++chunk) {
       // mostly, neighbours in the list of triangles are neighbours in that of vertices
       if (reach_[chunk].high < begin || reach_[chunk].low >= end) continue;
-      const std::size_t last = std::min(mesh_.triangles.size(), (chunk + 1) * kChunk);
-      for (std::size_t i = chunk * kChunk; i < last; ++i) {
+      const std::size_t last = std::min(mesh_.triangles.size(), (chunk + 1) * kNormalChunk);
+      for (std::size_t i = chunk * kNormalChunk; i < last; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t position = position_of_[mesh_.triangles[i][k]];
           if (position - begin < end - begin && number_of_[3 * i + k] != kNoNumber)
@@ -315,7 +313,7 @@ class NormalBuilder {
   // Groups are numbered in order of their vertices, whichever thread finds them. A part of the
   // vertices after the other, so that there is no list of all corners.
   bool group() {
-    const std::size_t tasks = mesh_.triangles.size() < kChunk ? 1 : kParts;
+    const std::size_t tasks = mesh_.triangles.size() < kNormalChunk ? 1 : kParts;
     first_group_.assign(mesh_.positions.size(), kNone);
     group_normals_.resize(mesh_.positions.size());
     std::vector<std::size_t> base(tasks + 1, 0);  // of each part, the groups before it
@@ -426,7 +424,7 @@ class NormalBuilder {
       return;
     }
     mesh_.normals.resize(count);
-    for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_ranges(count, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v)
         mesh_.normals[v] = group_at_[v] == kNone ? Vec3(0, 0, 1) : group_normals_[group_at_[v]];
     });

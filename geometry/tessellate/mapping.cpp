@@ -1,4 +1,5 @@
 #include "geometry/tessellate/mapping.h"
+#include "geometry/internal/limits.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +8,6 @@
 namespace panwright::geometry {
 
 namespace {
-
-constexpr std::uint32_t kNone = 0xffffffffu;
 
 struct Place {
   Vec2 uv;

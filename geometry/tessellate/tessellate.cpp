@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/tessellate/internal/maximum.h"
 #include "geometry/tessellate/internal/tessellators.h"
@@ -17,7 +18,6 @@ namespace {
 
 using internal::maximum;
 
-constexpr std::uint64_t kMaxVertices = 0xffffffffu;
 
 Vec3 stored(const Vec3& p, const Vec3& origin) {
   const Vec3 d = p - origin;

@@ -25,12 +25,12 @@ constexpr double kAtRest = 1e-4;
 // Names of animations in a message.
 constexpr std::size_t kMostNames = 12;
 
-enum class Path : std::uint8_t { translation, rotation, scale };
+enum class AnimatedPath : std::uint8_t { translation, rotation, scale };
 
-std::optional<Path> path_of(std::string_view text) {
-  if (text == "translation") return Path::translation;
-  if (text == "rotation") return Path::rotation;
-  if (text == "scale") return Path::scale;
+std::optional<AnimatedPath> path_of(std::string_view text) {
+  if (text == "translation") return AnimatedPath::translation;
+  if (text == "rotation") return AnimatedPath::rotation;
+  if (text == "scale") return AnimatedPath::scale;
   return std::nullopt;
 }
 
@@ -60,8 +60,8 @@ Vec4 slerp(const Vec4& a, Vec4 b, double s) {
   return (det::sin((1 - s) * angle) * a + det::sin(s * angle) * b) / det::sin(angle);
 }
 
-Vec4 value_at(const Keys& keys, double time, Path path) {
-  const bool turns = path == Path::rotation;
+Vec4 value_at(const Keys& keys, double time, AnimatedPath path) {
+  const bool turns = path == AnimatedPath::rotation;
   const auto value = [&](std::size_t k) {
     const Vec4& v = keys.values[keys.cubic ? 3 * k + 1 : k];
     return turns ? unit(v) : v;
@@ -84,20 +84,20 @@ Vec4 value_at(const Keys& keys, double time, Path path) {
   return turns ? unit(out) : out;
 }
 
-std::vector<double> rest_of(const tinygltf::Node& node, Path path) {
+std::vector<double> rest_of(const tinygltf::Node& node, AnimatedPath path) {
   switch (path) {
-    case Path::translation:
+    case AnimatedPath::translation:
       return node.translation.size() == 3 ? node.translation : std::vector<double>{0, 0, 0};
-    case Path::rotation:
+    case AnimatedPath::rotation:
       return node.rotation.size() == 4 ? node.rotation : std::vector<double>{0, 0, 0, 1};
-    case Path::scale:
+    case AnimatedPath::scale:
       break;
   }
   return node.scale.size() == 3 ? node.scale : std::vector<double>{1, 1, 1};
 }
 
 // How far apart two values of a property are, as a part of their size.
-double difference(const std::vector<double>& rest, const Vec4& posed, Path path) {
+double difference(const std::vector<double>& rest, const Vec4& posed, AnimatedPath path) {
   double most = 1e-9, apart = 0, turned = 0;
   for (std::size_t k = 0; k < rest.size(); ++k) {
     const double x = posed[static_cast<int>(k)];
@@ -106,7 +106,7 @@ double difference(const std::vector<double>& rest, const Vec4& posed, Path path)
     turned = std::fmax(turned, std::fabs(rest[k] + x));
   }
   // q and −q are one rotation
-  return (path == Path::rotation ? std::fmin(apart, turned) : apart) / most;
+  return (path == AnimatedPath::rotation ? std::fmin(apart, turned) : apart) / most;
 }
 
 class Poser {
@@ -132,7 +132,7 @@ class Poser {
       const std::vector<double> rest = rest_of(model_.nodes[pose.node], pose.path);
       if (!(difference(rest, pose.value, pose.path) > kAtRest)) continue;
       moved.insert(pose.node);
-      if (pose.path == Path::translation)
+      if (pose.path == AnimatedPath::translation)
         furthest =
             std::fmax(furthest, glm::length(Vec3(pose.value) - Vec3(rest[0], rest[1], rest[2])));
     }
@@ -170,7 +170,7 @@ class Poser {
 
   struct Pose {
     std::size_t node;
-    Path path;
+    AnimatedPath path;
     Vec4 value;
   };
 
@@ -272,13 +272,13 @@ class Poser {
     if (node.matrix.size() == 16) return;
     const Vec4& v = pose.value;
     switch (pose.path) {
-      case Path::translation:
+      case AnimatedPath::translation:
         node.translation = {v.x, v.y, v.z};
         return;
-      case Path::rotation:
+      case AnimatedPath::rotation:
         node.rotation = {v.x, v.y, v.z, v.w};
         return;
-      case Path::scale:
+      case AnimatedPath::scale:
         node.scale = {v.x, v.y, v.z};
         return;
     }
@@ -288,7 +288,7 @@ class Poser {
   tinygltf::Model& model_;
   const PoseChoice& choice_;
   const std::vector<Json>& animations_;
-  std::set<std::pair<std::size_t, Path>> taken_;
+  std::set<std::pair<std::size_t, AnimatedPath>> taken_;
   std::vector<Pose> poses_;
   // seconds, of the keys of those chosen
   double first_ = std::numeric_limits<double>::infinity();

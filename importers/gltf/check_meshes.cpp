@@ -14,7 +14,7 @@ namespace {
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
               kUnsignedInt = 5125, kFloat = 5126;
 
-std::size_t index_in(const Json& json) { return static_cast<std::size_t>(json.number); }
+std::size_t number_in(const Json& json) { return static_cast<std::size_t>(json.number); }
 
 // "TEXCOORD_12" → "TEXCOORD" and 12.
 struct Semantic {
@@ -98,7 +98,7 @@ class MeshCheck {
     const auto count = [&](const Json* attributes) {
       if (!attributes) return;
       for (const Json& accessor : attributes->items) {
-        const std::size_t i = index_in(accessor);
+        const std::size_t i = number_in(accessor);
         if (counted[i] || d_.accessors[i].view < 0) continue;
         counted[i] = true;
         ++users_[static_cast<std::size_t>(d_.accessors[i].view)];
@@ -116,9 +116,9 @@ class MeshCheck {
     std::vector<std::string_view> uses(d_.accessors.size());
     const auto use = [&](const Json* item, std::string_view as) {
       if (!item) return;
-      std::string_view& known = uses[index_in(*item)];
+      std::string_view& known = uses[number_in(*item)];
       if (!known.empty() && known != as)
-        d_.report(Code::E6211, item, pointer("accessors", index_in(*item)),
+        d_.report(Code::E6211, item, pointer("accessors", number_in(*item)),
                   fmt::format("the accessor holds {} and {}", known, as));
       known = as;
     };
@@ -146,7 +146,7 @@ class MeshCheck {
   void find_not_finite() {
     std::vector<bool> seen(d_.accessors.size());
     const auto look = [&](const Json& item) {
-      const std::size_t i = index_in(item);
+      const std::size_t i = number_in(item);
       if (seen[i]) return;
       seen[i] = true;
       if (const std::size_t bad = count_not_finite(d_, d_.accessors[i]); bad > 0)
@@ -188,14 +188,14 @@ class MeshCheck {
     const bool packed = is_packed(json);
     check_names(*attributes);
     const Json* position = attributes->find("POSITION");
-    const std::uint64_t count = position ? d_.accessors[index_in(*position)].count : 0;
+    const std::uint64_t count = position ? d_.accessors[number_in(*position)].count : 0;
     std::vector<std::string> drop;
     for (std::size_t i = 0; i < attributes->items.size(); ++i) {
       const Json& item = attributes->items[i];
       const std::string& name = attributes->keys[i];
       const bool readable = attribute(item, name, packed, false);
-      const std::uint64_t own = d_.accessors[index_in(item)].count;
-      if (position && own != count && !d_.accessors[index_in(item)].json->broken)
+      const std::uint64_t own = d_.accessors[number_in(item)].count;
+      if (position && own != count && !d_.accessors[number_in(item)].json->broken)
         wrong(&item, "/attributes/" + name,
               fmt::format("{} elements for {} positions", own, count));
       if (!readable || (position && own != count)) drop.push_back(name);
@@ -234,7 +234,7 @@ class MeshCheck {
   // Whether numbers can be taken from the accessor for this attribute.
   bool attribute(const Json& item, const std::string& name, bool packed, bool target) {
     const Semantic semantic = semantic_of(name);
-    const Accessor& a = d_.accessors[index_in(item)];
+    const Accessor& a = d_.accessors[number_in(item)];
     if (!semantic.known) return false;
     const std::string below = (target ? "/" : "/attributes/") + name;
     if (!has_format(a)) return wrong(&item, below, "the accessor has no type that is known");
@@ -267,7 +267,7 @@ class MeshCheck {
   void indices(Json& json) {
     const Json* item = json.find("indices");
     if (!item) return;
-    const Accessor& a = d_.accessors[index_in(*item)];
+    const Accessor& a = d_.accessors[number_in(*item)];
     const bool integers = a.component == kUnsignedByte || a.component == kUnsignedShort ||
                           a.component == kUnsignedInt;
     bool readable = !a.json->broken && (a.sound || is_packed(json));
@@ -292,7 +292,7 @@ class MeshCheck {
       std::vector<std::string> drop;
       for (std::size_t i = 0; i < target.items.size(); ++i) {
         const std::string& name = target.keys[i];
-        const Accessor& a = d_.accessors[index_in(target.items[i])];
+        const Accessor& a = d_.accessors[number_in(target.items[i])];
         bool readable = true;
         if (!semantic_of(name).known || semantic_of(name).base == "JOINTS" ||
             semantic_of(name).base == "WEIGHTS")
@@ -317,7 +317,7 @@ class MeshCheck {
     if (!item) return;
     int sets = 0;
     while (attributes.find(fmt::format("TEXCOORD_{}", sets))) ++sets;
-    const Json& material = d_.root.list("materials")[index_in(*item)];
+    const Json& material = d_.root.list("materials")[number_in(*item)];
     const Json* pbr = material.find("pbrMetallicRoughness");
     for (const Json* texture :
          {pbr ? pbr->find("baseColorTexture") : nullptr,

@@ -14,7 +14,7 @@ namespace panwright::importers::gltf {
 
 namespace {
 
-constexpr std::size_t kBlock = 1 << 15;  // elements of one piece of parallel work
+constexpr std::size_t kReadBlock = 1 << 15;  // elements of one piece of parallel work
 
 template <class T>
 T load(const std::byte* from) {
@@ -58,8 +58,8 @@ void convert_element(const Plan& plan, const std::byte* from, double* to) {
 
 template <class Body>
 void in_blocks(std::size_t count, const Body& body) {
-  const std::size_t blocks = (count + kBlock - 1) / kBlock;
-  parallel_for(blocks, [&](std::size_t b) { body(b * kBlock, std::min(count, (b + 1) * kBlock)); });
+  const std::size_t blocks = (count + kReadBlock - 1) / kReadBlock;
+  parallel_for(blocks, [&](std::size_t b) { body(b * kReadBlock, std::min(count, (b + 1) * kReadBlock)); });
 }
 
 // Numbers that are not finite become 0. Returns how many elements had one.

@@ -44,7 +44,7 @@ constexpr std::pair<std::string_view, std::string_view> kLostMaps[] = {
 };
 
 // Words that say nothing of our surfaces: ambient light, filters, sharpness, antialiasing.
-constexpr std::string_view kIgnored[] = {"ka", "tf", "sharpness", "map_aat", "kt", "km"};
+constexpr std::string_view kIgnoredStatements[] = {"ka", "tf", "sharpness", "map_aat", "kt", "km"};
 
 // Whether a property names an image.
 bool is_map(std::string_view key) {
@@ -123,7 +123,7 @@ class MtlReader {
     }
     for (const auto& [name, what] : kLostMaps)
       if (key == name) return lose(std::string(what));
-    if (std::find(std::begin(kIgnored), std::end(kIgnored), key) == std::end(kIgnored))
+    if (std::find(std::begin(kIgnoredStatements), std::end(kIgnoredStatements), key) == std::end(kIgnoredStatements))
       lose(fmt::format("{}", in_quotes(word)));
   }
 

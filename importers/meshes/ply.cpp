@@ -23,7 +23,7 @@ using geometry::Mesh;
 using Got = PlyValues::Got;
 
 constexpr std::uint64_t kPoll = 1u << 14;  // faces between questions whether to go on
-constexpr int kLongestSearch = 32;  // copies of a vertex that are compared before one more is made
+constexpr int kMostCopies = 32;  // copies of a vertex that are compared before one more is made
 
 // What a property of a vertex is read into.
 enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kU, kV, kSlots };
@@ -413,7 +413,7 @@ class PlyReader {
         used[point] = true;
         mesh_.texcoords[point] = wedges_[c];
       }
-      for (int k = 0; k < kLongestSearch && v != kNoIndex && mesh_.texcoords[v] != wedges_[c]; ++k)
+      for (int k = 0; k < kMostCopies && v != kNoIndex && mesh_.texcoords[v] != wedges_[c]; ++k)
         v = next[v];
       if (v == kNoIndex || mesh_.texcoords[v] != wedges_[c]) {
         v = static_cast<std::uint32_t>(mesh_.positions.size());

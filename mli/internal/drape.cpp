@@ -25,7 +25,7 @@ constexpr double kOnFace = 1e-3;
 // of the stand-off: chords that are no deeper are rounded
 constexpr double kRound = 0.05;
 // of the root of a group's area: the widest tape
-constexpr double kTapeShare = 0.125;
+constexpr double kWidestTapeShare = 0.125;
 
 double twice_area(const Piece& piece, const Triangle& t) {
   return glm::length(
@@ -365,7 +365,7 @@ namespace {
 Vec2 fades(const WrapOptions& options, double area) {
   const double root = std::sqrt(area);
   return {options.border > 0 ? options.border : std::min(3 * options.stand_off, root / 4),
-          std::min(options.tape, kTapeShare * root)};
+          std::min(options.tape, kWidestTapeShare * root)};
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using geometry::Triangle;
 
 // Lengths that differ by less are equal, so that moved faces are cut as they were: rounding does
 // not say which of two equal sides is shorter.
-constexpr double kEqual = 1e-9;
+constexpr double kEqualLengths = 1e-9;
 
 std::uint64_t key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
@@ -51,7 +51,7 @@ bool refine(Piece& piece, double longest, double limit, const Job& job) {
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3];
         m[k] = kNone;
-        if (glm::length(piece.points[a] - piece.points[b]) > longest * (1 + kEqual)) {
+        if (glm::length(piece.points[a] - piece.points[b]) > longest * (1 + kEqualLengths)) {
           const auto [at, fresh] =
               middles.try_emplace(key(a, b), static_cast<std::uint32_t>(piece.points.size()));
           if (fresh) piece.points.push_back(0.5 * (piece.points[a] + piece.points[b]));
@@ -73,7 +73,7 @@ bool refine(Piece& piece, double longest, double limit, const Job& job) {
         const std::uint32_t p = m[(uncut + 1) % 3], q = m[(uncut + 2) % 3];
         next.push_back({p, c, q});
         const bool first = glm::length(piece.points[a] - piece.points[p]) <=
-                           (1 + kEqual) * glm::length(piece.points[b] - piece.points[q]);
+                           (1 + kEqualLengths) * glm::length(piece.points[b] - piece.points[q]);
         next.push_back(first ? Triangle{a, b, p} : Triangle{a, b, q});
         next.push_back(first ? Triangle{a, p, q} : Triangle{b, p, q});
       } else {

@@ -57,7 +57,7 @@ Tilts::Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below) {
   unit_ = spread(TiltMap{}, false).variance;
 }
 
-Spread Tilts::spread(const TiltMap& map, bool with_level) const {
+TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
   std::vector<Corner> at = corners_;
   if (map.factor != 1 || map.power != 0)
     for (Corner& corner : at) {
@@ -89,7 +89,7 @@ Spread Tilts::spread(const TiltMap& map, bool with_level) const {
     level += weights_[k] * level_here / 16;
     mirror += weights_[k] * mirror_here / 16;
   }
-  return sum > 0 ? Spread{squares / sum, level / sum, mirror / sum} : Spread{};
+  return sum > 0 ? TiltSpread{squares / sum, level / sum, mirror / sum} : TiltSpread{};
 }
 
 double Tilts::factor_for(TiltMap map, double variance) const {
@@ -104,7 +104,7 @@ double Tilts::factor_for(TiltMap map, double variance) const {
   return map.factor;
 }
 
-TiltMap Tilts::towards(const Spread& wanted, Spread& reached) const {
+TiltMap Tilts::towards(const TiltSpread& wanted, TiltSpread& reached) const {
   reached = {};
   if (!(wanted.variance > 0) || !(unit_ > 0)) return {};
   Tilts like = *this;

@@ -11,7 +11,7 @@
 namespace panwright::mli {
 
 // What light sees of slopes, as they are shaded: with normals linear between a triangle's vertices.
-struct Spread {
+struct TiltSpread {
   double variance = 0;  // both axes together
   double level = 0;     // mean of exp(−|slope|²/variance): the share that lies about flat
   double mirror = 0;    // of the ninth power of that: as narrow lobes see it
@@ -23,23 +23,23 @@ class Tilts {
   // below: unit normals of the surface, per vertex; triangles that stand on it (seams) are left out
   Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below);
 
-  Spread spread() const { return spread(TiltMap{}, true); }
+  TiltSpread spread() const { return spread(TiltMap{}, true); }
   // The map that brings the spread nearest to `wanted`. Two numbers are met by two: slopes between
   // vertices far apart are less, and more often near 0, than those at them.
-  TiltMap towards(const Spread& wanted, Spread& reached) const;
+  TiltMap towards(const TiltSpread& wanted, TiltSpread& reached) const;
 
  private:
   struct Corner {
     Vec3 slope;
     double along;  // of the unit normal along the one below
   };
-  Spread spread(const TiltMap& map, bool with_level) const;
+  TiltSpread spread(const TiltMap& map, bool with_level) const;
   double factor_for(TiltMap map, double variance) const;
 
   std::vector<Corner> corners_;  // per vertex
   std::vector<geometry::Triangle> triangles_;
   std::vector<double> weights_;  // their areas, seen from above
-  double unit_ = 0;              // of Spread::level: the variance of slopes as they are
+  double unit_ = 0;              // of TiltSpread::level: the variance of slopes as they are
 };
 
 // Normals that lean otherwise, in place.

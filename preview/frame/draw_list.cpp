@@ -154,13 +154,13 @@ auto order(const DrawItem& item) {
 
 // Beyond these slopes the disc changes a lobe by less than 2 % of its peak, up to 85 degrees; by
 // less than 0.1 % at normal incidence.
-constexpr double kWide = 0.15;
+constexpr double kWideLobe = 0.15;
 constexpr double kWideGgx = 0.2;
 
 bool is_wide(const materials::Material& material) {
   // a map makes lobes narrower
   if (material.maps.roughness >= 0) return false;
-  if (material.coat && material.coat->alpha < kWide) return false;
+  if (material.coat && material.coat->alpha < kWideLobe) return false;
   using materials::SpecularModel;
   switch (material.specular_model()) {
     case SpecularModel::none:
@@ -169,13 +169,13 @@ bool is_wide(const materials::Material& material) {
     case SpecularModel::retroreflector:
       return false;
     case SpecularModel::blinn_phong:
-      return 2 / std::get<materials::BlinnPhong>(material.specular_brdf).shine >= kWide * kWide;
+      return 2 / std::get<materials::BlinnPhong>(material.specular_brdf).shine >= kWideLobe * kWideLobe;
     case SpecularModel::cook_torrance:
     case SpecularModel::beckmann:
     case SpecularModel::ggx:
       break;
   }
-  const double least = material.specular_model() == SpecularModel::ggx ? kWideGgx : kWide;
+  const double least = material.specular_model() == SpecularModel::ggx ? kWideGgx : kWideLobe;
   const auto slopes = materials::slopes_of(material);
   return slopes && std::min(slopes->x, slopes->y) >= least;
 }

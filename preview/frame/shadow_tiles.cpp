@@ -41,8 +41,6 @@ double stepped(double least) {
 
 double aligned(double low, double step) { return std::floor(low / step) * step; }
 
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 // The tile in a map of so many texels, its corner at `corner`.
 LightSpace light_space(const ShadowTiles& tiles, const ShadowTile& tile, const Vec2& corner,
                        const Vec2& size) {
@@ -51,7 +49,7 @@ LightSpace light_space(const ShadowTiles& tiles, const ShadowTile& tile, const V
   frame.axes_from_model = tiles.light_from_model;
   const Vec3 scale = Vec3(2, 2, 1) / frame.extent;
   const Vec3 shift = Vec3(2.0 * corner / size - 1.0, 0) - scale * tile.low;
-  const Vec3 stretch = Vec3(0.5, 0.5, 1) * frame.extent / largest(frame.extent);
+  const Vec3 stretch = Vec3(0.5, 0.5, 1) * frame.extent / max_component(frame.extent);
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row)
       frame.sun_from_model[column][row] = scale[row] * tiles.light_from_model[column][row];

@@ -76,9 +76,9 @@ double quadrant_share(const Vec2& u, const Vec2& v, const Vec2& corner) {
 }
 
 // Lays texels on the squares of a grid.
-class Layer {
+class TexelLayer {
  public:
-  Layer(const Imposter& imposter, const Grid& grid)
+  TexelLayer(const Imposter& imposter, const Grid& grid)
       : grid_(grid),
         first_((imposter.origin - grid.origin) / grid.side),
         u_(imposter.along / grid.side),
@@ -204,7 +204,7 @@ struct Texels {
 };
 
 void lay_light(const Texels& texels, const Grid& grid, std::vector<double>& light) {
-  const Layer layer(texels.imposter, grid);
+  const TexelLayer layer(texels.imposter, grid);
   const Shares shares(texels.imposter, texels.finer);
   light.assign(static_cast<std::size_t>(4 * grid.width * grid.height), 0);
   Vec4 here;

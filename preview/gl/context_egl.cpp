@@ -39,41 +39,41 @@ bool has_word(std::string_view words, std::string_view word) {
   return false;
 }
 
-EglLibrary opened() {
-  EglLibrary library;
+EglLibrary opened_egl() {
+  EglLibrary egl;
   void* handle = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
-    library.reason = "libEGL.so.1 cannot be opened";
-    return library;
+    egl.reason = "libEGL.so.1 cannot be opened_egl";
+    return egl;
   }
   const auto find = [&](const char* name, auto& function) {
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(handle, name));
-    if (!function) library.reason = std::string("libEGL.so.1 has no ") + name;
+    if (!function) egl.reason = std::string("libEGL.so.1 has no ") + name;
   };
-  find("eglGetProcAddress", library.get_proc);
-  find("eglQueryString", library.query_string);
-  find("eglInitialize", library.initialize);
-  find("eglBindAPI", library.bind_api);
-  find("eglCreateContext", library.create_context);
-  find("eglDestroyContext", library.destroy_context);
-  find("eglMakeCurrent", library.make_current);
-  if (!library.reason.empty()) return library;
+  find("eglGetProcAddress", egl.get_proc);
+  find("eglQueryString", egl.query_string);
+  find("eglInitialize", egl.initialize);
+  find("eglBindAPI", egl.bind_api);
+  find("eglCreateContext", egl.create_context);
+  find("eglDestroyContext", egl.destroy_context);
+  find("eglMakeCurrent", egl.make_current);
+  if (!egl.reason.empty()) return egl;
   const auto extension = [&](const char* name, auto& function) {
     function =
-        reinterpret_cast<std::remove_reference_t<decltype(function)>>(library.get_proc(name));
+        reinterpret_cast<std::remove_reference_t<decltype(function)>>(egl.get_proc(name));
   };
-  extension("eglGetPlatformDisplayEXT", library.platform_display);
-  extension("eglQueryDevicesEXT", library.query_devices);
-  extension("eglQueryDeviceStringEXT", library.query_device_string);
-  const char* words = library.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  library.client_extensions = words ? words : "";
-  if (!library.platform_display || !has_word(library.client_extensions, "EGL_EXT_platform_base"))
-    library.reason = "it cannot open displays by platform";
-  return library;
+  extension("eglGetPlatformDisplayEXT", egl.platform_display);
+  extension("eglQueryDevicesEXT", egl.query_devices);
+  extension("eglQueryDeviceStringEXT", egl.query_device_string);
+  const char* words = egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  egl.client_extensions = words ? words : "";
+  if (!egl.platform_display || !has_word(egl.client_extensions, "EGL_EXT_platform_base"))
+    egl.reason = "it cannot open displays by platform";
+  return egl;
 }
 
-const EglLibrary& library() {
-  static const EglLibrary instance = opened();
+const EglLibrary& egl() {
+  static const EglLibrary instance = opened_egl();
   return instance;
 }
 
@@ -81,15 +81,15 @@ class EglContext final : public Context {
  public:
   ~EglContext() override {
     release();
-    if (handle_ != EGL_NO_CONTEXT) library().destroy_context(display_, handle_);
+    if (handle_ != EGL_NO_CONTEXT) egl().destroy_context(display_, handle_);
   }
 
   // note: a display is never terminated, because every context on it would die with it
   std::string open(EGLDisplay display) {
     display_ = display;
-    if (display_ == EGL_NO_DISPLAY || !library().initialize(display_, nullptr, nullptr))
-      return "its display cannot be opened";
-    const char* words = library().query_string(display_, EGL_EXTENSIONS);
+    if (display_ == EGL_NO_DISPLAY || !egl().initialize(display_, nullptr, nullptr))
+      return "its display cannot be opened_egl";
+    const char* words = egl().query_string(display_, EGL_EXTENSIONS);
     const std::string extensions = words ? words : "";
     for (const char* needed : {"EGL_KHR_no_config_context", "EGL_KHR_surfaceless_context"})
       if (!has_word(extensions, needed)) return fmt::format("it lacks {}", needed);
@@ -104,9 +104,9 @@ class EglContext final : public Context {
                                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                                 EGL_NONE};
-    if (!library().bind_api(EGL_OPENGL_API)) return "it has no OpenGL";
+    if (!egl().bind_api(EGL_OPENGL_API)) return "it has no OpenGL";
     for (const std::size_t first : {std::size_t{0}, std::size_t{2}}) {
-      handle_ = library().create_context(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
+      handle_ = egl().create_context(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
                                          kAttributes.data() + first);
       if (handle_ != EGL_NO_CONTEXT) break;
     }
@@ -114,17 +114,17 @@ class EglContext final : public Context {
     return load();
   }
 
-  Proc get_proc(const char* name) const override { return library().get_proc(name); }
+  Proc get_proc(const char* name) const override { return egl().get_proc(name); }
   ContextKind kind() const override { return ContextKind::egl; }
 
  private:
   bool bind() override {
     // note: the API is bound per thread
-    return library().bind_api(EGL_OPENGL_API) &&
-           library().make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_);
+    return egl().bind_api(EGL_OPENGL_API) &&
+           egl().make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_);
   }
   void unbind() override {
-    library().make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl().make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
 
   EGLDisplay display_ = EGL_NO_DISPLAY;
@@ -132,24 +132,24 @@ class EglContext final : public Context {
 };
 
 std::vector<EGLDeviceEXT> devices() {
-  if (!library().query_devices) return {};
+  if (!egl().query_devices) return {};
   EGLint count = 0;
-  if (!library().query_devices(0, nullptr, &count) || count <= 0) return {};
+  if (!egl().query_devices(0, nullptr, &count) || count <= 0) return {};
   std::vector<EGLDeviceEXT> found(static_cast<std::size_t>(count));
-  if (!library().query_devices(count, found.data(), &count)) return {};
+  if (!egl().query_devices(count, found.data(), &count)) return {};
   found.resize(static_cast<std::size_t>(count));
   return found;
 }
 
 bool is_software(EGLDeviceEXT device) {
-  if (!library().query_device_string) return false;
-  const char* words = library().query_device_string(device, EGL_EXTENSIONS);
+  if (!egl().query_device_string) return false;
+  const char* words = egl().query_device_string(device, EGL_EXTENSIONS);
   return words && has_word(words, "EGL_MESA_device_software");
 }
 
 ContextAttempt on_display(EGLenum platform, void* native) {
   auto context = std::make_unique<EglContext>();
-  std::string reason = context->open(library().platform_display(platform, native, nullptr));
+  std::string reason = context->open(egl().platform_display(platform, native, nullptr));
   if (!reason.empty()) return {nullptr, std::move(reason)};
   return {std::move(context), {}};
 }
@@ -157,7 +157,7 @@ ContextAttempt on_display(EGLenum platform, void* native) {
 }  // namespace
 
 ContextAttempt create_egl_context(bool hardware_only) {
-  if (!library().reason.empty()) return {nullptr, library().reason};
+  if (!egl().reason.empty()) return {nullptr, egl().reason};
   const std::vector<EGLDeviceEXT> found = devices();
   std::string reasons;
   const auto add_reason = [&](std::string text) {
@@ -177,7 +177,7 @@ ContextAttempt create_egl_context(bool hardware_only) {
   }
   if (found.empty()) add_reason("there is no device");
   if (hardware_only) return {nullptr, std::move(reasons)};
-  if (has_word(library().client_extensions, "EGL_MESA_platform_surfaceless")) {
+  if (has_word(egl().client_extensions, "EGL_MESA_platform_surfaceless")) {
     auto attempt = on_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);
     if (attempt.context) return attempt;
     add_reason(fmt::format("surfaceless: {}", attempt.reason));

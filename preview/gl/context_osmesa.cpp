@@ -20,26 +20,26 @@ struct OsmesaLibrary {
   std::string reason;  // why it cannot be used; empty: it can
 };
 
-OsmesaLibrary opened() {
-  OsmesaLibrary library;
+OsmesaLibrary opened_osmesa() {
+  OsmesaLibrary osmesa;
   void* handle = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
-    library.reason = "libOSMesa.so.8 cannot be opened";
-    return library;
+    osmesa.reason = "libOSMesa.so.8 cannot be opened_osmesa";
+    return osmesa;
   }
   const auto find = [&](const char* name, auto& function) {
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(handle, name));
-    if (!function) library.reason = std::string("libOSMesa.so.8 has no ") + name;
+    if (!function) osmesa.reason = std::string("libOSMesa.so.8 has no ") + name;
   };
-  find("OSMesaCreateContextAttribs", library.create);
-  find("OSMesaDestroyContext", library.destroy);
-  find("OSMesaMakeCurrent", library.make_current);
-  find("OSMesaGetProcAddress", library.get_proc);
-  return library;
+  find("OSMesaCreateContextAttribs", osmesa.create);
+  find("OSMesaDestroyContext", osmesa.destroy);
+  find("OSMesaMakeCurrent", osmesa.make_current);
+  find("OSMesaGetProcAddress", osmesa.get_proc);
+  return osmesa;
 }
 
-const OsmesaLibrary& library() {
-  static const OsmesaLibrary instance = opened();
+const OsmesaLibrary& osmesa() {
+  static const OsmesaLibrary instance = opened_osmesa();
   return instance;
 }
 
@@ -56,7 +56,7 @@ class OsmesaContext final : public Context {
  public:
   ~OsmesaContext() override {
     release();
-    if (handle_) library().destroy(handle_);
+    if (handle_) osmesa().destroy(handle_);
   }
 
   std::string open() {
@@ -76,20 +76,20 @@ class OsmesaContext final : public Context {
                                               5,
                                               0,
                                               0};
-    handle_ = library().create(kAttributes.data(), nullptr);
+    handle_ = osmesa().create(kAttributes.data(), nullptr);
     if (!handle_) return "it gives no OpenGL 4.5 core context";
     return load();
   }
 
-  Proc get_proc(const char* name) const override { return library().get_proc(name); }
+  Proc get_proc(const char* name) const override { return osmesa().get_proc(name); }
   ContextKind kind() const override { return ContextKind::osmesa; }
 
  private:
   bool bind() override {
-    return library().make_current(handle_, buffer_.data(), GL_UNSIGNED_BYTE, kSide, kSide) ==
+    return osmesa().make_current(handle_, buffer_.data(), GL_UNSIGNED_BYTE, kSide, kSide) ==
            GL_TRUE;
   }
-  void unbind() override { library().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
+  void unbind() override { osmesa().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
 
   // OSMesa insists on a buffer of its own; everything is drawn into framebuffer objects
   static constexpr int kSide = 16;
@@ -100,7 +100,7 @@ class OsmesaContext final : public Context {
 }  // namespace
 
 ContextAttempt create_osmesa_context() {
-  if (!library().reason.empty()) return {nullptr, library().reason};
+  if (!osmesa().reason.empty()) return {nullptr, osmesa().reason};
   auto context = std::make_unique<OsmesaContext>();
   std::string reason = context->open();
   if (!reason.empty()) return {nullptr, std::move(reason)};

@@ -16,7 +16,7 @@ namespace {
 
 using namespace reference;
 
-constexpr std::uint32_t kMaxSide = 16384;
+constexpr std::uint32_t kMaxReferenceSide = 16384;
 // enough to know an error to an eighth
 constexpr std::uint32_t kLeastBatches = 32;
 constexpr std::uint32_t kFewestBatches = 8;
@@ -177,10 +177,10 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
                                            const ReferenceOptions& options, DiagnosticLog& log,
                                            const Job& job) {
   assert(is_sound(camera, options));
-  if (camera.width > kMaxSide || camera.height > kMaxSide) {
+  if (camera.width > kMaxReferenceSide || camera.height > kMaxReferenceSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels, expected at most {} a side",
-                                camera.width, camera.height, kMaxSide));
+                                camera.width, camera.height, kMaxReferenceSide));
     return failed;
   }
   const std::uint32_t margin = options.psf_sigma > 0 ? blur_margin(options.psf_sigma) : 0;

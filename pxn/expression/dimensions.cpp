@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "pxn/expression/units.h"
+#include "pxn/expression/program.h"
 
 namespace panwright::pxn {
 
@@ -82,9 +83,6 @@ std::vector<Part::Place> places_of_product(const Part& a, const Part& b) {
   };
   return !by_factor(b) && by_factor(a) ? b.places : a.places;
 }
-
-constexpr int kChoice = 0;
-constexpr int kSign = 7;
 
 int precedence_of(char name) {
   switch (name) {

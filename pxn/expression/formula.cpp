@@ -5,21 +5,18 @@
 #include <algorithm>
 
 #include "base/text.h"
+#include "pxn/text/characters.h"
 #include "pxn/expression/units.h"
 
 namespace panwright::pxn {
 
 namespace {
 
-constexpr std::string_view kBinary[] = {"<=", ">=", "!=", "==", "&&", "||", "<",
+constexpr std::string_view kBinaryOperators[] = {"<=", ">=", "!=", "==", "&&", "||", "<",
                                         ">",  "+",  "-",  "*",  "/",  "^"};
 // + - * / ^ may have no finite result
 constexpr std::size_t kFirstArithmetic = 8;
 constexpr std::string_view kOperatorChars = "+-*/^<>=!&|";
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 class FormulaReader {
  public:
@@ -249,8 +246,8 @@ class FormulaReader {
   // ---- where an operator is needed
 
   void read_operator() {
-    for (std::size_t i = 0; i < std::size(kBinary); ++i) {
-      const std::string_view op = kBinary[i];
+    for (std::size_t i = 0; i < std::size(kBinaryOperators); ++i) {
+      const std::string_view op = kBinaryOperators[i];
       if (text_.substr(at_, op.size()) == op) return read_binary(i);
     }
     switch (text_[at_]) {
@@ -283,7 +280,7 @@ class FormulaReader {
   }
 
   void read_binary(std::size_t i) {
-    const std::string_view op = kBinary[i];
+    const std::string_view op = kBinaryOperators[i];
     Frame& frame = frames_.back();
     const bool compares = op != "&&" && op != "||" && i < kFirstArithmetic;
     if (compares && frame.compared)

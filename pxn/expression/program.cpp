@@ -77,8 +77,6 @@ constexpr NamedSeveral kSeveral[] = {
     {"max", [](std::span<const double> v) { return *std::max_element(v.begin(), v.end()); }},
 };
 
-constexpr int kChoice = 0;
-constexpr int kSign = 7;
 constexpr int kPower = 8;  // to the right, and before signs
 constexpr int kOpen = -1;
 

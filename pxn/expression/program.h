@@ -10,6 +10,10 @@
 
 namespace panwright::pxn {
 
+// Precedences: of a choice (?:), the lowest, and of signs.
+inline constexpr int kChoice = 0;
+inline constexpr int kSign = 7;
+
 struct Unit;
 
 // A formula as steps on a stack of numbers.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "pxn/text/characters.h"
 
 namespace panwright::pxn {
 
@@ -37,8 +38,6 @@ constexpr Unit kUnits[] = {
     {"ppm", Dimension::ratio, 1, -6, 1e-6, 0},
     {"px", Dimension::pixels, 1, 0, 1, 0},
 };
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // A decimal number taken apart: ±value·10^exponent.
 struct Decimal {

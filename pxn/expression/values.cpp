@@ -6,13 +6,12 @@
 #include <cassert>
 
 #include "base/text.h"
+#include "pxn/text/characters.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {
 
 namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 bool is_ascii(std::string_view text) {
   return std::all_of(text.begin(), text.end(),

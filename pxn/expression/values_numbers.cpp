@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "pxn/text/characters.h"
 #include "pxn/expression/values.h"
 
 namespace panwright::pxn {
@@ -15,8 +16,6 @@ namespace panwright::pxn {
 namespace {
 
 using schemas::Dimension;
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 const schemas::Number& number_at(const schemas::Value& value, std::size_t index) {
   static constexpr schemas::Number kAny = {"value", -1.7976931348623157e308, 1.7976931348623157e308,

@@ -15,7 +15,7 @@ namespace panwright::pxn {
 namespace {
 
 // node names in a message
-constexpr std::size_t kMostNames = 6;
+constexpr std::size_t kMostNodeNames = 6;
 // of all meshes made for cells: instances of one mesh may each have a scale of their own
 constexpr std::size_t kMostTriangles = std::size_t{1} << 24;
 
@@ -216,10 +216,10 @@ void CellGrids::report(SourceSpan where, DiagnosticLog& log) const {
                            file_.count, rectangles_.count));
   if (off_.count == 0) return;
   std::string names;
-  for (std::size_t i = 0; i < off_nodes_.size() && i < kMostNames; ++i)
+  for (std::size_t i = 0; i < off_nodes_.size() && i < kMostNodeNames; ++i)
     names += (i == 0 ? "" : ", ") + in_quotes(off_nodes_[i]);
-  if (off_nodes_.size() > kMostNames)
-    names += fmt::format(" and {} more", off_nodes_.size() - kMostNames);
+  if (off_nodes_.size() > kMostNodeNames)
+    names += fmt::format(" and {} more", off_nodes_.size() - kMostNodeNames);
   log.report(Code::W6008, where,
              fmt::format("no grid of solar cells on {} of {} {}: not flat rectangles, and without "
                          "texture coordinates that lie unsheared along their longest edge",

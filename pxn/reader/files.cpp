@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // how many names of a folder are compared with one that is missing
-constexpr std::size_t kMostNames = 2000;
+constexpr std::size_t kMostFolderNames = 2000;
 
 // source spans are 32 bits wide
 constexpr std::uint64_t kMostBytes = 0xfffffffe;
@@ -91,7 +91,7 @@ class DiskFiles : public Files {
     std::vector<std::string> names;
     for (fs::directory_iterator entry(real, error), end; !error && entry != end;
          entry.increment(error)) {
-      if (names.size() >= kMostNames) return {};
+      if (names.size() >= kMostFolderNames) return {};
       names.push_back(entry->path().filename().string());
     }
     // folders have no order of their own

@@ -20,7 +20,7 @@ namespace attribute = schemas::attribute;
 namespace {
 
 constexpr double kAlong = 0.08715574274765817;       // sin 5°: of a written axis
-constexpr double kParallel = 0.0087265354983739345;  // sin 0.5°: one direction
+constexpr double kSameDirection = 0.0087265354983739345;  // sin 0.5°: one direction
 constexpr double kRival = 0.5;                       // of the first one's area: as good
 constexpr std::size_t kMostNamed = 3;                // of lines in a message
 constexpr std::uint32_t kSegments = 64;              // of exact shapes
@@ -114,7 +114,7 @@ bool ambiguous(const std::vector<AxisLine>& lines, const WrittenLine& written) {
   return std::ranges::any_of(lines, [&](const AxisLine& l) {
     if (&l == &lines.front() || l.faces.area < kRival * lines.front().faces.area) return false;
     const bool parallel =
-        glm::length(glm::cross(l.faces.axis, lines.front().faces.axis)) <= kParallel;
+        glm::length(glm::cross(l.faces.axis, lines.front().faces.axis)) <= kSameDirection;
     return !(parallel && written.origin);
   });
 }

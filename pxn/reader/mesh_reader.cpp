@@ -20,7 +20,7 @@ using schemas::kNoElement;
 constexpr double kThinnest = 1e-7;
 
 // what normalising leaves of a length of 1
-constexpr double kRounding = 1e-15;
+constexpr double kNormalRounding = 1e-15;
 
 class MeshReader {
  public:
@@ -192,7 +192,7 @@ class MeshReader {
         continue;
       }
       // note: a normal written with all its digits comes back bit for bit
-      if (!(std::abs(glm::length(n) - 1) <= kRounding)) n = glm::normalize(n / scale);
+      if (!(std::abs(glm::length(n) - 1) <= kNormalRounding)) n = glm::normalize(n / scale);
     }
     if (zero.empty()) return;
     // without creases every vertex keeps its index

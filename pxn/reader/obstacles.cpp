@@ -12,7 +12,7 @@ namespace panwright::pxn {
 namespace {
 
 // of the reach: how far facets of a curved shape may lie from it
-constexpr double kFacetShare = 0.02;
+constexpr double kObstacleFacetShare = 0.02;
 
 using geometry::AxisBox;
 
@@ -72,7 +72,7 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
       // note: a planet beside a blanket is no finer than itself needs
       mesh->second = mesh_of(scene.shapes[shape], 1e300);
       const double size = mesh->second ? size_of(*mesh->second) : 0;
-      const double error = std::max(kFacetShare * reach / largest[shape], kFinest * size);
+      const double error = std::max(kObstacleFacetShare * reach / largest[shape], kFinest * size);
       if (mesh->second && !std::holds_alternative<geometry::MeshShape>(scene.shapes[shape]))
         mesh->second = mesh_of(scene.shapes[shape], error);
     }

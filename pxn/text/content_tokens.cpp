@@ -21,7 +21,7 @@ bool has_sound_braces(std::string_view text) {
   return !inside;
 }
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n'; }
+bool is_content_blank(char c) { return c == ' ' || c == '\t' || c == '\n'; }
 
 }  // namespace
 
@@ -30,14 +30,14 @@ Words::Words(std::string_view text, bool numbers)
       braces_(numbers && text.find('{') != std::string_view::npos && has_sound_braces(text)) {}
 
 bool Words::next(std::string_view& word) {
-  while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  while (at_ < text_.size() && is_content_blank(text_[at_])) ++at_;
   if (at_ == text_.size()) return false;
   const std::size_t begin = at_;
   bool inside = false;
   bool tidy = true;
   for (; at_ < text_.size(); ++at_) {
     const char c = text_[at_];
-    if (is_blank(c)) {
+    if (is_content_blank(c)) {
       if (!inside) break;
       tidy = false;
     } else if (braces_ && (c == '{' || c == '}')) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/text.h"
+#include "pxn/text/characters.h"
 
 namespace panwright::pxn::xml {
 
@@ -14,8 +15,6 @@ namespace {
 constexpr std::string_view kAccepted = "pxn files are UTF-8, US-ASCII or ISO-8859-1";
 // a declaration is one short line; what has no end by then is not one
 constexpr std::size_t kLongestDeclaration = 512;
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 bool same_word(std::string_view a, std::string_view upper) {
   if (a.size() != upper.size()) return false;

@@ -13,7 +13,7 @@ namespace panwright::pxn::xml {
 
 namespace {
 
-bool is_blank(char c) { return is(c, CharClass::blank); }
+bool is_markup_blank(char c) { return is(c, CharClass::blank); }
 
 // Past the end of a tag at `at`: a '>' in a value does not end it.
 std::size_t tag_end(std::string_view text, std::size_t at) {
@@ -72,13 +72,13 @@ class Squeezed {
 
   void add(std::string_view text) {
     for (std::size_t i = 0; i < text.size();) {
-      if (is_blank(text[i])) {
+      if (is_markup_blank(text[i])) {
         blank_ = true;
         ++i;
         continue;
       }
       std::size_t end = i + 1;
-      while (end < text.size() && !is_blank(text[end])) ++end;
+      while (end < text.size() && !is_markup_blank(text[end])) ++end;
       const bool at_end = out_.empty() || (braces_ && (out_.back() == '{' || text[i] == '}'));
       if (blank_ && !at_end) out_.push_back(' ');
       blank_ = false;
@@ -171,7 +171,7 @@ std::string meaning(std::string_view value, bool numbers) {
   }
   std::string out(value);
   for (char& c : out)
-    if (is_blank(c)) c = ' ';
+    if (is_markup_blank(c)) c = ' ';
   return out;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using schemas::ElementId;
 
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kXmlBlanks = " \t\r\n";
 
 std::size_t lines_in(std::string_view text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -66,14 +66,14 @@ class Upgrade {
   void gap(std::uint32_t begin, std::uint32_t end) {
     std::string_view text = doc_.bytes.substr(begin, end - begin);
     if (left_out_) {
-      const std::size_t kept = out_.find_last_not_of(kBlanks) + 1;
-      const std::size_t first = std::min(text.find_first_not_of(kBlanks), text.size());
+      const std::size_t kept = out_.find_last_not_of(kXmlBlanks) + 1;
+      const std::size_t first = std::min(text.find_first_not_of(kXmlBlanks), text.size());
       if (kept == out_.size() ||
           lines_in(std::string_view(out_).substr(kept)) < lines_in(text.substr(0, first)))
         out_.resize(kept);
       else
         text.remove_prefix(first);
-      if (text.find_first_not_of(kBlanks) == std::string_view::npos) {
+      if (text.find_first_not_of(kXmlBlanks) == std::string_view::npos) {
         out_ += text;
         return;
       }
@@ -124,8 +124,8 @@ class Upgrade {
         text += xml::decoded(doc_, run.begin, run.end);
     }
     std::string out;
-    for (std::size_t i = 0; (i = text.find_first_not_of(kBlanks, i)) != std::string::npos;) {
-      const std::size_t end = std::min(text.find_first_of(kBlanks, i), text.size());
+    for (std::size_t i = 0; (i = text.find_first_not_of(kXmlBlanks, i)) != std::string::npos;) {
+      const std::size_t end = std::min(text.find_first_of(kXmlBlanks, i), text.size());
       if (!out.empty()) out.push_back(' ');
       out.append(text, i, end - i);
       i = end;

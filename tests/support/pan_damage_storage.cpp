@@ -9,7 +9,7 @@ using namespace pan::layout;
 
 namespace {
 
-constexpr std::uint64_t kHuge = ~0ull;
+constexpr std::uint64_t kHugeStorage = ~0ull;
 
 // The section of texels, compressed by hand: chunks, then a word for each.
 struct Packing {
@@ -114,11 +114,11 @@ void compression(Collection& add) {
   };
   entry("a bomb: a terabyte in 64 bytes",
         [](DirectoryEntry& e) { e.raw_length = e.count = 1ull << 40; });
-  entry("a bomb near 2^64", [](DirectoryEntry& e) { e.raw_length = e.count = kHuge; });
+  entry("a bomb near 2^64", [](DirectoryEntry& e) { e.raw_length = e.count = kHugeStorage; });
   entry("just over 256 times the stored bytes",
         [](DirectoryEntry& e) { e.raw_length = e.count = 256 * 64 + 1; });
   entry("a packed length past the section", [](DirectoryEntry& e) { e.packed_length = 65; });
-  entry("a packed length near 2^64", [](DirectoryEntry& e) { e.packed_length = kHuge; });
+  entry("a packed length near 2^64", [](DirectoryEntry& e) { e.packed_length = kHugeStorage; });
   entry("no room for the words of chunks", [](DirectoryEntry& e) { e.packed_length = 3; });
   entry("a compressed section of nothing", [](DirectoryEntry& e) { e.raw_length = e.count = 0; });
   add.changed(Code::E4008, "compressed bytes with too much padding", [&](OpenPan& f) {

@@ -1,4 +1,5 @@
 #include "geometry/mesh/internal/boundary_loops.h"
+#include "geometry/internal/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,6 @@ namespace panwright::geometry {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::size_t kExactFill = 64;  // vertices: the cube of them is searched
 
 struct HalfEdgeTraits : OpenMesh::DefaultTraits {

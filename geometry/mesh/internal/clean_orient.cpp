@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/ray/instances.h"
 
@@ -13,7 +14,6 @@ namespace panwright::geometry {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 // of area · radius: cones about the centroid that suggest inside out. A hemisphere has 0.5.
 constexpr double kInsideOut = 0.05;
 // of all open components together, and of one

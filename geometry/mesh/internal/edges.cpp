@@ -9,7 +9,7 @@ namespace panwright::geometry {
 
 namespace {
 
-constexpr std::size_t kChunk = 1u << 14;  // vertices that a thread takes at once
+constexpr std::size_t kEdgeChunk = 1u << 14;  // vertices that a thread takes at once
 
 // What one chunk of vertices found.
 struct Found {
@@ -66,9 +66,9 @@ void pair_half_edges(const Mesh& mesh, std::span<const std::uint32_t> unique_pos
 Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position) {
   const std::size_t half_edges = 3 * mesh.triangles.size();
   std::vector<std::uint32_t> low(half_edges);
-  parallel_for((half_edges + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min(half_edges, (chunk + 1) * kChunk);
-    for (std::size_t i = chunk * kChunk; i < end; ++i) {
+  parallel_for((half_edges + kEdgeChunk - 1) / kEdgeChunk, [&](std::size_t chunk) {
+    const std::size_t end = std::min(half_edges, (chunk + 1) * kEdgeChunk);
+    for (std::size_t i = chunk * kEdgeChunk; i < end; ++i) {
       const Triangle& t = mesh.triangles[i / 3];
       const bool collapsed = unique_position[t[0]] == unique_position[t[1]] ||
                              unique_position[t[1]] == unique_position[t[2]] ||
@@ -83,11 +83,11 @@ Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position)
 
   Edges edges;
   edges.twin.assign(half_edges, Edges::kNonManifold);
-  std::vector<Found> found((vertices + kChunk - 1) / kChunk);
+  std::vector<Found> found((vertices + kEdgeChunk - 1) / kEdgeChunk);
   parallel_for(found.size(), [&](std::size_t chunk) {
     std::vector<std::uint64_t> sorted;
-    const std::size_t end = std::min(vertices, (chunk + 1) * kChunk);
-    for (std::size_t v = chunk * kChunk; v < end; ++v)
+    const std::size_t end = std::min(vertices, (chunk + 1) * kEdgeChunk);
+    for (std::size_t v = chunk * kEdgeChunk; v < end; ++v)
       pair_half_edges(mesh, unique_position, rows[v], sorted, edges.twin, found[chunk]);
   });
   std::vector<std::pair<std::uint32_t, std::uint32_t>> many;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
 constexpr unsigned int kCache = 16;  // vertices, of the smallest that GPUs have
-constexpr std::size_t kChunk = 1u << 15;
+constexpr std::size_t kReorderChunk = 1u << 15;
 
 static_assert(sizeof(Triangle) == 3 * sizeof(unsigned int));
 
@@ -21,9 +21,9 @@ template <class T>
 void permute(std::vector<T>& list, const std::vector<std::uint32_t>& remap, std::size_t count) {
   if (list.empty()) return;
   std::vector<T> out(count);
-  parallel_for((remap.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min(remap.size(), (chunk + 1) * kChunk);
-    for (std::size_t v = chunk * kChunk; v < end; ++v)
+  parallel_for((remap.size() + kReorderChunk - 1) / kReorderChunk, [&](std::size_t chunk) {
+    const std::size_t end = std::min(remap.size(), (chunk + 1) * kReorderChunk);
+    for (std::size_t v = chunk * kReorderChunk; v < end; ++v)
       if (remap[v] != kUnused) out[remap[v]] = list[v];
   });
   list = std::move(out);

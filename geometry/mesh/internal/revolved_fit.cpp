@@ -59,12 +59,12 @@ std::optional<Vec3> kasa(std::span<const Vec2> points) {
 }
 
 // Height along the axis, distance from it, and the direction away from it.
-struct Place {
+struct RevolvedPlace {
   double t = 0, rho = 0;
   Vec3 q{0}, u{0};
 };
-Place place_of(const RevolvedFit& fit, const Vec3& p) {
-  Place out;
+RevolvedPlace place_of(const RevolvedFit& fit, const Vec3& p) {
+  RevolvedPlace out;
   const Vec3 d = p - fit.origin;
   out.t = glm::dot(d, fit.axis);
   out.q = d - out.t * fit.axis;
@@ -133,7 +133,7 @@ std::optional<RevolvedFit> first_torus(const Faces& faces, const FaceGroup& grou
   fit.origin = glm::cross(fit.axis, best * fit.axis);
   std::vector<Vec2> profile;
   for (const std::uint32_t v : vertices_of(faces, group)) {
-    const Place place = place_of(fit, faces.points[v]);
+    const RevolvedPlace place = place_of(fit, faces.points[v]);
     profile.emplace_back(place.rho, place.t);
   }
   const auto circle = kasa(profile);
@@ -152,7 +152,7 @@ using Row = std::array<double, kUnknowns>;
 // radius, then slope, or tube and origin along the axis. Returns the number of unknowns.
 std::size_t linearised(const RevolvedFit& fit, const Vec3& x, const Vec3& y, const Vec3& p,
                        double& off, Row& row) {
-  const Place at = place_of(fit, p);
+  const RevolvedPlace at = place_of(fit, p);
   const double ux = glm::dot(at.u, x), uy = glm::dot(at.u, y);
   const double qx = glm::dot(at.q, x), qy = glm::dot(at.q, y);
   if (fit.kind == RevolvedKind::torus) {
@@ -252,7 +252,7 @@ bool holds(RevolvedFit& fit, const Faces& faces, const FaceGroup& group,
   fit.low = HUGE_VAL, fit.high = -HUGE_VAL, fit.widest = 0;
   double squares = 0;
   for (const std::uint32_t v : vertices) {
-    const Place at = place_of(fit, faces.points[v]);
+    const RevolvedPlace at = place_of(fit, faces.points[v]);
     fit.low = std::min(fit.low, at.t);
     fit.high = std::max(fit.high, at.t);
     fit.widest = std::max(fit.widest, at.rho);
@@ -281,14 +281,14 @@ bool holds(RevolvedFit& fit, const Faces& faces, const FaceGroup& group,
 }  // namespace
 
 double RevolvedFit::off(const Vec3& p) const {
-  const Place at = place_of(*this, p);
+  const RevolvedPlace at = place_of(*this, p);
   if (kind == RevolvedKind::torus)
     return std::sqrt((at.rho - radius) * (at.rho - radius) + at.t * at.t) - tube;
   return (at.rho - radius - slope * at.t) / std::sqrt(1 + slope * slope);
 }
 
 Vec3 RevolvedFit::normal(const Vec3& p) const {
-  const Place at = place_of(*this, p);
+  const RevolvedPlace at = place_of(*this, p);
   // note: what is near an apex has no direction that rounding did not give
   if (!(at.rho > 1e-6 * widest)) return Vec3(0);
   Vec3 out = at.u - slope * axis;
@@ -378,7 +378,7 @@ std::optional<RevolvedFit> circle_through(const Faces& faces, std::span<const st
   fit.radius = fit.widest = circle->z;
   double squares = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Place at = place_of(fit, faces.points[loop[i]]);
+    const RevolvedPlace at = place_of(fit, faces.points[loop[i]]);
     const double off = std::sqrt((at.rho - fit.radius) * (at.rho - fit.radius) + at.t * at.t);
     if (!(off <= kMostOff * fit.radius)) return std::nullopt;
     squares += off * off;

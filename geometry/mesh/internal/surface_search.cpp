@@ -8,7 +8,7 @@
 namespace panwright::geometry {
 namespace {
 
-constexpr std::size_t kChunk = 512;
+constexpr std::size_t kSearchChunk = 512;
 
 // The squared distance of (s, t) from the segment between the origin and (u, h).
 double squared_from_side(double s, double t, double u, double h) {
@@ -118,11 +118,11 @@ std::vector<SurfaceSearch::Nearest> SurfaceSearch::nearest_of_vertices(const Mes
   std::vector<char> used(other.positions.size());
   for (const Triangle& t : other.triangles)
     for (const std::uint32_t corner : t) used[corner] = 1;
-  parallel_for((found.size() + kChunk - 1) / kChunk,
+  parallel_for((found.size() + kSearchChunk - 1) / kSearchChunk,
                [&](std::size_t chunk) {
                  std::uint32_t hint = 0;
-                 const std::size_t end = std::min(found.size(), (chunk + 1) * kChunk);
-                 for (std::size_t i = chunk * kChunk; i < end; ++i) {
+                 const std::size_t end = std::min(found.size(), (chunk + 1) * kSearchChunk);
+                 for (std::size_t i = chunk * kSearchChunk; i < end; ++i) {
                    if (!used[i]) continue;
                    found[i] = nearest(other.positions[i], hint);
                    hint = found[i].triangle;

@@ -5,16 +5,16 @@
 #include <cmath>
 
 #include "geometry/internal/deduplicate.h"
+#include "geometry/internal/limits.h"
 
 namespace panwright::geometry {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::uint64_t kTries = 64;  // for each border edge
 constexpr double kSamples = 8;        // points on border edges for each of them, on average
 
-struct Edge {
+struct OpenEdge {
   Vec3 a;
   Vec3 b;
   std::uint32_t from;
@@ -32,9 +32,9 @@ std::uint64_t cell_hash(const Vec3& cell) {
 // Points along the edges, half a cell apart, by the cell that they lie in.
 class Samples {
  public:
-  Samples(const std::vector<Edge>& edges, double cell) : cell_(cell) {
+  Samples(const std::vector<OpenEdge>& edges, double cell) : cell_(cell) {
     std::size_t count = 0;
-    for (const Edge& edge : edges) count += steps(edge) + 1;
+    for (const OpenEdge& edge : edges) count += steps(edge) + 1;
     heads_.assign(std::bit_ceil(std::max<std::size_t>(16, 2 * count)), kNone);
     entries_.reserve(count);
     for (std::uint32_t i = 0; i < edges.size(); ++i) {
@@ -64,7 +64,7 @@ class Samples {
     std::uint32_t next;
   };
 
-  std::size_t steps(const Edge& edge) const {
+  std::size_t steps(const OpenEdge& edge) const {
     return 1 + static_cast<std::size_t>(glm::length(edge.b - edge.a) / (0.5 * cell_));
   }
 
@@ -80,7 +80,7 @@ class Samples {
   std::vector<Entry> entries_;
 };
 
-bool lies_inside(const Vec3& p, const Edge& edge, double distance) {
+bool lies_inside(const Vec3& p, const OpenEdge& edge, double distance) {
   const Vec3 along = edge.b - edge.a;
   const double squared = glm::dot(along, along);
   if (!(squared > 4 * distance * distance)) return false;
@@ -95,7 +95,7 @@ bool lies_inside(const Vec3& p, const Edge& edge, double distance) {
 
 std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                                    const Edges& edges, double distance) {
-  std::vector<Edge> border;
+  std::vector<OpenEdge> border;
   std::vector<std::uint32_t> vertices;
   double total = 0;
   for (const std::uint32_t half_edge : edges.border) {
@@ -121,7 +121,7 @@ std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32
     const Vec3& p = mesh.positions[v];
     std::uint32_t best = kNone;
     samples.near(p, [&](std::uint32_t e) {
-      const Edge& edge = border[e];
+      const OpenEdge& edge = border[e];
       if (edge.half_edge < best && edge.from != v && edge.to != v && lies_inside(p, edge, distance))
         best = edge.half_edge;
       return tries > 0 && --tries > 0;

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/maximum.h"
@@ -20,15 +21,14 @@ namespace panwright::geometry::internal {
 
 namespace {
 
-constexpr double kMostVertices = 4294967295.0;
 // steps towards the requested error; one or two are usual
-constexpr int kIterations = 24;
+constexpr int kErrorSteps = 24;
 // a little less than requested spares most meshes a second try
 constexpr double kMargin = 0.998;
 // where steps about the axis are uneven the plan is an estimate
 constexpr double kStep = 0.99;
 // triangles of a small mesh
-constexpr double kSmall = 4096;
+constexpr double kSmallEllipsoid = 4096;
 // a facet is examined in 4^this parts where its plane is not enough
 constexpr int kHalvings = 3;
 
@@ -250,7 +250,7 @@ int polar_axis(const Ellipsoid& s, bool texcoords) {
   return best;
 }
 
-bool counted(const Ellipsoid& s) { return s.counts.around != 0 && s.counts.along != 0; }
+bool has_counts(const Ellipsoid& s) { return s.counts.around != 0 && s.counts.along != 0; }
 
 double most_triangles(const TessellationOptions& options) {
   return std::min(static_cast<double>(options.max_triangles), kMostVertices);
@@ -268,7 +268,7 @@ class Free {
 
   // Below this many triangles a plan makes the mesh: whole numbers matter, and where steps about
   // the axis differ much plans are rough.
-  double small() const { return around_.sharp() ? 64 * kSmall : kSmall; }
+  double small() const { return around_.sharp() ? 64 * kSmallEllipsoid : kSmallEllipsoid; }
 
   // the share of the error that is planned for first
   double margin() const { return around_.even() ? kMargin : kStep; }
@@ -313,7 +313,7 @@ std::optional<Mesh> made(const Ellipsoid& s, const TessellationOptions& options)
     const std::optional<Staggered> plan = free.plan(target);
     if (!plan || plan->vertices > kMostVertices) return std::nullopt;
     Mesh mesh = free.mesh(*plan, half_range);
-    if (mesh.error <= half_range || i == kIterations) {
+    if (mesh.error <= half_range || i == kErrorSteps) {
       set_error(mesh, mesh.error);
       return mesh;
     }
@@ -336,7 +336,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
     return failed;
   }
   const Room room(s, options);
-  if (room.half_range <= 0 && !counted(s)) {
+  if (room.half_range <= 0 && !has_counts(s)) {
     log.report(
         Code::E2003, where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on an "
@@ -354,7 +354,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
 
 double planned(const Ellipsoid& s, const TessellationOptions& options) {
   const double half_range = Room(s, options).half_range;
-  if (half_range <= 0 && !counted(s)) return kMostVertices;
+  if (half_range <= 0 && !has_counts(s)) return kMostVertices;
   TessellationOptions unlimited = options;
   unlimited.max_triangles = std::uint64_t{1} << 32;
   if (!(s.counts == Counts{})) return GridBuilder(s, unlimited).grid().triangles();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/flat.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
@@ -11,9 +12,6 @@
 namespace panwright::geometry::internal {
 
 namespace {
-
-// radians: what rounding may do to an angle
-constexpr double kAngleSlack = 1e-9;
 
 std::vector<Vec2> points_of(const Extrude& shape, std::vector<std::uint32_t>& loops) {
   std::vector<Vec2> points = shape.outline;

@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 
 namespace panwright::geometry::internal {
 
 namespace {
-
-constexpr double kMaxVertices = 0xffffffffu;
 
 template <class V>
 Problem first_problem(std::span<const V> points, std::string_view part) {
@@ -40,8 +39,8 @@ std::string edge_name(const Region& region, std::uint32_t edge) {
 
 bool within_counts(double triangles, double vertices, std::string_view what,
                    const TessellationOptions& options, SourceSpan where, DiagnosticLog& log) {
-  const double limit = std::fmin(static_cast<double>(options.max_triangles), kMaxVertices);
-  if (triangles <= limit && vertices <= kMaxVertices) return true;
+  const double limit = std::fmin(static_cast<double>(options.max_triangles), kMostVertices);
+  if (triangles <= limit && vertices <= kMostVertices) return true;
   log.report(Code::E2003, where,
              fmt::format("{} of {} triangles and {} vertices, expected at most {} triangles", what,
                          format_double(triangles), format_double(vertices), format_double(limit)));

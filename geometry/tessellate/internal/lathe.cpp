@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
 #include "geometry/tessellate/internal/tessellators.h"
@@ -11,11 +12,6 @@
 namespace panwright::geometry::internal {
 
 namespace {
-
-// neighbours closer than this share of the whole coincide
-constexpr double kCoincident = 1e-9;
-// bends smaller than this are straight, radians
-constexpr double kStraight = 1e-12;
 
 bool ends_meet(const Lathe& s) { return s.profile.front() == s.profile.back(); }
 

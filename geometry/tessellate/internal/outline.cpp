@@ -7,14 +7,12 @@
 #include <set>
 #include <utility>
 
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/predicates.h"
 
 namespace panwright::geometry::internal {
 
 namespace {
-
-// neighbouring points closer than this, relative to the whole, are one point
-constexpr double kCoincident = 1e-9;
 
 bool left_of(const Vec2& a, const Vec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/internal/weld.h"
 #include "geometry/tessellate/internal/flat.h"
 #include "geometry/tessellate/internal/predicates.h"
@@ -15,11 +16,8 @@ namespace panwright::geometry::internal {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 // corners may lie this far from a face's plane, relative to its size
 constexpr double kFlatness = 1e-6;
-// radians: what rounding may do to an angle
-constexpr double kAngleSlack = 1e-9;
 
 using Face = Polygons::Face;
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
 
 namespace panwright::geometry::internal {
 
 namespace {
 
-constexpr double kMostVertices = 4294967295.0;
 // numbers of segments that are compared for curved profiles
 constexpr std::uint32_t kCandidates = 24;
 // how often more segments are tried where chords alone do not reach the error

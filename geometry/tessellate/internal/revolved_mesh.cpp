@@ -13,11 +13,11 @@ namespace panwright::geometry::internal {
 namespace {
 
 // vertices that one task makes; small meshes stay on the calling thread
-constexpr std::size_t kTask = std::size_t{1} << 15;
+constexpr std::size_t kRevolvedTask = std::size_t{1} << 15;
 
-class Builder {
+class RevolvedBuilder {
  public:
-  Builder(const Revolution& shape, const Layout& layout, bool texcoords)
+  RevolvedBuilder(const Revolution& shape, const Layout& layout, bool texcoords)
       : shape_(shape),
         layout_(layout),
         texcoords_(texcoords),
@@ -37,7 +37,7 @@ class Builder {
     if (texcoords_) mesh_.texcoords.resize(vertices_);
     mesh_.triangles.resize(triangles_);
     mesh_.closed = shape_.closed;
-    const std::size_t rows = std::max<std::size_t>(1, kTask / (std::size_t{layout_.segments} + 1));
+    const std::size_t rows = std::max<std::size_t>(1, kRevolvedTask / (std::size_t{layout_.segments} + 1));
     const std::size_t tasks = (rings_.size() + rows - 1) / rows;
     parallel_for(tasks, [&](std::size_t task) {
       const std::size_t end = std::min(rings_.size(), (task + 1) * rows);
@@ -276,7 +276,7 @@ Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& o
                     format_double(options.max_error), options.max_triangles));
     return failed;
   }
-  Mesh mesh = Builder(revolution, layout, options.texcoords).build();
+  Mesh mesh = RevolvedBuilder(revolution, layout, options.texcoords).build();
   set_error(mesh, layout.error);
   return mesh;
 }

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/maximum.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
@@ -24,7 +25,6 @@ using internal::staggered_mesh;
 using internal::Steps;
 using internal::turn;
 
-constexpr std::uint64_t kMaxVertices = 0xffffffffu;
 // half the spacing of single precision relative to the number
 constexpr double kFloatRounding = 0x1p-24;
 

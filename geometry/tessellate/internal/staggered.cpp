@@ -36,9 +36,9 @@ enum class Joint : std::uint8_t {
   any         // wherever they stand
 };
 
-class Planner {
+class StaggeredPlanner {
  public:
-  Planner(const Vec3& radii, const Steps& around, double error, bool texcoords)
+  StaggeredPlanner(const Vec3& radii, const Steps& around, double error, bool texcoords)
       : radii_(radii), error_(error), texcoords_(texcoords) {
     set_out(error);
     const std::uint64_t count = around.even() ? 0 : kMeridians;
@@ -320,7 +320,7 @@ std::optional<Staggered> staggered(const Vec3& radii, const Steps& around, doubl
   // beyond the shape's size an error allows no fewer triangles, and vertices should not stand so
   // far out
   const double largest = std::max({radii.x, radii.y, radii.z});
-  return Planner(radii, around, std::min(error, largest), texcoords).best(most);
+  return StaggeredPlanner(radii, around, std::min(error, largest), texcoords).best(most);
 }
 
 }  // namespace panwright::geometry::internal

@@ -14,9 +14,9 @@ namespace {
 // towards the nearest point; 3 are usual
 constexpr int kNewton = 40;
 
-class Builder {
+class StaggeredBuilder {
  public:
-  Builder(const Staggered& plan, const StaggeredPlace& place, const Steps& around, bool texcoords)
+  StaggeredBuilder(const Staggered& plan, const StaggeredPlace& place, const Steps& around, bool texcoords)
       : place_(place), texcoords_(texcoords) {
     const Vec3& r = place.radii;
     round_ = r.x == r.y && r.y == r.z;
@@ -186,7 +186,7 @@ class Builder {
 
 Mesh staggered_mesh(const Staggered& plan, const StaggeredPlace& place, const Steps& around,
                     bool texcoords) {
-  return Builder(plan, place, around, texcoords).build();
+  return StaggeredBuilder(plan, place, around, texcoords).build();
 }
 
 }  // namespace panwright::geometry::internal

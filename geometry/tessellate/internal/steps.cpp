@@ -10,8 +10,8 @@ namespace panwright::geometry::internal {
 namespace {
 
 // intervals of a quarter turn before halving, and how often they are halved
-constexpr int kNodes = 16;
-constexpr int kDepth = 40;
+constexpr int kStepNodes = 16;
+constexpr int kStepDepth = 40;
 
 }  // namespace
 
@@ -66,14 +66,14 @@ Density Steps::made() const {
     int depth;
   };
   std::vector<Span> todo;
-  for (int i = 1; i <= kNodes; ++i) {
-    const double end = 0.5 * kPi * (static_cast<double>(i) / kNodes);
+  for (int i = 1; i <= kStepNodes; ++i) {
+    const double end = 0.5 * kPi * (static_cast<double>(i) / kStepNodes);
     todo.push_back({end, value(end), 0});
     while (!todo.empty()) {
       const Span span = todo.back();
       const double middle = 0.5 * (t.back() + span.end);
       const double mid = value(middle);
-      if (span.depth < kDepth && std::fabs(mid - 0.5 * (v.back() + span.value)) > 0.01 * mid) {
+      if (span.depth < kStepDepth && std::fabs(mid - 0.5 * (v.back() + span.value)) > 0.01 * mid) {
         todo.back().depth = span.depth + 1;
         todo.push_back({middle, mid, span.depth + 1});
         continue;

@@ -5,13 +5,13 @@
 #include <iterator>
 #include <set>
 
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/predicates.h"
 
 namespace panwright::geometry::internal {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::uint64_t kFlipsPerTriangle = 64;
 
 // Where the sweep line runs through the region it is cut into intervals, each between a lower and

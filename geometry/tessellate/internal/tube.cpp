@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/flat.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
@@ -14,8 +15,6 @@ namespace panwright::geometry::internal {
 
 namespace {
 
-// neighbouring points closer than this, relative to the whole, are one point
-constexpr double kCoincident = 1e-9;
 // a bend must be wider than the radius by this much, or the inner side is all slivers
 constexpr double kWider = 1.001;
 // tangents whose sum is shorter run back to back

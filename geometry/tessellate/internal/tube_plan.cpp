@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/revolve.h"
 #include "geometry/tessellate/internal/tube_sections.h"
@@ -12,8 +13,6 @@ namespace panwright::geometry::internal {
 
 namespace {
 
-// segments of a path that bend by less go straight on: 1e-12 of the length
-constexpr double kStraight = 1e-12;
 // sections stay this much clear of folding
 constexpr double kClear = 0.98;
 // of what vertices may stand out by; the rest is for what measuring adds

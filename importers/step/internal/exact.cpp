@@ -23,7 +23,7 @@ constexpr double kSame = 1e-9;
 // note: OpenCASCADE integrates discs good to about 1e-5
 constexpr double kWhole = 1e-4;
 
-Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
+Vec3 xyz(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 struct Line {
   Vec3 at{0};
@@ -46,8 +46,8 @@ struct Surfaces {
 };
 
 Round round_of(const gp_Ax3& frame, double radius, double other = 0) {
-  return {{vec(frame.Location().XYZ()), vec(frame.Direction().XYZ())},
-          vec(frame.XDirection().XYZ()),
+  return {{xyz(frame.Location().XYZ()), xyz(frame.Direction().XYZ())},
+          xyz(frame.XDirection().XYZ()),
           radius,
           other};
 }
@@ -65,7 +65,7 @@ std::optional<Surfaces> surfaces_of(const TopoDS_Shape& body) {
     switch (surface.GetType()) {
       case GeomAbs_Plane:
         out.planes.push_back(
-            {vec(surface.Plane().Location().XYZ()), vec(surface.Plane().Axis().Direction().XYZ())});
+            {xyz(surface.Plane().Location().XYZ()), xyz(surface.Plane().Axis().Direction().XYZ())});
         break;
       case GeomAbs_Cylinder:
         out.cylinders.push_back(

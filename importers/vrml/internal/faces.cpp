@@ -21,7 +21,7 @@ constexpr int kLongestSearch =
     32;  // vertices of one point that are compared before one more is made
 constexpr std::size_t kManyNumbers = 100'000;  // are worth a pass over the faces to free
 
-Vec3 vec3_at(std::span<const double> values, std::size_t i) {
+Vec3 point_at(std::span<const double> values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
@@ -98,7 +98,7 @@ class FaceMesher {
 
   bool is_usable(std::int32_t point) const {
     return static_cast<std::size_t>(point) < points_ &&
-           (all_finite_ || is_usable(vec3_at(in_.points, static_cast<std::size_t>(point))));
+           (all_finite_ || is_usable(point_at(in_.points, static_cast<std::size_t>(point))));
   }
   static bool is_usable(const Vec3& p) {
     const double most = geometry::kMaxCoordinate;
@@ -108,7 +108,7 @@ class FaceMesher {
   // Counts triangles and says what is wrong with points and their index.
   bool count() {
     for (std::size_t i = 0; i < points_; ++i)
-      all_finite_ = all_finite_ && is_usable(vec3_at(in_.points, i));
+      all_finite_ = all_finite_ && is_usable(point_at(in_.points, i));
     std::uint64_t past_end = 0, beyond = 0, short_faces = 0;
     std::size_t first_past_end = 0, first_beyond = 0, first_short = 0;
     for_each_face(in_.coord_index, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -268,10 +268,10 @@ class FaceMesher {
   };
 
   std::uint32_t new_vertex(const Key& key) {
-    out_.positions.push_back(vec3_at(in_.points, key.point));
-    if (normals_.is_there()) out_.normals.push_back(vec3_at(normals_.values, key.normal));
+    out_.positions.push_back(point_at(in_.points, key.point));
+    if (normals_.is_there()) out_.normals.push_back(point_at(normals_.values, key.normal));
     if (colors_.is_there())
-      out_.colors.push_back(glm::clamp(vec3_at(colors_.values, key.color), 0.0, 1.0));
+      out_.colors.push_back(glm::clamp(point_at(colors_.values, key.color), 0.0, 1.0));
     if (texcoords_.is_there())
       out_.texcoords.push_back(
           {texcoords_.values[2 * key.texcoord], texcoords_.values[2 * key.texcoord + 1]});
@@ -321,7 +321,7 @@ class FaceMesher {
     }
     if (without == 0) return;
     std::size_t first = 0;
-    while (first + 1 < normals_.size() && vec3_at(normals_.values, first) != Vec3(0)) ++first;
+    while (first + 1 < normals_.size() && point_at(normals_.values, first) != Vec3(0)) ++first;
     report(Code::W6114, List::normals, first,
            fmt::format("{} vertices have a normal without length, and take that of their faces",
                        without));

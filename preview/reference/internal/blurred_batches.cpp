@@ -9,7 +9,7 @@ namespace panwright::preview::reference {
 namespace {
 
 // sigmas; what lies beyond, 6e-7 of the light an axis, is put into what lies within
-constexpr double kReach = 5;
+constexpr double kBlurReach = 5;
 
 // The share of a Gaussian of sigma 1 below x: cubic between tabulated values and slopes, within
 // 1e-10 of the integral.
@@ -31,7 +31,7 @@ class GaussianShare {
   }
 
   double operator()(double x) const {
-    const double at = (x + kReach) / kStep;
+    const double at = (x + kBlurReach) / kStep;
     if (!(at > 0)) return 0;
     if (!(at < kSteps)) return 1;
     const auto i = static_cast<std::size_t>(at);
@@ -43,8 +43,8 @@ class GaussianShare {
 
  private:
   static constexpr int kSteps = 640;
-  static constexpr double kStep = 2 * kReach / kSteps;
-  static double place(int i) { return i * kStep - kReach; }
+  static constexpr double kStep = 2 * kBlurReach / kSteps;
+  static double place(int i) { return i * kStep - kBlurReach; }
   static double density(double x) { return det::exp(-0.5 * x * x); }
 
   std::array<double, kSteps + 1> value_;
@@ -204,7 +204,7 @@ class BlurredBatches final : public Batches {
 }  // namespace
 
 std::uint32_t blur_margin(double sigma) {
-  return static_cast<std::uint32_t>(std::ceil(kReach * sigma)) + 1;
+  return static_cast<std::uint32_t>(std::ceil(kBlurReach * sigma)) + 1;
 }
 
 std::unique_ptr<Batches> blurred_batches(

@@ -13,8 +13,8 @@ namespace {
 // Variances of RGB, and 1 where there is light.
 using Counted = Vec4;
 
-constexpr int kReach = 3;
-constexpr std::size_t kRows = 2 * kReach + 1;
+constexpr int kErrorReach = 3;
+constexpr std::size_t kRows = 2 * kErrorReach + 1;
 
 constexpr double kOwn = 0.35;
 constexpr double kLine = 0.2;
@@ -41,7 +41,7 @@ double area_of(const Cell& cell) { return (cell.high.x - cell.low.x) * (cell.hig
 class Band {
  public:
   Band(std::uint32_t left, std::uint32_t right) : left_(left) {
-    const std::size_t columns = right - left + 1 + 2 * kReach;
+    const std::size_t columns = right - left + 1 + 2 * kErrorReach;
     for (auto& row : rows_) row.resize(columns);
     for (auto* sums : {&above_, &below_, &all_}) sums->resize(columns);
   }
@@ -51,7 +51,7 @@ class Band {
            const std::array<const Counted*, kRows>& variances) {
     for (std::size_t r = 0; r < kRows; ++r)
       for (std::size_t i = 0; i < cells[r].size(); ++i)
-        rows_[r][cells[r][i].column - left_ + kReach] = variances[r][i];
+        rows_[r][cells[r][i].column - left_ + kErrorReach] = variances[r][i];
     for (std::size_t x = 0; x < all_.size(); ++x) {
       const Counted above = rows_[0][x] + rows_[1][x] + rows_[2][x];
       const Counted below = rows_[4][x] + rows_[5][x] + rows_[6][x];
@@ -63,7 +63,7 @@ class Band {
 
   // of the neighbour of a column
   Vec3 at(std::uint32_t column, int dx, int dy) const {
-    return Vec3(rows_[static_cast<std::size_t>(kReach + dy)][place(column, dx)]);
+    return Vec3(rows_[static_cast<std::size_t>(kErrorReach + dy)][place(column, dx)]);
   }
 
   struct Means {
@@ -72,9 +72,9 @@ class Band {
   };
   // Over the pixels that have light, the one in the middle apart.
   Means means(std::uint32_t column) const {
-    const Counted own = rows_[kReach][place(column, 0)];
+    const Counted own = rows_[kErrorReach][place(column, 0)];
     Counted above = -own, below = -own, before = -own, behind = -own;
-    for (int dx = -kReach; dx <= kReach; ++dx) {
+    for (int dx = -kErrorReach; dx <= kErrorReach; ++dx) {
       const std::size_t x = place(column, dx);
       above += above_[x];
       below += below_[x];
@@ -94,7 +94,7 @@ class Band {
     return glm::max(Vec3(sum), Vec3(0)) / std::max(sum.w, 1.0);
   }
   std::size_t place(std::uint32_t column, int dx) const {
-    return static_cast<std::size_t>(std::int64_t{column} - left_ + kReach + dx);
+    return static_cast<std::size_t>(std::int64_t{column} - left_ + kErrorReach + dx);
   }
 
   std::int64_t left_;
@@ -164,10 +164,10 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
     std::array<std::span<const Cell>, kRows> near;
     std::array<const Counted*, kRows> values{};
     for (std::size_t r = 0; r < kRows; ++r) {
-      const std::size_t at = row + r;  // kReach too many
-      if (at < kReach || at - kReach + 1 >= first.size()) continue;
-      const std::size_t begin = first[at - kReach];
-      near[r] = cells.subspan(begin, first[at - kReach + 1] - begin);
+      const std::size_t at = row + r;  // kErrorReach too many
+      if (at < kErrorReach || at - kErrorReach + 1 >= first.size()) continue;
+      const std::size_t begin = first[at - kErrorReach];
+      near[r] = cells.subspan(begin, first[at - kErrorReach + 1] - begin);
       values[r] = variances.data() + begin;
     }
     Band band(left, right);

@@ -8,8 +8,8 @@
 namespace panwright::preview::reference {
 namespace {
 
-Vec3 vec3(const pan::layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
-Vec2 vec2(const pan::layout::Float2& v) { return Vec2(v.x, v.y); }
+Vec3 vector3(const pan::layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
+Vec2 vector2(const pan::layout::Float2& v) { return Vec2(v.x, v.y); }
 
 Vec3 unit_or_zero(const Vec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
@@ -54,9 +54,9 @@ TangentField::TangentField(const pan::MeshView& mesh) {
   std::unordered_map<Key, std::uint32_t, KeyHash> groups;
   std::vector<Vec3> normals;  // of the groups
   const auto group = [&](std::uint32_t vertex, double handed) {
-    const Vec3 p = vec3(mesh.positions[vertex]);
-    const Vec3 n = vec3(mesh.normals[vertex]);
-    const Vec2 t = vec2(mesh.texcoords[vertex]);
+    const Vec3 p = vector3(mesh.positions[vertex]);
+    const Vec3 n = vector3(mesh.normals[vertex]);
+    const Vec2 t = vector2(mesh.texcoords[vertex]);
     const Key key{
         {p.x, p.y, p.z, n.x, n.y, n.z, t.x - std::floor(t.x), t.y - std::floor(t.y), handed}};
     const auto [found, is_new] =
@@ -76,8 +76,8 @@ TangentField::TangentField(const pan::MeshView& mesh) {
     std::array<Vec2, 3> t;
     for (std::size_t k = 0; k < 3; ++k) {
       vertex[k] = mesh.indices[3 * std::size_t{triangle} + k];
-      p[k] = vec3(mesh.positions[vertex[k]]);
-      t[k] = vec2(mesh.texcoords[vertex[k]]);
+      p[k] = vector3(mesh.positions[vertex[k]]);
+      t[k] = vector2(mesh.texcoords[vertex[k]]);
     }
     // the columns of (b−a, c−a)·inverse(tb−ta, tc−ta) are the directions of u and v
     const glm::dmat2 texture(t[1] - t[0], t[2] - t[0]);
