@@ -12,7 +12,7 @@ namespace panwright::compiler::internal {
 namespace {
 
 constexpr double kSamePlace = 1e-6;      // of the model's diagonal
-constexpr std::size_t kMost = 1u << 24;  // vertices of all placements whose borders are compared
+constexpr std::size_t kMostShared = 1u << 24;  // vertices of all placements whose borders are compared
 
 // V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
 std::vector<char> borders(const Surface& mesh) {
@@ -130,7 +130,7 @@ std::optional<std::vector<std::vector<char>>> shared_borders(
     vertices += meshes[at.mesh].vertices;
     used[at.mesh] = 1;
   }
-  if (vertices > kMost) return {};
+  if (vertices > kMostShared) return {};
   for (std::size_t i = 0; i < meshes.size(); ++i) shared[i].assign(meshes[i].vertices, 0);
   parallel_for(
       border.size(),

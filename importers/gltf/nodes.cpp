@@ -14,7 +14,7 @@ using Kind = Json::Kind;
 
 constexpr std::size_t kNobody = ~std::size_t{0};
 // what rounding to bytes does to the length of a quaternion, as the validator allows it
-constexpr double kUnit = 0.00769;
+constexpr double kSmallUnit = 0.00769;
 
 // The largest sum of the magnitudes in a column.
 double norm_of(const std::array<float, 16>& m) {
@@ -180,7 +180,7 @@ class NodePass {
     if (const Json* rotation = node.find("rotation")) {
       double squared = 0;
       for (const Json& x : rotation->items) squared += x.number * x.number;
-      if (std::fabs(std::sqrt(squared) - 1) > kUnit)
+      if (std::fabs(std::sqrt(squared) - 1) > kSmallUnit)
         d_.report(Code::E6204, rotation, at + "/rotation",
                   fmt::format("a quaternion of length {:.6g}, expected 1", std::sqrt(squared)));
       if (!(squared > 0)) node.erase("rotation");

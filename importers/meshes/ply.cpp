@@ -22,7 +22,7 @@ namespace {
 using geometry::Mesh;
 using Got = PlyValues::Got;
 
-constexpr std::uint64_t kPoll = 1u << 14;  // faces between questions whether to go on
+constexpr std::uint64_t kPollFaces = 1u << 14;  // faces between questions whether to go on
 constexpr int kMostCopies = 32;  // copies of a vertex that are compared before one more is made
 
 // What a property of a vertex is read into.
@@ -287,7 +287,7 @@ class PlyReader {
     ends_.reserve(ends_.size() + count);
     std::vector<double> face, uvs;
     for (std::uint64_t i = 0; i < count && going_ && !s_.full; ++i) {
-      if (i % kPoll == 0) s_.file.job.poll();
+      if (i % kPollFaces == 0) s_.file.job.poll();
       bool whole = true;
       std::size_t where = 0;
       for (const PlyProperty& property : element.properties) {

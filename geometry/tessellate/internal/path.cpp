@@ -95,28 +95,28 @@ void SplinePath::cut(std::size_t cubic) {
   const Vec3* c = cubics_[cubic].c;
   const auto derivative = [&](double u) { return c[1] + u * (2.0 * c[2] + 3.0 * u * c[3]); };
   const auto second = [&](double u) { return 2.0 * c[2] + 6.0 * u * c[3]; };
-  struct Part {
+  struct Section {
     double begin, end;
     int halvings;
   };
-  std::vector<Part> waiting{{0, 1, 0}};
+  std::vector<Section> waiting{{0, 1, 0}};
   while (!waiting.empty()) {
-    const Part part = waiting.back();
+    const Section section = waiting.back();
     waiting.pop_back();
-    const Vec3 first = derivative(part.begin);
-    const Vec3 last = derivative(part.end);
-    const Vec3 middle = first + 0.5 * (part.end - part.begin) * second(part.begin);
+    const Vec3 first = derivative(section.begin);
+    const Vec3 last = derivative(section.end);
+    const Vec3 middle = first + 0.5 * (section.end - section.begin) * second(section.begin);
     const double low = std::min({glm::length(first), glm::length(middle), glm::length(last)});
     const double high = std::max({glm::length(first), glm::length(middle), glm::length(last)});
     const bool calm = high <= kPieceSpeed * low &&
                       angle_between(first, middle) + angle_between(middle, last) <= kPieceBend;
-    if (calm || part.halvings == kMostHalvings) {
-      add_piece(cubic, part.begin, part.end, !calm);
+    if (calm || section.halvings == kMostHalvings) {
+      add_piece(cubic, section.begin, section.end, !calm);
       continue;
     }
-    const double half = 0.5 * (part.begin + part.end);
-    waiting.push_back({half, part.end, part.halvings + 1});
-    waiting.push_back({part.begin, half, part.halvings + 1});
+    const double half = 0.5 * (section.begin + section.end);
+    waiting.push_back({half, section.end, section.halvings + 1});
+    waiting.push_back({section.begin, half, section.halvings + 1});
   }
 }
 
