@@ -2,8 +2,6 @@
 # find_package(panwright).
 
 include(CMakePackageConfigHelpers)
-# components, for packages: dev, and program for all that says nothing
-set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 set(PANWRIGHT_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/panwright")
 
 get_property(libraries GLOBAL PROPERTY PANWRIGHT_LIBRARIES)
