@@ -242,7 +242,7 @@ def wide():
 
 
 def sides(table):
-    out = SIDES
+    out, errors = SIDES, []
     for setting, values in table.items():
         if not setting.startswith("servicer from "):
             continue
@@ -250,7 +250,12 @@ def sides(table):
         flux, rmse, flip = values["flux"], values["rmse"], values["flip"]
         out += (f"| {place} | {phase.split()[0]}° | {flux[0]:.1e} | {flux[1]:.0e} | {rmse[0]:.1e} | {rmse[1]:.0e} "
                 f"| {flip[0]:.4f} | {values['ms']:.0f} |\n")
-    return out + "\n" if out != SIDES else ""
+        errors.append(flux[0])
+    if not errors:
+        return ""
+    errors.sort()
+    half = len(errors) // 2
+    return out + f"\nFlux: median {(errors[half] + errors[~half]) / 2:.1e}, {errors[0]:.1e} to {errors[-1]:.1e}.\n\n"
 
 
 def page():

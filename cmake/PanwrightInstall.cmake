@@ -2,8 +2,6 @@
 # find_package(panwright).
 
 include(CMakePackageConfigHelpers)
-# components, for packages: dev, and program for all that says nothing
-set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 set(PANWRIGHT_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/panwright")
 
 get_property(libraries GLOBAL PROPERTY PANWRIGHT_LIBRARIES)
@@ -16,14 +14,14 @@ install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_D
 install(DIRECTORY base geometry mli materials scene pan world importers exporters compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
+        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|image|model|frame))$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 # pages with their images, as they link to each other
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
+install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 if(PANWRIGHT_HAS_STEP)

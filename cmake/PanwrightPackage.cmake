@@ -1,5 +1,6 @@
-# Debian packages: `cpack -G DEB` in a build folder. panwright holds the program, its reader of STEP
-# files, schemas, presets, examples and pages; libpanwright-dev the static libraries and headers.
+# Packages, in a build folder: `cpack -G DEB` makes panwright (program, reader of STEP files, schemas,
+# presets, examples, pages) and libpanwright-dev (static libraries, headers); `cpack -G TGZ` one archive
+# of both; `cpack --config CPackSourceConfig.cmake` the sources.
 
 set(CPACK_PACKAGE_NAME panwright)
 set(CPACK_PACKAGE_VENDOR Panwright)
@@ -25,4 +26,11 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpanwright-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and static libraries of Panwright, with a CMake package and a pkg-config file.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "panwright (= ${PROJECT_VERSION}), libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libjpeg62-turbo-dev, libmeshoptimizer-dev, libopenexr-dev, libopenmesh-dev, libosd-dev, libpng-dev, libpugixml-dev, libsleef-dev, libtbb-dev, libwebp-dev, libxxhash-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
+
+set(CPACK_PANWRIGHT_SOURCE_DIR "${PROJECT_SOURCE_DIR}")
+set(CPACK_PROJECT_CONFIG_FILE "${PROJECT_SOURCE_DIR}/cmake/cpack_settings.cmake")
+set(CPACK_SOURCE_GENERATOR TGZ)
+set(CPACK_SOURCE_PACKAGE_FILE_NAME "panwright-${PROJECT_VERSION}")
+string(REGEX REPLACE "([.+*?()$])" "[\\1]" source_dir "${PROJECT_SOURCE_DIR}")
+set(CPACK_SOURCE_IGNORE_FILES "^${source_dir}/(build|install|out|shared|[.]git|[.]cache)/;/__pycache__/")
 include(CPack)

@@ -16,6 +16,7 @@ JQUERY = pathlib.Path("/usr/share/javascript/jquery/jquery.min.js")
 # title, page; what is not here stands under More
 NAVIGATION = [
     ("Start", "index.md"),
+    ("Map", "map.md"),
     ("Language tour", "language-tour.md"),
     ("Language reference", "pxn-reference.md"),
     ("CAD files", "importing.md"),

@@ -25,6 +25,14 @@ foreach(file bin/panwright bin/pxntopan bin/pxn2pan share/panwright/pxn.xsd shar
     message(FATAL_ERROR "not installed: ${file}")
   endif()
 endforeach()
+# every file belongs to a package
+file(GLOB scripts "${BUILD_DIR}/cmake_install.cmake" "${BUILD_DIR}/*/cmake_install.cmake")
+foreach(script ${scripts})
+  file(READ "${script}" text)
+  if(text MATCHES "Unspecified")
+    message(FATAL_ERROR "${script} installs files that belong to no component")
+  endif()
+endforeach()
 # public headers alone, and none that includes another kind
 set(include "${WORK_DIR}/prefix/include/panwright")
 file(GLOB_RECURSE headers RELATIVE "${include}" "${include}/*.h")
