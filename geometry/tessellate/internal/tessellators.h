@@ -1,5 +1,5 @@
-// What each kind of shape implements for geometry/tessellate/shape.h and
-// geometry/tessellate/tessellate.h, which say what the functions mean.
+// Implementations of geometry/tessellate/shape.h and geometry/tessellate/tessellate.h by kind of
+// shape.
 #pragma once
 
 #include "geometry/tessellate/tessellate.h"
@@ -19,7 +19,7 @@ Problem problem(const Torus& shape);
 Problem problem(const Dish& shape);
 Problem problem(const Lathe& shape);
 
-// The profile; that of a spline with so many chords for each piece.
+// Returns the profile; that of a spline with `chords` chords for each piece.
 std::vector<Vec2> sampled_profile(const Lathe& shape, int chords);
 
 Result<Mesh> make(const Sphere& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
@@ -83,7 +83,7 @@ Problem problem(const Subdiv& shape);
 Result<Mesh> make(const Subdiv& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
 double planned(const Subdiv& shape, const TessellationOptions&);
 std::vector<ShapeProblem> warnings(const Subdiv& shape);
-// Whether two faces meet at each edge of the cage.
+// Returns true if two faces meet at each edge of the cage.
 bool has_no_border(const Subdiv& shape);
 
 }  // namespace panwright::geometry::internal
