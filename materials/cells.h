@@ -11,21 +11,16 @@ namespace panwright::materials {
 // Shares of a footprint; they add up to 1.
 struct CellShares {
   double cell = 1;
-  double finger =
-      0;  // Averages the pattern over a footprint, a box. |  |   texcoord   of the middle |
-          // footprint  size of the box along u and v, in texture coordinates, >= 0 |   returns
-          // exact for a box. A skewed footprint is replaced by its bounding box: the mean over a |
-          // panel stays, edges get up to twice as broad.
+  double finger = 0;  // grid lines, on the cell and under its cover glass
   double gap = 0;     // between cells, without cover glass
 };
 
-// What a footprint shows of the pattern: its average over a box.
+// Averages the pattern over a footprint, a box.
 //
 //   texcoord   of the middle
 //   footprint  size of the box along u and v, in texture coordinates, >= 0
-//   returns    exact for a box. A skewed footprint is replaced by its bounding box: the mean over a
-//   panel
-//              stays, edges get up to twice as broad.
+//   returns    exact for a box. A skewed footprint is replaced by its bounding box: the mean over
+//              a panel stays, edges get up to twice as broad.
 CellShares cells_at(const Cells& cells, const Vec2& texcoord, const Vec2& footprint);
 
 // Returns the materials of the three parts: a cell, a grid line on it, and a gap. Mixed by their

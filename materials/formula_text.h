@@ -11,9 +11,8 @@ namespace panwright::materials {
 // Returns the formulas of one BRDF model, as GLSL 4.00 or later, for insertion after #version and
 // before the calling code. Defines no macros, and these names:
 //
-//   struct Surface   the parameters (generated from schemas/material.toml); fill in every member
-//   that
-//                    the BRDFs use
+//   struct Surface   the parameters (generated from schemas/material.toml); fill in every
+//                    member that the BRDFs use
 //   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
 //   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
 //                         vec3 irradiance)                                        irradiance/sr

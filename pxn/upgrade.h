@@ -22,9 +22,8 @@ struct UpgradedFile {
 // file. Appearances stay: missing fields may come from around the file. Included files are upgraded
 // only if listed too.
 //
-//   paths    of files; those included by an earlier one, directly or not, are upgraded as parts
-//   of
-//            that model
+//   paths    of files; those included by an earlier one, directly or not, are upgraded as
+//            parts of that model
 //   returns  the texts, in the same order; models were read before and after, and are equal bit for
 //            bit (Likeness::looks)
 //

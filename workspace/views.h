@@ -38,8 +38,8 @@ struct View {
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: none
   world::Camera camera;
   std::optional<world::Sun> sun;    // none: the world's
-  std::vector<TargetPose> poses;    // that differ from the world; later ones replace earlier ones
-  std::vector<TargetJoint> joints;  // that differ from the world, aims resolved
+  std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
+  std::vector<TargetJoint> joints;  // different from the world, aims resolved
   std::string output;               // .png, .exr, .npy or .npz
   double ev = 0;                    // stops, of a PNG
   bool auto_ev = false;             // from the image: workspace/exposure.h

@@ -36,7 +36,7 @@ struct LevelOptions {
   double growth = 2;
   double worth = 0.8;
   double interval = 0.5;
-  // largest share of the previous level's triangles
+  // Largest share of the previous level's triangles
   double share = 0.7;
   std::size_t least_triangles = 16;  // of a level
   // V, or empty: vertices shared with another mesh. A part with such a vertex keeps its open

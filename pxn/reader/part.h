@@ -149,7 +149,7 @@ struct Definition {
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;
 
-// pxn file.
+// A pxn file.
 struct File {
   FoundFile found;
   xml::Document document;

@@ -42,7 +42,7 @@ struct ShearedRay {
   double inverse = 1;  // of the direction's z
   int x = 0;
   int y = 1;
-  int z = 2;  // where the direction is largest
+  int z = 2;  // axis of the largest component of the direction
 };
 
 // Returns a.x·b.y − a.y·b.x with the exact sign despite rounding, and its negative with a and b
