@@ -29,7 +29,7 @@ struct Position {
   std::uint32_t column = 1;  // 1-based, in characters of the file's encoding
 };
 
-// Bytes of a file, kept alive by whoever holds this: a string, or a mapping. A NUL stands behind
+// Bytes of a file, kept alive by its holders: a string, or a mapping. A NUL stands behind
 // the last one. It is used like a pointer to them.
 class SharedText {
  public:

@@ -9,9 +9,9 @@
 // its box across its longest edge. They are left out, smallest first, under two limits:
 //
 //   flux      all of them together show less than kLeftOutShare of the budget's flux. Each counts
-//             with the largest area that it shows, times twice the larger of its own reflectance
-//             and the model's, because what it hides and shades may be as bright. The reference is
-//             the least that the model shows in 32 directions, or a tenth of the most.
+//             with its largest projected area, times twice the larger of its own reflectance and
+//             the model's. Surfaces that it hides and shades may be as bright. The reference is the
+//             least that the model shows in 32 directions, or a tenth of the most.
 //   centroid  the photocentre moves by less than that share of the budget's centroid.
 //
 // Without a term for flux nothing is left out. Always kept: foil, decals and what they lie on,

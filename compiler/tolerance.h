@@ -18,12 +18,11 @@ inline constexpr double kDefaultTolerance = 1e-3;
 // kFluxFactor·error/R. Holds for phase angles of 0 to 120 degrees and parts that keep at least a
 // tenth of their full flux: thin crescents have larger relative errors.
 //
-// Derived: moving the lit limb of a Lambert cylinder outwards by the error changes the flux at the
-// phase angle a by 2·sin a/(sin a + (π − a)·cos a)·error/R: 1 at 64, 2 at 90, 5.06 at 120 degrees;
-// of a sphere by 3·sin a/(…) times the mean of the limb, which averages out to less than half of
-// the error. Worst measured with smooth normals (tests/compiler/tolerance_test.cpp), for an error
-// of 0.03 R: cylinder 5.28, sphere 4.46; of 0.001 R: 5.09 and 3.40. At 90 degrees 2.1, at 150
-// over 20.
+// Derived: moving the lit limb of a Lambert cylinder outwards by the error changes the flux at
+// phase a by 2·sin a/(sin a + (π − a)·cos a)·error/R: 1 at 64, 2 at 90, 5.06 at 120 degrees; of a
+// sphere by 3·sin a/(…) times the mean of the limb, which averages out to less than half of the
+// error. Worst measured with smooth normals (tests/compiler/tolerance_test.cpp), for an error of
+// 0.03 R: cylinder 5.28, sphere 4.46; of 0.001 R: 5.09 and 3.40. At 90 degrees 2.1, at 150 over 20.
 inline constexpr double kFluxFactor = 5.5;
 // Photocentre error: at most kCentroidFactor·error, in metres. It is the limb's share of the flux,
 // as above, times its distance from the photocentre, 0.67 at 90 degrees. Worst measured in the same
@@ -79,8 +78,8 @@ std::optional<double> microfacet_slope(const scene::Scene& scene, const scene::I
 inline constexpr double kNormalFactor = 0.0161;
 
 // Returns the smallest radius of curvature over a relevant share of a shape, metres: the radius of
-// a sphere, cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of
-// 2·focal length and radius of a dish, half of the mean radius of a cone or lathe; of rounded edges
+// a sphere, cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid; the smaller of
+// 2·focal length and radius of a dish; half of the mean radius of a cone or lathe; of rounded edges
 // that of a ball in the box, for their share falls with their radius; half of the area of a cage
 // over its total mean curvature. None: flat faces and meshes.
 std::optional<double> radius_of_curvature(const geometry::Shape& shape);

@@ -31,7 +31,7 @@ struct Reading {
 // brightness", 2023.
 //
 // Fails: E0101, E0102; E1409 at the first invalid line of each kind, with the number of similar
-// ones, and for fewer than 8 readings of light and viewer above the horizon.
+// ones; also for fewer than 8 readings of light and viewer above the horizon.
 Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Returns true if any reading differs between the bands.

@@ -45,10 +45,10 @@ using Form = std::variant<Flat, Tube, Cone, Disc, Box>;
 // are positive; texture coordinates are positions on the flat sheet, metres.
 //
 // Cells are as large as the sheet's. Tubes are rolled up, cones and discs are cut out of the flat
-// sheet, boxes are cut out as four sides in a row with both ends at the first of them, so that
-// wrinkles are not stretched (a flange is, by its width over the radius). At the joint of a tube or
-// cone, half of the step is removed from each side, fading out over a twentieth of the
-// circumference. Beside a flange's corner heights lean towards the bisector.
+// sheet. Boxes are cut out as four sides in a row with both ends at the first. So wrinkles are not
+// stretched (a flange is, by its width over the radius). At the joint of a tube or cone, half of
+// the step is removed from each side, fading out over a twentieth of the circumference. Beside a
+// flange's corner heights lean towards the bisector.
 //
 // A box is closed; tubes and cones are but for their ends. The normals are left empty.
 // Fails: E7001: an invalid size, a sheet too small for the form, above kMaxVertices.

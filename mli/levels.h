@@ -16,9 +16,9 @@ namespace panwright::mli {
 struct TiltMap {
   double factor = 1, power = 0, scale = 1;
   // Above 0: each vertex has two normals, for the triangles below and above the diagonals of their
-  // cells, this factor as far from the vertex's own as the mean facets of either kind around it. A
-  // pixel of a cell's width covers two facets here, a dozen on the finest sheet; these two must
-  // differ as much.
+  // cells. They deviate from the vertex's own by this factor times the mean facets of either kind
+  // around it. A pixel of a cell's width covers two facets here, a dozen on the finest sheet; these
+  // two must differ as much.
   double apart = 0;
 };
 
@@ -57,8 +57,8 @@ void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease
 
 // Makes levels with half the cells across of the one before, all from the finest sheet. They end at
 // the fewest cells for outlines (48: a polygon of 48 sides covers 0.9971 of its circle) or slopes
-// (32), at a refusal by the form, or at a mean error above 0.1 of the slopes' density for lobes of
-// 0.05 or a quarter of their deviation.
+// (32), or at a refusal by the form. They also end at a mean error above 0.1 of the slopes'
+// density, for lobes of 0.05 or a quarter of their deviation.
 //
 //   crease_angle  radians, of compute_normals()
 //   max_vertices  of all levels together; those beyond are left out, the finest first

@@ -38,9 +38,9 @@ struct Taper {
 // Wrinkles with sharp crests and flat flanks across one direction, which continue, end and fork.
 //
 // h = a·|z|·tri(arg z) with tri(φ) = 1 − 2|φ|/π and z a sum of 24 plane waves of random phases,
-// E|z|² = 1.5, so that the mean of h² is a²/2 as for a sine wave of amplitude a. Their wave
-// numbers are uniform within 20 % of 2π/wavelength, their directions within ±Θ of `direction`, with
-// Θ such that rms wave numbers along and across the direction are as `anisotropy` to 1.
+// E|z|² = 1.5. So the mean of h² is a²/2, as for a sine wave of amplitude a. Their wave numbers are
+// uniform within 20 % of 2π/wavelength, their directions within ±Θ of `direction`. Θ is such that
+// rms wave numbers along and across the direction are as `anisotropy` to 1.
 struct Wrinkle {
   double wavelength = 0;  // metres
   double amplitude = 0;

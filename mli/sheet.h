@@ -42,10 +42,10 @@ struct SheetOptions {
 Result<Sheet> made(const Recipe& recipe, const SheetOptions& options, DiagnosticLog& log,
                    const RecipePlaces& places = {}, const Job& job = {});
 
-// Returns a coarser sheet: the height at a vertex is the mean of the finer one, linear between its
-// vertices, over a box as large as a coarse cell, mirrored at the edges. Rows keep the cells
-// nearest to square. The mean height by area stays the same; statistics are recomputed, and the
-// lost slopes added to the removed ones.
+// Returns a coarser sheet: the height at a vertex is the mean of the finer one over a box of a
+// coarse cell; linear between vertices, mirrored at the edges. Rows keep the cells nearest to
+// square. The mean height by area stays the same; statistics are recomputed, and the lost slopes
+// added to the removed ones.
 //
 // Expects: cells > 0. With as many or more cells than the sheet's, returns it unchanged.
 Sheet filtered(const Sheet& sheet, std::uint32_t cells, const Job& job = {});

@@ -130,7 +130,7 @@ struct WrapTally {
 // border and is conforming. A vertex is lifted along the normal by stand-off + height; heights fade
 // out at the border, and a seam goes from there straight down to the base. Their mean by area is
 // made 0, then they are scaled if one would lie below `margin`. If another part is nearer (`room`),
-// the blanket passes below it, at three quarters of the way, with all adjacent vertices, and rises
+// the blanket passes below it, at three quarters of the way, with all adjacent vertices. It rises
 // from there by at most half a metre per metre. If faces with blankets meet at an inner edge, or
 // face each other, each blanket keeps to its own half (Corners), nine tenths of the way: both come
 // down to the edge. Equal input gives equal bits; a moved mesh the moved blanket, to rounding.
@@ -138,8 +138,8 @@ struct WrapTally {
 // Levels are the same heights on edges of two, four, … times the cells, so that no further place
 // meets the base. Their normals are those of the finest blanket at their vertices, tilted (TiltMap)
 // to the same distribution of shaded slopes: variance and level share. A level is left out with
-// fewer than 2,000 triangles, more than 0.6 of those of the one before, an error of either above 3
-// %, or of the level share for narrow lobes above 5 %.
+// fewer than 2,000 triangles, or more than 0.6 of those of the one before. It is also left out with
+// an error of either above 3 %, or of the level share for narrow lobes above 5 %.
 //
 //   faces    indices of the mesh's triangles; repeated ones count once
 //   returns  a blanket for one group at least

@@ -46,9 +46,8 @@ std::uint32_t normal_bits(const StorageForm& form);
 std::uint32_t bits_within(const PackedMesh& mesh, std::uint32_t bits, double most);
 
 // Moves positions to the nearest point of a grid of 2^bits - 1 steps along the longest side of the
-// bounds, in the mesh's own coordinates, and normals to the nearest octahedral codes. The
-// displacement is measured: mesh.stream holds it, and mesh.error grows by it. Equal positions stay
-// equal.
+// bounds. Moves normals to the nearest octahedral codes. The displacement is measured: mesh.stream
+// holds it, and mesh.error grows by it. Equal positions stay equal.
 //
 //   exact  V, or empty: vertices whose positions stay as they are
 // Cost: O(V).

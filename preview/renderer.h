@@ -117,8 +117,8 @@ struct RenderOptions {
 // stands in between.
 //
 // Edges of shadows are hard, or the mean of those of several points of the Sun's disc (Shadows).
-// They are right to a texel of the shadow map, which spans the lit target in light space, or, if
-// its texels would be wider than two pixels, consists of tiles that follow the view. Points of a
+// They are right to a texel of the shadow map, which spans the lit target in light space. If its
+// texels would be wider than two pixels, it consists of tiles that follow the view. Points of a
 // smooth mesh are offset past the mesh's error before the test, so that facets cast no shadows on
 // the shape they approximate.
 //

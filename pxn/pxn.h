@@ -52,13 +52,13 @@ struct Options {
 
 // Reads a pxn file with its includes.
 //
-//   returns  the readable part, valid by scene::check, if the top file has a root element of a
-//            known version, and the limits of elements and nodes hold; errors in the log mark it as
-//            incomplete. Equal materials, spheres and textures are stored once, as are shapes of
-//            repeated includes.
+//   returns  the readable part, valid by scene::check, if the top file has a known root element,
+//            and the limits of elements and nodes hold; errors in the log mark it as incomplete.
+//            Equal materials, spheres and textures are stored once, as are shapes of repeated
+//            includes.
 //
 // Nodes: the root "root"; each group, transform, rotate and include, and each shape, as a node of
-// its own, named "group1", "mesh2"… in the order of their kind, or by the stem of the included
+// its own; named "group1", "mesh2"… in the order of their kind, or by the stem of the included
 // file.
 //
 // Fails: E0001, E01…, E1001, E1003, E1008, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….

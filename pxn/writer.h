@@ -17,8 +17,8 @@ namespace panwright::pxn {
 using TextureName = std::function<std::string(std::size_t texture)>;
 
 // Writes the scene as a text of level 1, in canonical form. Nodes, shapes, materials, frames,
-// keypoints, decals and the budget are written out one by one, in metres and radians, each number
-// as the shortest text that reads back as the same number. Reading it gives the same scene by
+// keypoints, decals and the budget are written one by one, in metres and radians. Each number is
+// the shortest text that reads back as the same number. Reading it gives the same scene by
 // scene_difference(), if the scene came from pxn::read.
 //
 //   scene  valid by scene::check

@@ -8,9 +8,8 @@
 
 namespace panwright::tools {
 
-// Writes text in white into an image, letters of 5 × 7 dots, two rows of dots below the line for g,
-// j, p, q, y and _, `size` pixels a dot. Parts outside are clipped; each non-ASCII character is a
-// box.
+// Writes text in white into an image; letters of 5 × 7 dots, `size` pixels a dot, with two rows of
+// dots for descenders. Parts outside are clipped; each non-ASCII character is a box.
 void write_overlay_text(preview::Image& image, std::uint32_t x, std::uint32_t y, std::uint32_t size,
                         std::string_view words);
 

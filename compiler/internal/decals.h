@@ -14,9 +14,9 @@ namespace panwright::compiler::internal {
 // the normal. `instance` is left to the caller. None: the mesh has no surface.
 std::optional<pan::DecalContent> placed(const scene::Decal& decal, const geometry::Mesh& mesh);
 
-// Returns true if some triangle of the mesh lies in part within the decal's box and faces its
-// texture, from behind too if the mesh is open. Akenine-Möller, "Fast 3D triangle-box overlap
-// testing", 2001.
+// Returns true if some triangle of the mesh lies partly in the decal's box and faces its texture;
+// from behind too if the mesh is open. Akenine-Möller, "Fast 3D triangle-box overlap testing",
+// 2001.
 bool shows(const pan::DecalContent& decal, const geometry::Mesh& mesh);
 
 }  // namespace panwright::compiler::internal

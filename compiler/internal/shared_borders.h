@@ -36,9 +36,9 @@ struct PlacedSurface {
 // Vertices to compare.
 enum class Compared { borders, all };
 
-// Marks for each mesh (V) the vertices on an open border that lies on one of another instance, to
-// 1e-6 of the model's diagonal or a few times that; with `all`, the vertices on those of another
-// instance. Nothing: more than 16 million vertices to compare, instances counted.
+// Marks for each mesh (V) the vertices on an open border shared with another instance, to some 1e-6
+// of the model's diagonal; with `all`, the vertices on those of another instance. Nothing: more
+// than 16 million vertices to compare, instances counted.
 //
 //   world  world_from_mesh of each instance
 // Cost: O(V log V) of the meshes, O(placed vertices).

@@ -49,8 +49,8 @@ class MeasuredMesh {
 // The two-sided Hausdorff distance: the largest distance of a point of one surface from the other
 // surface. Triangles without area count as segments or points; connectivity does not matter.
 //
-// Branch and bound: triangles of each mesh are cut at midpoints, and at the end of the other mesh's
-// triangle next to a corner, until no piece can exceed the interval. Two bounds of a piece: its
+// Branch and bound: triangles of each mesh are cut until no piece can exceed the interval, at
+// midpoints and at the ends of the other mesh's nearby triangles. Two bounds of a piece: its
 // corners' distances from any one triangle of the other surface, since the distance from a convex
 // set is convex; and its corners' distances plus the radius of its circumcircle, since the distance
 // is 1-Lipschitz.
@@ -76,14 +76,14 @@ struct NormalError {
 
 // Compares shading normals, or facet normals without them, in the middle of the mesh's triangles
 // (of 32768 spread evenly, if there are more). The counterpart is the nearest point within `reach`
-// (metres) on facets that look to the same side, because the two sides of a sheet are near each
-// other; else the nearest of all.
+// (metres) on facets that look to the same side; else the nearest of all. The two sides of a sheet
+// are near each other.
 NormalError normal_error(const MeasuredMesh& mesh, const MeasuredMesh& other, double reach,
                          const Job& job = {});
 
-// Returns the largest difference of the projected areas of two meshes, over 64 directions spread
-// over the half sphere, as a share of the first one's largest. Projected area counts every surface
-// along a line, halved: the silhouette of a closed convex mesh, more for others.
+// Returns the largest difference of the projected areas of two meshes, over 64 directions of the
+// half sphere, as a share of the first one's largest. Projected area counts every surface along a
+// line, halved: the silhouette of a closed convex mesh, more for others.
 double projected_area_error(const Mesh& mesh, const Mesh& other, const Job& job = {});
 
 }  // namespace panwright::geometry

@@ -38,10 +38,10 @@ bool share_axis(const RevolvedFaces& a, const RevolvedFaces& b);
 // helical surface approximation for reverse engineering", Computing 60, 1998). Gauss-Newton steps
 // then minimise the distances of the vertices, which lie on the surface however coarse the facets.
 // If a whole group is none of these, as with a fillet, cylinders are grown inside it from
-// neighbouring faces, over faces with normals perpendicular to their axis. A surface is accepted if
-// each vertex is within 0.5 % of the radius, normals are within 32 degrees of the surface's, and
-// they span 40 degrees in three directions at least: of a cylinder of 8 sides, of a quarter of one.
-// Of grown parts it is 0.1 % and five directions. A circle needs 6 vertices.
+// neighbouring faces. They extend over faces with normals perpendicular to their axis. A surface is
+// accepted if vertices are within 0.5 % of the radius and normals within 32 degrees. Normals must
+// span 40 degrees in three directions at least: of a cylinder of 8 sides, of a quarter of one. Of
+// grown parts it is 0.1 % and five directions. A circle needs 6 vertices.
 //
 // Of exact vertices axes are within 1e-9 rad and 1e-9 of the size. A moved, turned, mirrored or
 // scaled mesh gives the moved axis, to rounding. Equal input gives equal bits.

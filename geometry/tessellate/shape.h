@@ -61,8 +61,7 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-// Ellipsoid. u, v as for the sphere, by the parameters of x = a cos v cos u, y = b cos v sin u, z =
-// c sin v.
+// Ellipsoid. u, v as for the sphere: x = a cos v cos u, y = b cos v sin u, z = c sin v.
 struct Ellipsoid {
   Vec3 radii{1};  // each > 0
   Counts counts = {};
@@ -261,9 +260,9 @@ struct ShapeProblem {
 std::optional<ShapeProblem> problem_of(const Shape& shape);
 
 // Returns warnings of a shape without problems: parts so thin that their triangles have no area (as
-// in MeshReport), closed polygons and lathes that are inside out, faces that look opposite ways,
-// profiles that run through themselves (of splines, 16 chords for each piece). Each kind once.
-// Meshes are not examined.
+// in MeshReport), inverted closed polygons and lathes; faces that look opposite ways; profiles that
+// run through themselves (of splines, 16 chords for each piece). Each kind once. Meshes are not
+// examined.
 //
 // Cost: O(points log points), of profiles that go to and fro O(points²), up to 20 million pairs.
 std::vector<ShapeProblem> shape_warnings_of(const Shape& shape);

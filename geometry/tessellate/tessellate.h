@@ -38,10 +38,9 @@ struct TessellationOptions {
 //            mesh's bounds; 0 for flat shapes exact in float32. It holds for round outlines both
 //            ways. Triangles are degenerate only where the shape is thinner than 1e-7 of its size
 //
-// Spheres and ellipsoids without explicit counts are rings of vertices, those of one ring between
-// those of the next, with fewer of them towards the poles; ellipsoids without texcoords have their
-// poles on the axis whose rings are the roundest. Cones and rings whose ends are unlike may have
-// fewer segments at the smaller one.
+// Spheres and ellipsoids without explicit counts are staggered rings of vertices, fewer towards the
+// poles; ellipsoids without texcoords have their poles on the axis whose rings are the roundest.
+// Cones and rings whose ends are unlike may have fewer segments at the smaller one.
 //
 // Sphere: vertices run from the south pole, ring by ring, eastward from +x or half a step beyond.
 // Without texcoords each position is one vertex. With them a vertex of each ring stands on the

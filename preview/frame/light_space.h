@@ -27,8 +27,8 @@ LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun
 // Widens the box by a factor of its depth on each side, for rays to the edge of the Sun's disc.
 LightSpace widened(LightSpace frame, double tangent);
 
-// Returns the shear that maps places to the intersection of the ray to a point of the Sun's disc
-// with the middle of the box, x and y from z − ½: x' = x − shear.x·(z − ½).
+// Returns the shear that moves places along the ray to a point of the Sun's disc, to the middle of
+// the box: x' = x − shear.x·(z − ½).
 //
 //   point  on the disc, tangents along x and y
 Vec2 sun_shear(const Vec3& extent, const Vec2& point);

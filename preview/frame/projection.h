@@ -37,14 +37,14 @@ std::array<Vec3, 8> corners(const Vec3& low, const Vec3& high);
 // double before they are rotated.
 Mat4 camera_from(const world::Camera& camera, const Mat4& world_from_mesh);
 
-// Returns the range of all boxes, or of their part in front of the camera, widened at least by the
-// float32 rounding of positions of the boxes' size. A camera among the boxes gets a near plane at
-// 2^-30 of the far one, where reverse-Z float depth has the usual constant relative resolution. No
-// box in front: any valid range.
+// Returns the range of all boxes, or of their part in front of the camera, widened by the float32
+// rounding of their positions. A camera among the boxes gets a near plane at 2^-30 of the far one,
+// where reverse-Z float depth has the usual constant relative resolution. No box in front: any
+// valid range.
 DepthRange fitted_depth(world::Projection projection, std::span<const PlacedBox> boxes);
 
 // Rows x, y, z, w of clip space from the camera's frame for one tile. Window coordinates (0, 0)
-// fall on the tile's upper left corner and grow right and *down*, so that rows read back top first
+// fall on the tile's upper left corner and grow right and *down*. So rows are read back top first,
 // and counter-clockwise triangles are clockwise in the window. Depth is 1 at near, 0 at far:
 //   perspective  z_clip = near·(far − Z)/(far − near), w = Z
 // The constant far − Z of a far away mesh cancels here, in double, so that depth resolves the

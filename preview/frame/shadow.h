@@ -40,8 +40,8 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 
 // Shadow maps: depths and slopes of the surfaces towards the Sun. A surface shadows a point if each
 // lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow neither
-// themselves nor their neighbours at edges. Only an offset for relief finer than texels, 0.7 of
-// one, moves shadows away from contacts.
+// themselves nor their neighbours. Only an offset for relief finer than texels, 0.7 of one, moves
+// shadows away from contacts.
 //
 // Each visible target has a map, fitted to it alone; other targets that may shadow it are drawn
 // into it. Their parts sunward of the map's box are clamped to its border (depth clamp), where they
@@ -51,14 +51,14 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 // close by), the map consists of tiles that follow the view (shadow_tiles.h). Each holds all
 // casters in its column towards the Sun.
 //
-// If the penumbra on a target may be wider than half a pixel, the map has a layer of hard shadows
-// for each of several points of the Sun's disc. They are sheared, so that one place in light space
-// serves all (shaders/shadow.glsl). The visible share of the disc is the mean over them, for any
-// combination of occluders.
+// For a penumbra that may be wider than half a pixel, the map has layers of hard shadows for
+// several points of the Sun's disc. They are sheared, so that one place in light space serves all
+// (shaders/shadow.glsl). The visible share of the disc is the mean over them, for any combination
+// of occluders.
 class ShadowMaps {
  public:
-  // Draws the missing maps. A map is kept while the shape of its receivers, the Sun in their frame,
-  // and the shapes and relative poses of its casters stay the same. Expects the state left by
+  // Draws the missing maps. A map is kept while its receivers' shapes, the Sun in their frame, and
+  // the shapes and relative poses of its casters stay the same. Expects the state left by
   // Renderer::Impl::set_state().
   //
   // Expects: targets in view.

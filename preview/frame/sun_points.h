@@ -24,8 +24,8 @@ struct SunDisc {
 // rms and 0.14 at most; 64: 0.0125 and 0.05.
 void find_sun_points(const SunDisc& disc, unsigned points, std::vector<Vec2>& places);
 
-// Returns the error of the disc's light beyond a straight edge for a number of points, rms over all
-// places in the penumbra and all directions of the edge. 1: 0, for hard shadows.
+// Returns the rms error of the disc's light beyond a straight edge for a number of points, over all
+// places in the penumbra and directions. 1: 0, for hard shadows.
 double error_of_sun_points(unsigned points);
 
 // Returns the fewest points within an error, in steps of eight.

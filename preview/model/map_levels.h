@@ -33,8 +33,7 @@ unsigned channels(TextureRole role);
 // in level 0.
 //
 // Cutouts: G of level 0 is the share of each texel's square in which alpha, interpolated between
-// the centres of texels that repeat, reaches the threshold, within 2e-3; the levels above hold its
-// means.
+// centres of repeating texels, reaches the threshold; within 2e-3; the levels above hold its means.
 //
 //   threshold  for cutouts
 // Throws Cancelled.

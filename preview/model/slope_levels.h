@@ -28,8 +28,8 @@ struct SlopeLevel {
 };
 
 // Returns the moments at every level below the first, with the shares of with_levels_below(): each
-// is the mean of the covariances of the texels above and the covariance of their means, so that it
-// is the covariance of the first level's texels for any sides (M. Olano, D. Baker, "LEAN mapping",
+// is the mean of the covariances of the texels above and the covariance of their means. So it is
+// the covariance of the first level's texels for any sides (M. Olano, D. Baker, "LEAN mapping",
 // 2010, without the cancellation of raw moments).
 //
 //   normals  the first level; RGB: normals of any length, never inwards

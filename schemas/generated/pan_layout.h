@@ -299,7 +299,7 @@ struct Material {
   // multiple scattering by microfacets: factor of (1 - E(l))*(1 - E(v)), 1/sr; all 0: none
   float compensation_scale[3];
   float tilt_v;  // and along v
-  // polynomial of the loss of single scattering, of microfacets alone or with their coat, or of
+  // polynomial of the loss of single scattering, for microfacets alone or with their coat; or of
   // the excess reflection of a rough coat over a smooth one
   // (materials/formulas/microfacets.glsl): coefficients of 1, x ... x^6, and b; x^2 = c (1 +
   // |b|)/(c + |b|), c the cosine, its square where b < 0
@@ -428,8 +428,8 @@ static_assert(offsetof(Keypoint, node) == 24);
 static_assert(offsetof(Keypoint, name) == 28);
 
 // A texture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
-// texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1, |z| <= depth, and the
-// normal of the visible side has z > 0; the diffuse colour is mixed with the texture by its
+// texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1 and |z| <= depth; the normal
+// of the visible side must have z > 0; the diffuse colour is mixed with the texture by its
 // alpha. Later decals lie over earlier ones.
 struct Decal {
   double origin[3];  // m: in the mesh's coordinates, its origin added

@@ -14,7 +14,7 @@ void pxn(std::span<const std::byte> input);
 void pan(std::span<const std::byte> input);
 
 // Reads the bytes as a VRML file of either version that can inline itself, checks the scene,
-// compiles it and checks the pan file that results.
+// compiles it and checks the pan file.
 void vrml(std::span<const std::byte> input);
 
 }  // namespace panwright::fuzz

@@ -6,8 +6,8 @@
 
 namespace panwright::fuzz {
 
-// Reads the bytes as a glTF or GLB file whose buffers and textures may be the same bytes, checks
-// the scene, compiles it, checks the pan file that results, and writes that as GLB.
+// Reads the bytes as a glTF or GLB file whose buffers and textures may be the same bytes. Checks
+// the scene, compiles it, checks the pan file, and writes that as GLB.
 void gltf(std::span<const std::byte> input);
 
 // Reads the bytes as the Draco stream of an otherwise valid GLB file.

@@ -129,8 +129,8 @@ inline Image rendered(const pan::Model& model, const View& view, const RenderOpt
   return std::move(*image);
 }
 
-// Returns a camera that looks at the origin from a direction and a distance, with the Sun at a
-// phase angle from it, turned towards the image's right.
+// Returns a camera that looks at the origin from a direction and a distance. The Sun is at a phase
+// angle from it, towards the image's right.
 inline View looking_from(const Vec3& direction, double distance, double fov, std::uint32_t size,
                          double phase = 0) {
   DiagnosticLog log;

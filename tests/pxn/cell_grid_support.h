@@ -32,8 +32,8 @@ inline CellReading cells_reading(const std::string& name, const std::string& byt
   return out;
 }
 
-// Expects edges of triangles with cells to be as long in texture coordinates as in the world, to a
-// part of the size of the mesh (3.6e-16 on exact faces). Returns their area, m².
+// Expects edges of triangles with cells to be as long in texture coordinates as in the world,
+// relative to the mesh's size (3.6e-16 on exact faces). Returns their area, m².
 inline double expect_true_metres(const scene::Scene& scene, double tolerance = 1e-9) {
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   double area = 0;

@@ -48,8 +48,7 @@ struct Layout {
   double edge_factor = 1;  // on the radius of circular edges
   // For straight profiles between circular edges of two radii: segments of the smaller one, k for
   // each k + 1 of the others, one of each at the same angle. No side of a triangle spans more than
-  // a segment of the larger one, so that interpolated normals and textures are as good as on a
-  // grid.
+  // a segment of the larger one. So interpolated normals and textures are as good as on a grid.
   std::uint32_t narrow_segments = 0;  // 0: there are none
   double narrow_radius = 0;
   double narrow_factor = 1;

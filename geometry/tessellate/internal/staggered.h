@@ -1,11 +1,11 @@
 // Staggered spheres and ellipsoids: rings of vertices, each half a step from the next.
 //
 // Vertices stand on a larger ellipsoid, of radii r + o, which lies outside by up to o, since |(r +
-// o)·n| ≤ |r·n| + o. On the unit sphere, of which the larger one is an affine image, a facet has a
-// plane of unit normal m and distance d from the centre; the larger one's tangent plane there has
-// the distance h = 1/|m/(r + o)|, the parallel one of the shape h·|m·r/(r + o)|, so that the facet
-// lies inside by h·(|m·r/(r + o)| − d) at most. Equilateral facets are the fewest: rings of equal
-// counts stand half a step apart, and counts fall towards the poles where facets would be too slim.
+// o)·n| ≤ |r·n| + o. The larger one is an affine image of the unit sphere. There a facet has a
+// plane of unit normal m and distance d from the centre; its tangent plane there has the distance h
+// = 1/|m/(r + o)|, the parallel one of the shape h·|m·r/(r + o)|, The facet lies inside by
+// h·(|m·r/(r + o)| − d) at most. Equilateral facets are the fewest: rings of equal counts stand
+// half a step apart, and counts fall towards the poles where facets would be too slim.
 #pragma once
 
 #include <optional>
@@ -32,8 +32,7 @@ struct Staggered {
 
 // Plans about the fewest triangles within `error` of the shape, both ways; uneven steps about the
 // axis exceed it by a little. With texture coordinates a vertex stands on the first meridian in
-// each ring, and rings near the poles have at least 0.7 times the steps of the equator, so that
-// textures stay in place.
+// each ring. Rings near the poles then have at least 0.7 times the steps of the equator.
 //
 //   radii    along x, y and the polar axis z
 //   around   of the ellipse in x and y

@@ -45,8 +45,8 @@ class LimitSurface {
   // Expects: 0 ≤ u, v ≤ 1. Thread-safe.
   bool evaluate(std::uint32_t patch, double u, double v, LimitPoint& out) const;
 
-  // Evaluates the limit of a corner of a face, and of the centre of a face that is not four-sided,
-  // seen from its patch at that corner. Expects: an irregular vertex.
+  // Evaluates the limit of a corner of a face, or of the centre of a face that is not four-sided,
+  // from its patch there. Expects: an irregular vertex.
   CornerLimit at_corner(std::uint32_t face, std::uint32_t corner) const;
   CornerLimit at_centre(std::uint32_t face, std::uint32_t corner) const;
 

@@ -26,7 +26,7 @@ struct CellMesh {
 // bit for bit, and the vertices unless normals or texture coordinates differ.
 //
 // Errors are the largest distances of sampled points of triangles from the surface, with the peak
-// of the parabola through them, and of borders and sharp edges from their curves. A point's
+// of the parabola through them. Borders and sharp edges are compared with their curves. A point's
 // distance is that to the surface at its own parameters, or one step of Gauss and Newton beyond.
 //
 // Expects: kMostSegments at most. Cost: O(triangles), on all cores.

@@ -14,11 +14,11 @@ namespace panwright::preview::reference {
 // Tangents at the corners of a mesh's triangles.
 class TangentField {
  public:
-  // A corner takes the mean of the directions of u, each in the plane of the corner's normal and
-  // weighted by its triangle's angle there, over all triangles with a corner of this place, normal
-  // and texel, whole repeats of the texture apart, and the same orientation of the texture.
-  // Triangles without area in the texture are ignored; if all are such, any direction perpendicular
-  // to the normal.
+  // Computes the tangents. A corner takes the mean of the directions of u, each in the plane of the
+  // corner's normal and weighted by its triangle's angle there. The mean is over all triangles with
+  // a corner of this place, normal and texel (whole repeats apart), and the same orientation of the
+  // texture. Triangles without area in the texture are ignored; if all are such, any direction
+  // perpendicular to the normal.
   //
   // Expects: texture coordinates. Cost: O(T).
   explicit TangentField(const pan::MeshView& mesh);

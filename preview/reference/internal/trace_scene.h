@@ -76,8 +76,8 @@ struct TraceHit {
 //
 // Rays stay in the frame of their origin. For another target they are transformed into its model's
 // frame, forming the difference of the two positions first. So distances between targets, to the
-// camera and to the world's origin cost only their own rounding, and points of a target are exact
-// in its own frame.
+// camera and to the world's origin cost only their own rounding. Points of a target are exact in
+// its own frame.
 class TraceScene {
  public:
   // Placed target: its state and its pose.
