@@ -146,7 +146,7 @@ struct WrapTally {
 //
 // Fails: E7001: an invalid number, no face, a face or corner that does not exist, a position that
 // is not finite, no group accepted, more than max_triangles; E0001. Reports: W7002 with number,
-// area and reasons of what is refused, and for scaled heights. Cost: O(faces + triangles of the
+// area and reasons of refusals, and for scaled heights. Cost: O(faces + triangles of the
 // blankets), and the sheets, one at a time.
 Result<Wrap> wrapped(const geometry::Mesh& mesh, std::span<const std::uint32_t> faces,
                      const RecipeFor& recipe, const WrapOptions& options, DiagnosticLog& log,

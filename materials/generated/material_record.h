@@ -189,7 +189,7 @@ struct Maps {
 // Numbers derived from a material's parameters, computed once in double, which replace integrals
 // in shaders. All 0 if the BRDFs do not use them.
 struct Fits {
-  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
+  // 1 − E(cos): seven coefficients and a bend; see microfacets.glsl
   std::array<double, 8> albedo_deficit{};
   Vec3 compensation_scale{0};  // factor of loss(l)·loss(v), 1/sr
   std::array<double, 8> hapke_h{};  // of H(x); see hapke.glsl

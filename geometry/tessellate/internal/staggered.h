@@ -3,7 +3,7 @@
 // Vertices stand on a larger ellipsoid, of radii r + o, which lies outside by up to o, since |(r +
 // o)·n| ≤ |r·n| + o. The larger one is an affine image of the unit sphere. There a facet has a
 // plane of unit normal m and distance d from the centre; its tangent plane there has the distance h
-// = 1/|m/(r + o)|, the parallel one of the shape h·|m·r/(r + o)|, The facet lies inside by
+// = 1/|m/(r + o)|, the parallel one of the shape h·|m·r/(r + o)|. The facet lies inside by
 // h·(|m·r/(r + o)| − d) at most. Equilateral facets are the fewest: rings of equal counts stand
 // half a step apart, and counts fall towards the poles where facets would be too slim.
 #pragma once

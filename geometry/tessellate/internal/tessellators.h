@@ -8,7 +8,7 @@ namespace panwright::geometry::internal {
 
 using Problem = std::optional<ShapeProblem>;
 
-// ---- round_shapes.cpp: shapes about an axis
+// ---- shapes about an axis
 
 Problem problem(const Sphere& shape);
 Problem problem(const Ellipsoid& shape);
@@ -54,7 +54,7 @@ std::uint32_t segments(const Disc& shape, const TessellationOptions&);
 std::uint32_t segments(const Dish& shape, const TessellationOptions&);
 std::uint32_t segments(const Lathe& shape, const TessellationOptions&);
 
-// ---- flat_shapes.cpp, tube.cpp: blocks, faces and pipes
+// ---- blocks, faces and pipes
 
 Problem problem(const Box& shape);
 Problem problem(const Plane& shape);

@@ -1,7 +1,7 @@
 // Protocol between the importers and panwright-step, the program with OpenCASCADE.
 //
 // Request:  kRequestMark, a head (lengths, limits, names), the bytes of the file.
-// Answer:   kAnswerMark, then records: kind (u32), size (u64), so many bytes. Diagnostics come as
+// Answer:   kAnswerMark, then records: kind (u32), size (u64), bytes. Diagnostics come as
 //           they are found, the scene in pieces, finally one `end`. Later bytes are not read.
 // Both programs run on one machine and come from one build: numbers are in native layout. The
 // answer is untrusted: OpenCASCADE may have overwritten any memory of its sender.

@@ -70,7 +70,7 @@ class Parser {
   // Names, from where they are defined to the end of a file or prototype.
   struct Scope {
     Scope* around = nullptr;
-    Prototype* prototype = nullptr;  // whose body this is
+    Prototype* prototype = nullptr;  // of this body
     std::map<std::string_view, Node*> nodes;
     std::map<std::string_view, Prototype*> prototypes;
   };

@@ -68,7 +68,7 @@ struct Surface {
   Real tilt_x;
   // tangent of and across
   Real tilt_y;
-  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
+  // 1 − E(cos): seven coefficients and a bend; see microfacets.glsl
   Real albedo_deficit0;
   Real albedo_deficit1;
   Real albedo_deficit2;
