@@ -100,8 +100,8 @@ struct Mirror {
 // Corner cubes with a circular face: light returns to its source.
 struct Retroreflector {
   double index = 1;  // Refractive index of a solid cube; 1: hollow
-  // Distance of the corner from the face over the face's diameter; 0.7071: the circle in the
-  // triangular face of a cube, 0: the whole face works at any angle
+  // Distance of the corner from the face, over the face's diameter. 0.7071: the circle in the
+  // triangular face of a cube; 0: the whole face works at any angle
   double depth = 0.7071067811865476;
   // Angle of incidence without retroreflection, whatever the aperture: total reflection lost,
   // the rim of a mount. The light falls off linearly over the last twentieth of its cosine, rad
@@ -160,8 +160,7 @@ struct Cells {
   double finger_width = 0.03;  // Width of a grid line, as a part of their pitch
   Vec3 gap_color{0.5};  // Diffuse colour of the gaps
   Vec3 finger_color{0.6};  // Diffuse colour of the grid lines
-  // Angle of the cells against their cover glass, as seen: the offset of the cells' glint from
-  // that of the glass, rad
+  // Apparent angle of the cells to their cover glass: the separation of their glints, rad
   Vec2 tilt{0};
   bool operator==(const Cells&) const = default;
 };
@@ -178,7 +177,7 @@ struct Maps {
   // F0
   std::int32_t reflectance = -1;
   std::int32_t cutout = -1;  // alpha: opaque where it reaches the threshold
-  double threshold = 0.5;  // Least opaque alpha
+  double threshold = 0.5;  // Least alpha of the surface
   Vec2 repeat{1};  // Repeats of the textures along u and v of the shape
   bool any() const {
     return albedo >= 0 || normal >= 0 || roughness >= 0 || reflectance >= 0 || cutout >= 0;

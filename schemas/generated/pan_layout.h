@@ -17,16 +17,16 @@ inline constexpr std::uint8_t kMagic[8] = {0x89, 0x50, 0x41, 0x4e, 0x0d, 0x0a, 0
 inline constexpr std::uint32_t kEndianTag = 0x04030201u;
 inline constexpr std::uint32_t kComplete = 0x454e4f44u;  // the bytes 'DONE'
 inline constexpr std::uint64_t kHashBlock = 786432;  // bytes: 65,536 records of three floats
-inline constexpr std::uint64_t kSectionAlignment = 64;  // sections begin at a multiple of this, and their stored length is one
+inline constexpr std::uint64_t kSectionAlignment = 64;  // alignment of sections; their stored length is a multiple too
 inline constexpr std::uint64_t kMaxSections = 1024;  // entries in the directory
 inline constexpr std::uint64_t kMaxDepth = 1024;  // nodes on a path from the root, the root included
 inline constexpr std::uint64_t kMaxTextureSide = 16384;  // pixels
 inline constexpr std::uint64_t kMaxPathBytes = 4096;  // bytes of an input's path
 inline constexpr std::uint64_t kMaxShortVertices = 65535;  // vertices of a mesh with 2-byte indices: no index is ever 0xffff
-inline constexpr std::uint64_t kMaxRecordBytes = 4096;  // bytes of a record of a table, whatever later versions add to it
-inline constexpr std::uint64_t kMaxCompression = 256;  // largest ratio of a compressed section to its stored bytes, which bounds allocations by the file
-inline constexpr std::uint64_t kMaxUnpackedBytes = 17179869184;  // bytes of all compressed and converted sections of a file together, as a reader unpacks them
-inline constexpr std::uint64_t kMaxStreamed = 32;  // largest ratio of positions, normals and indices of a mesh to the bytes of its stream
+inline constexpr std::uint64_t kMaxRecordBytes = 4096;  // bytes of a record of a table, additions of later versions included
+inline constexpr std::uint64_t kMaxCompression = 256;  // largest ratio of raw to stored bytes of a compressed section: bounds a reader's allocation by the file's size
+inline constexpr std::uint64_t kMaxUnpackedBytes = 17179869184;  // unpacked bytes of all compressed and converted sections of a file
+inline constexpr std::uint64_t kMaxStreamed = 32;  // largest ratio of a mesh's positions, normals and indices to its stream, in bytes
 
 // The BRDF model of the diffuse part of a material.
 enum class DiffuseModel : std::uint32_t {
@@ -59,7 +59,7 @@ enum class ToleranceReason : std::uint32_t {
   command_line = 6,  // --max-error
 };
 
-// Kind of a joint, with the meaning of its values.
+// Kind of a joint, and its values.
 enum class JointKind : std::uint32_t {
   fixed = 0,  // none
   revolute = 1,  // 1: radians about the axis, between limits
@@ -70,14 +70,14 @@ enum class JointKind : std::uint32_t {
   scale = 6,  // 1: the factor along x, y or z, for those where the axis has a component
 };
 
-// Storage of a section's bytes; see Compression.
+// Storage of a section; see Compression.
 enum class Codec : std::uint32_t {
   none = 0,  // as they are
   chunks = 1,  // in chunks, each by its ChunkForm
   streams = 2,  // not at all: positions, normals and indices are made from `mesh_streams`
 };
 
-// Coding of a mesh's stream; see Mesh streams.
+// Coding of a mesh stream; see Mesh streams.
 enum class StreamForm : std::uint32_t {
   plain = 0,  // plain arrays
   meshopt = 1,  // of meshoptimizer's vertex and index codecs
@@ -103,13 +103,13 @@ inline constexpr std::uint32_t kJointPointsAtSun = 1u << 1;  // aims its pointin
 // Bits of Texture.flags.
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
 
-// Bits of Header.required_features: a writer sets those of the file's contents.
+// Bits of Header.required_features: a writer sets those of the features in the file.
 inline constexpr std::uint32_t kFeatureCompressed = 1u << 0;  // sections have a codec
 inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have other sizes than in format 1.0
 inline constexpr std::uint32_t kFeatureBrdfRetroreflector = 1u << 2;  // a material has the BRDF retroreflector
-inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // joints have initial values away from rest: a reader without joints would draw another model
+inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // initial joint values move nodes: a reader without joints would draw another model
 inline constexpr std::uint32_t kFeatureMeshStreams = 1u << 4;  // positions, normals and indices are stored as streams, mesh by mesh
-inline constexpr std::uint32_t kFeatureBacks = 1u << 5;  // instances have another material on their backs: a reader without backs would draw another model
+inline constexpr std::uint32_t kFeatureBacks = 1u << 5;  // instances have back materials: a reader without them would draw another model
 inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000003fu;
 
 // Bits of DirectoryEntry.flags.
@@ -121,8 +121,8 @@ struct Header {
   std::uint8_t magic[8];  // 89 50 41 4e 0d 0a 1a 0a: a text-mode transfer changes it
   std::uint32_t endian;  // 0x04030201: the bytes 01 02 03 04
   std::uint16_t major;  // 1: a reader refuses others
-  // the lowest version with all features of the file: 0, or 1 with a required feature. A reader
-  // of 1.x reads any 1.y whose required features it knows
+  // lowest version that can hold the file: 0, or 1 with a required feature. A reader of 1.x
+  // reads any 1.y whose required features it knows
   std::uint16_t minor;
   // RequiredFeatures: a reader refuses the file when an unknown bit is set; 1.0 knows none
   std::uint64_t required_features;
@@ -132,7 +132,7 @@ struct Header {
   std::uint32_t section_count;  // entries in the directory
   std::uint32_t complete;  // 0x454e4f44 (the bytes 'DONE'), written last; 0: the writer was stopped
   std::uint64_t directory_hash;  // block hash of the directory
-  std::uint64_t build_id[2];  // hash of the file's inputs: low half, high half; see Build identity
+  std::uint64_t build_id[2];  // identity of the inputs: low half, high half; see Build identity
   std::uint64_t reserved[5];  // 0
   std::uint64_t header_hash;  // XXH3-64 of the 120 bytes before it
 };
@@ -221,7 +221,7 @@ static_assert(offsetof(Node, parent) == 80);
 static_assert(offsetof(Node, name) == 84);
 
 // A triangle mesh: runs in positions, normals, indices and, by its flags, texcoords and colours.
-// Triangles are counter-clockwise seen from outside.
+// Triangles are counter-clockwise from outside.
 struct Mesh {
   double origin[3];  // m: added to every position, in double
   double error;  // m: no point of the mesh lies further from the authored shape
@@ -265,11 +265,11 @@ static_assert(offsetof(Instance, mesh) == 4);
 static_assert(offsetof(Instance, material) == 8);
 static_assert(offsetof(Instance, texture) == 12);
 
-// A material in the std430 layout of 24 vec4, so that the section is a shader storage buffer as
-// it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s, under a coat if there is one;
-// radiance = f*E*cos + weight_e*emissive*E/pi. The BRDFs are as authored; materials of one
-// variant share a shader. Parameters of materials, below, lists the slots of each BRDF; unused
-// ones have the slot's default.
+// A material in the std430 layout of 24 vec4, usable as a shader storage buffer. f =
+// weight_d*diffuse*f_d + weight_s*specular*f_s, under a coat where there is one; radiance =
+// f*E*cos + weight_e*emissive*E/pi. The BRDFs are as authored; variant says which materials
+// share a shader. Parameters of materials, below, says what a BRDF keeps where; what no BRDF
+// uses has the slot's default.
 struct Material {
   float diffuse[3];  // linear RGB
   float weight_d;  // weight of the diffuse part
@@ -282,7 +282,7 @@ struct Material {
   float extinction[3];  // k per channel; all 0: a dielectric
   float alpha_y;  // beckmann, ggx: RMS slope along v
   // parameters of the specular BRDF. cook_torrance: factor of D, RMS slope m (> 0), factor of F,
-  // factor of G; beckmann, ggx: [1] is alpha along u (> 0)
+  // factor of G. beckmann, ggx: [1] is alpha along u (> 0)
   float cook[4];
   float hapke[4];  // w, h, B0, mean roughness angle in radians; lommel_seeliger: w alone
   // Hapke: asymmetry b, backward share c, width and strength of the coherent backscatter
@@ -299,9 +299,8 @@ struct Material {
   // multiple scattering by microfacets: factor of (1 - E(l))*(1 - E(v)), 1/sr; all 0: none
   float compensation_scale[3];
   float tilt_v;  // and along v
-  // polynomial of the loss of single scattering, for microfacets alone or with their coat; or of
-  // the excess reflection of a rough coat over a smooth one
-  // (materials/formulas/microfacets.glsl): coefficients of 1, x ... x^6, and b; x^2 = c (1 +
+  // polynomial of the albedo deficit of single scattering, or of the excess of a rough coat
+  // (materials/formulas/microfacets.glsl). Coefficients of 1, x ... x^6, and b; x^2 = c (1 +
   // |b|)/(c + |b|), c the cosine, its square where b < 0
   float albedo_deficit[8];
   float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
@@ -416,7 +415,7 @@ static_assert(offsetof(Frame, rotation) == 24);
 static_assert(offsetof(Frame, node) == 56);
 static_assert(offsetof(Frame, name) == 60);
 
-// A point whose image position is ground truth.
+// A point for ground truth in images.
 struct Keypoint {
   double position[3];  // m: in the node's coordinates
   std::uint32_t node;
@@ -427,10 +426,10 @@ static_assert(offsetof(Keypoint, position) == 0);
 static_assert(offsetof(Keypoint, node) == 24);
 static_assert(offsetof(Keypoint, name) == 28);
 
-// A texture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
-// texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1 and |z| <= depth; the normal
-// of the visible side must have z > 0; the diffuse colour is mixed with the texture by its
-// alpha. Later decals lie over earlier ones.
+// A texture projected onto an instance. A point of its mesh, in the decal's frame, takes the
+// texel at texcoord (x/width + 1/2, y/height + 1/2). Both must lie in 0 to 1, |z| <= depth, and
+// the normal of the visible side must have z > 0. The texture's alpha mixes it with the diffuse
+// colour. Later decals lie over earlier ones.
 struct Decal {
   double origin[3];  // m: in the mesh's coordinates, its origin added
   // mesh_from_decal, unit quaternion w x y z, to 1e-12 in its squared length; z points outwards,
@@ -455,16 +454,16 @@ static_assert(offsetof(Decal, texture) == 84);
 static_assert(offsetof(Decal, name) == 88);
 static_assert(offsetof(Decal, reserved) == 92);
 
-// Accuracy budget of the model; a term of 0 was not given.
+// Accuracy budget of the model; 0: the term was not given.
 struct Budget {
   // m: allowed distance between a mesh and its shape, as authored or by --max-error
   double tolerance;
   double nearest;  // m: from the camera to the nearest surface
   double ifov;  // rad: angle of a pixel
-  double pixels;  // largest silhouette error
+  double pixels;  // largest error of a silhouette, pixels
   double flux;  // relative error of a part's flux
   double centroid;  // largest error of a part's photocentre, pixels
-  double smallest;  // m: the smallest tolerance of a mesh, in the world
+  double smallest;  // m: smallest tolerance of a mesh, in the world
   std::uint32_t reserved[2];  // 0
 };
 static_assert(sizeof(Budget) == 64);
@@ -481,7 +480,7 @@ static_assert(offsetof(Budget, reserved) == 56);
 struct MeshTolerance {
   // m: allowed error, in the mesh's own coordinates; 0: counts were given, or the mesh was
   double tolerance;
-  std::uint32_t reason;  // ToleranceReason
+  std::uint32_t reason;  // ToleranceReason: the term that decided it
   std::uint32_t reserved;  // 0
 };
 static_assert(sizeof(MeshTolerance) == 16);
@@ -489,7 +488,7 @@ static_assert(offsetof(MeshTolerance, tolerance) == 0);
 static_assert(offsetof(MeshTolerance, reason) == 8);
 static_assert(offsetof(MeshTolerance, reserved) == 12);
 
-// Place of an instance in its input file.
+// Source location of an instance.
 struct Source {
   std::uint32_t file;  // path as in inputs; empty: unknown
   std::uint32_t line;  // 1-based; 0: unknown
@@ -515,8 +514,8 @@ static_assert(offsetof(Input, bytes) == 16);
 static_assert(offsetof(Input, path) == 24);
 static_assert(offsetof(Input, reserved) == 28);
 
-// A mesh that is a sheet of foil, and the statistics of the flat sheet: heights over a plane.
-// Slopes are dh/dx, dh/dy.
+// A mesh that is a sheet of foil, and measured statistics of the sheet before bending: heights
+// over a plane. Slopes are dh/dx, dh/dy.
 struct Sheet {
   double width;  // m: along x
   double height;  // m: along y, as written
@@ -557,15 +556,15 @@ static_assert(offsetof(Sheet, rows) == 148);
 static_assert(offsetof(Sheet, form) == 152);
 static_assert(offsetof(Sheet, reserved) == 156);
 
-// A level of detail, which replaces an instance for pixel footprints above `detail`.
+// A level of detail: replaces an instance where the pixel footprint exceeds `detail`.
 struct Level {
-  // m: the smallest pixel footprint on the instance, in the mesh's own coordinates; of the
-  // levels within the footprint, the one with the largest is drawn
+  // m: smallest pixel footprint, in the mesh's own coordinates; of the levels that qualify, that
+  // with the largest detail is drawn
   double detail;
   double error;  // m: from the instance's own mesh, in its coordinates
   std::uint32_t instance;
-  std::uint32_t mesh;  // replaces the instance's
-  std::uint32_t material;  // replaces the instance's
+  std::uint32_t mesh;  // in place of the instance's
+  std::uint32_t material;  // in place of the instance's
   std::uint32_t reserved;  // 0
 };
 static_assert(sizeof(Level) == 32);
@@ -576,18 +575,17 @@ static_assert(offsetof(Level, mesh) == 20);
 static_assert(offsetof(Level, material) == 24);
 static_assert(offsetof(Level, reserved) == 28);
 
-// Motion of a node's parts: world_from_node = world_from_parent x (node's T R S) x motion; see
-// Joints.
+// Motion of a node's contents: world_from_node = world_from_parent x (node's T R S) x motion;
+// see Joints.
 struct Joint {
   double axis[3];  // unit to 1e-12 in its squared length, in the node's coordinates
   double lower[9];  // limits of the values: radians, metres or factors; 0 where there are none
   double upper[9];  // none is below `lower`
   double value[9];  // initial values, within the limits; 0 after those that the kind has
-  // of a joint that follows another: value = multiplier x (value of that one) + offset
-  double multiplier;
+  double multiplier;  // of a joint that follows another: value = multiplier x (its value) + offset
   double offset;
-  // direction to be aimed: unit to 1e-12 in its squared length, in the node's coordinates; 0 0
-  // 0: none
+  // direction that the joint aims: unit to 1e-12 in its squared length, in the node's
+  // coordinates; 0 0 0: none
   double pointing[3];
   std::uint32_t node;
   std::uint32_t kind;  // JointKind
@@ -611,7 +609,7 @@ static_assert(offsetof(Joint, flags) == 292);
 static_assert(offsetof(Joint, gimbal) == 296);
 static_assert(offsetof(Joint, name) == 300);
 
-// Storage of a mesh's positions, normals and indices; see Mesh streams.
+// Stored positions, normals and indices of a mesh; see Mesh streams.
 struct MeshStream {
   double low[3];  // m: position of the code 0 0 0, relative to the mesh's origin
   double step;  // m: between two codes
@@ -641,18 +639,18 @@ static_assert(offsetof(MeshStream, exact_positions) == 76);
 static_assert(offsetof(MeshStream, exact_normals) == 80);
 static_assert(offsetof(MeshStream, reserved) == 84);
 
-// Material of an instance's back: the side on which its triangles are clockwise, and mirrored
-// ones counter-clockwise.
+// Material of an instance's back, where its triangles appear clockwise (mirrored ones
+// counter-clockwise).
 struct Back {
   std::uint32_t instance;
-  // of the back, without vertex colours and the instance's texture, which are of the front
+  // of the back; vertex colours and the instance's texture apply to the front only
   std::uint32_t material;
 };
 static_assert(sizeof(Back) == 8);
 static_assert(offsetof(Back, instance) == 0);
 static_assert(offsetof(Back, material) == 4);
 
-// Program that made the file.
+// Program and options that made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
   std::uint32_t options;  // the options that decide bytes, as name=value, in a fixed order

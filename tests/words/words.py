@@ -95,8 +95,8 @@ def header_problems(text):
             first = False
             for problem in list(phrase_problems(paragraph)) + list(length_problems(paragraph)):
                 yield comment["line"], problem
-    if first:
-        yield 1, "a header without a comment"
+    if not text.startswith("//"):
+        yield 1, "a header begins with a comment: a noun phrase"
 
 
 def joined(literals):

@@ -48,8 +48,8 @@ struct Surface {
   Real alpha_y;
   // retroreflector: Refractive index of a solid cube; 1: hollow
   Real retro_index;
-  // retroreflector: Distance of the corner from the face over the face's diameter; 0.7071: the
-  // circle in the triangular face of a cube, 0: the whole face works at any angle
+  // retroreflector: Distance of the corner from the face, over the face's diameter. 0.7071: the
+  // circle in the triangular face of a cube; 0: the whole face works at any angle
   Real retro_depth;
   // retroreflector: cosine of Angle of incidence without retroreflection, whatever the aperture:
   // total reflection lost, the rim of a mount. The light falls off linearly over the last
@@ -63,8 +63,7 @@ struct Surface {
   Real coat_alpha;
   // optical thickness across it, absorption times thickness
   Vec3 coat_depth;
-  // tangent of Angle of the cells against their cover glass, as seen: the offset of the cells'
-  // glint from that of the glass
+  // tangent of Apparent angle of the cells to their cover glass: the separation of their glints
   Real tilt_x;
   // tangent of and across
   Real tilt_y;
@@ -94,13 +93,13 @@ struct Surface {
   Vec3 f0;
   // unit, perpendicular to the normal; of isotropic surfaces any
   Vec3 tangent;
-  // squared slopes of unresolved bumps along the tangent, added to lobes as seen from outside;
-  // 0: none
+  // squared slopes that unresolved bumps add along the tangent, to lobes outside the surface; 0:
+  // none
   Real bump_x;
   // and across
   Real bump_y;
-  // an eighth of the square of the Sun's angular radius, the contribution of a uniform disc to
-  // the squares of alpha at normal incidence; 0: a point Sun
+  // an eighth of the squared angular radius of the Sun, which a uniform disc adds to alpha
+  // squared at normal incidence; 0: a point Sun
   Real sun_alpha2;
   // limb darkening u of the disc, 0 to 1
   Real sun_limb;
