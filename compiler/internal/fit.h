@@ -36,7 +36,7 @@ struct Fitted {
 // the number of threads.
 // Reports: N2025. Throws Cancelled.
 //
-//   max_error  of the command line: nothing is left out or simplified
+//   max_error  of the command line; if given, nothing is left out or simplified
 //   cache      of simplified meshes; null: none
 // Cost: about 5 µs a triangle for parts; 10 to 200 µs a triangle for simplified meshes.
 Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& max_error,
