@@ -1,4 +1,4 @@
-// Numbers as bytes of this processor: keys of caches, and what is kept under them.
+// Numbers as bytes of this processor: keys and entries of caches.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,14 @@
 
 namespace panwright {
 
-// Whether the bytes of a value may be its numbers, as those of a vector of doubles are. What holds
-// padding is not for lists.
+// True where the bytes of a value identify it, as with a vector of doubles; false with padding.
 // note: glm's vectors have a constructor of their own, so they are not trivially copyable by name
 template <class T>
 inline constexpr bool kIsPlain =
     std::is_standard_layout_v<T>&& std::is_trivially_destructible_v<T> && !std::is_pointer_v<T>;
 
-// The hash of numbers in their order. Lists have their length before them, so that no two sequences
-// of numbers and lists run into one.
+// Hash of a sequence of numbers. Lists are preceded by their length, so that no two sequences of
+// numbers and lists run into one.
 class KeyHasher {
  public:
   void number(std::uint64_t value) { hasher_.update(std::as_bytes(std::span(&value, 1))); }
@@ -73,7 +72,8 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-// What a ByteWriter wrote, call for call. Bytes that end too early give zeros and good() false.
+// Reader of a ByteWriter's bytes, call for call. Bytes that end too early give zeros and good()
+// false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -96,7 +96,7 @@ class ByteReader {
     list(out);
     return {out.begin(), out.end()};
   }
-  // Says that what was read makes no sense.
+  // Marks the bytes as invalid.
   void fail() { good_ = false; }
   bool good() const { return good_; }
   bool at_end() const { return good_ && left_.empty(); }

@@ -1,4 +1,4 @@
-// Diagnostics: what is wrong, where, and what would be accepted.
+// Diagnostics: the problem, its place and the values accepted.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,8 @@ class FileUses;
 
 enum class Severity { note, warning, error };
 
-// Every code there is. E…: error, W…: warning, N…: note. The registry is base/diagnostic_codes.def.
+// Codes of diagnostics. E…: error, W…: warning, N…: note. The registry is
+// base/diagnostic_codes.def.
 enum class Code : std::uint16_t {
 #define PANWRIGHT_CODE(name, title, explanation) name,
 #include "base/diagnostic_codes.def"
@@ -27,7 +28,7 @@ struct CodeInfo {
   std::string_view name;         // "E1101"
   Severity severity;             // from the first letter of the name
   std::string_view title;        // one lower-case phrase
-  std::string_view explanation;  // a paragraph: what it means and what to do
+  std::string_view explanation;  // a paragraph: the meaning and the remedy
 };
 
 const CodeInfo& code_info(Code code);
@@ -36,7 +37,7 @@ std::span<const CodeInfo> all_codes();                      // in registry order
 
 struct Diagnostic {
   Code code;
-  SourceSpan where;     // what the caret marks
+  SourceSpan where;     // marked by the caret
   std::string message;  // one lower-case sentence: the offending value and what is accepted
   std::string object;   // path in the model, as group[2]/mesh; may be empty
   std::string hint;     // "did you mean 'diffuse'?"; may be empty
@@ -44,21 +45,20 @@ struct Diagnostic {
   Severity severity() const { return code_info(code).severity; }
 };
 
-// Collects the problems of one run and the source files they point into.
+// Collector of the problems of one run and of the source files they point into.
 class DiagnosticLog {
  public:
-  // Errors, and warnings with notes, past the limit are counted and not kept.
+  // Entries past the limit are counted and not kept.
   explicit DiagnosticLog(std::size_t limit = 50) : limit_(limit) {}
 
   SourceMap& sources() { return sources_; }
   const SourceMap& sources() const { return sources_; }
 
-  // The files of the run, which whoever reads or writes with this log asks and tells; null: nobody
-  // watches them.
+  // The files of the run, which all readers and writers with this log consult; null: not tracked.
   void set_files(std::shared_ptr<FileUses> files) { files_ = std::move(files); }
   const std::shared_ptr<FileUses>& files() const { return files_; }
 
-  // An empty log of the same run: for another thread, or for what is tried and may fail.
+  // Returns an empty log of the same run, for another thread or an attempt that may fail.
   DiagnosticLog apart() const {
     DiagnosticLog log(limit_);
     log.files_ = files_;
@@ -80,8 +80,8 @@ class DiagnosticLog {
   std::size_t hidden() const { return errors_ + warnings_ + notes_ - entries_.size(); }
   bool contains(Code code) const;
 
-  // Puts the entries into the order of a reader: file by file as they were opened, from top to
-  // bottom; entries without a place come last, in the order in which they were reported.
+  // Sorts the entries by file as opened, then from top to bottom; those without a place come last,
+  // in the order reported.
   void sort_by_place();
 
  private:
@@ -96,8 +96,8 @@ class DiagnosticLog {
   std::size_t kept_others_ = 0;
 };
 
-// The process exit code that a log asks for (docs/conventions.md 15): 0 without errors; otherwise
-// 130 cancelled, 2 usage, 3 I/O, 4 a damaged pan, 1 anything else, the first of these that occurs.
+// Returns the process exit code of a log (docs/conventions.md 15): 0 without errors; otherwise the
+// first that occurs of 130 cancelled, 2 usage, 3 I/O, 4 damaged pan, 1 else.
 int exit_code(const DiagnosticLog& log);
 
 struct TextStyle {
@@ -105,11 +105,11 @@ struct TextStyle {
   bool notes = true;
 };
 
-// "error", "warning" or "note".
+// Returns "error", "warning" or "note".
 const char* severity_word(Severity severity);
 
-// file:line:column: severity: message [code], the source line, a caret, hints and the include
-// stack, for each entry, then one line that counts what was not shown.
+// Returns for each entry file:line:column: severity: message [code], the source line, a caret,
+// hints and the include stack, then a line with the number of entries not shown.
 std::string to_text(const DiagnosticLog& log, const TextStyle& style = {});
 
 // One JSON object: {"schema":1,"errors":n,"warnings":n,"diagnostics":[{code,severity,message,file,
@@ -119,8 +119,9 @@ std::string to_json(const DiagnosticLog& log);
 // A SARIF 2.1.0 log with one run.
 std::string to_sarif(const DiagnosticLog& log);
 
-// The candidate nearest to a name by edit distance (insert, delete, replace, swap), letter case
-// aside, at most max(1, length/3) away, the first of ties; else the only one with its begin or end.
+// Returns the candidate nearest to a name by edit distance (insert, delete, replace, swap),
+// ignoring letter case. At most max(1, length/3) away, the first of ties; else the only one with
+// its begin or end.
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> candidates);
 

@@ -1,5 +1,5 @@
-// Files: bounded reads, mappings, and writes that leave the old file whole when they fail. Each is
-// told to the run's FileUses, where the log has one (base/file_uses.h).
+// Files: bounded reads, mappings, and writes that leave the old file whole when they fail. All are
+// recorded in the run's FileUses, where the log has one (base/file_uses.h).
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace panwright {
 
 // Reads a whole regular file (or a pipe), at most max_bytes.
 //
-// Fails: E0101, E0102, E0104. where: what the diagnostic points at (an include); none: the file.
+// Fails: E0101, E0102, E0104. where: the place of the diagnostic (an include); none: the file.
 Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
                               DiagnosticLog& log, SourceSpan where = {});
 
@@ -40,9 +40,9 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-// A file that appears under its name only when it is complete: written to a file in the same folder
-// that has no name (a temporary one where the file system has no such files), synced, renamed.
-// Destroyed without commit(), it leaves nothing.
+// A file that gets its name only when it is complete: written to a nameless file in the same folder
+// (a temporary one where the file system lacks these), synced, renamed. Destroyed without commit(),
+// it leaves nothing.
 class AtomicFile {
  public:
   // Fails: E0103; E0206.
@@ -56,7 +56,7 @@ class AtomicFile {
   bool write(std::span<const std::byte> bytes, DiagnosticLog& log);
   bool write_at(std::uint64_t offset, std::span<const std::byte> bytes, DiagnosticLog& log);
 
-  // What was written so far, before it has a name.
+  // Maps the bytes written so far, before the file has a name.
   //
   // Fails: E0102.
   Result<MappedFile> map(DiagnosticLog& log) const;

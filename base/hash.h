@@ -22,7 +22,7 @@ struct Hash128 {
 std::uint64_t hash64(std::span<const std::byte> bytes);
 Hash128 hash128(std::span<const std::byte> bytes);
 
-// Hashes bytes that come in pieces: the same value as hash64 and hash128 of the whole.
+// Hash of bytes that come in pieces: the same value as hash64 and hash128 of the whole.
 class Hasher {
  public:
   Hasher();

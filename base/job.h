@@ -14,14 +14,14 @@
 
 namespace panwright {
 
-// The progress of a phase of the work. Phases may be nested: an image among many, and rows of it.
-// Several may run at once.
+// Progress of a phase of the work. Phases may be nested, as an image among many and its rows, and
+// several may run at once.
 struct Progress {
   std::string_view phase;   // "tessellating"
   std::uint64_t done = 0;   // ≤ total
   std::uint64_t total = 0;  // > 0
   std::size_t depth = 0;    // phases around this one
-  bool finished = false;    // the phase is over, whether or not done reached total
+  bool finished = false;    // the phase is over, even if done is below total
 };
 
 // Called from any thread that works, one call at a time. It must not throw, and should be quick.
@@ -32,14 +32,13 @@ struct JobOptions {
   ProgressListener progress;
 };
 
-// What poll() throws. It never leaves a function that takes a DiagnosticLog: such a function
+// The exception of poll(). It never leaves a function that takes a DiagnosticLog: such a function
 // reports E0001 and returns failed. A function that takes a Job and no log lets it pass.
 struct Cancelled {};
 
-// The handle of one piece of work, which the host keeps and the libraries are given: the last
-// argument of whatever takes long. The default one uses all cores, tells nobody and cannot be
-// cancelled. Copies are cheap and share the same work. Results never depend on it. All
-// functions may be called from any thread.
+// The handle of one piece of work, kept by the host and passed to libraries as the last argument of
+// long functions. The default one uses all cores, has no listener and cannot be cancelled. Copies
+// are cheap and share the same work. Results never depend on it. Thread-safe.
 class Job {
  public:
   Job() = default;
@@ -56,7 +55,7 @@ class Job {
     if (cancelled()) throw Cancelled();
   }
 
-  // Threads of this process that work on it at most.
+  // Returns the maximum number of threads of this process for this work.
   std::size_t threads() const;
 
   // For base/job.cpp and base/parallel.cpp.
@@ -67,10 +66,10 @@ class Job {
   std::shared_ptr<State> state_;  // null: the default
 };
 
-// One phase of a job, which tells the listener when it begins, advances and ends.
+// One phase of a job. It informs the listener when it begins, advances and ends.
 class Phase {
  public:
-  // name: outlives the phase. total: 0: nothing is told.
+  // name: outlives the phase. total: 0: no progress is reported.
   Phase(const Job& job, std::string_view name, std::uint64_t total);
   ~Phase();
   Phase(const Phase&) = delete;
@@ -88,17 +87,17 @@ class Phase {
   std::size_t depth_ = 0;
 };
 
-// Calls work on the threads of a job: whatever it runs in parallel, parallel_for without a job and
-// the builders of acceleration structures included, uses no more. Lets exceptions pass.
-// note: where two threads of the host share one job with a number of threads, one may do the
-// other's work: what is bound to its thread, as an OpenGL context is, keeps out
+// Calls work on the threads of a job: all that it runs in parallel uses no more, including
+// parallel_for without a job and builders of acceleration structures. Lets exceptions pass. note:
+// where two threads of the host share a job with a number of threads, one may do the other's work:
+// keep out work bound to its thread, such as an OpenGL context
 void run_on_threads(const Job& job, const std::function<void()>& work);
 
 // Reports E0001, once for each log.
 void report_cancelled(DiagnosticLog& log);
 
-// The frame of a public function that takes a job: calls work on its threads; when that is
-// cancelled, reports E0001 and returns failed, or false.
+// Runs the work of a public function on the threads of its job. When cancelled, reports E0001 and
+// returns failed, or false.
 //
 //   work  returns a Result or a bool
 template <class Work>

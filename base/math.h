@@ -19,7 +19,7 @@ inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kDegree = kPi / 180.0;  // radians
 
 // Elementary functions over SLEEF's deterministic scalar forms: the same bits on every processor,
-// within 1 ulp. Whatever decides a byte of a pan uses these, never libm. Arguments in radians.
+// within 1 ulp. All code that decides a byte of a pan uses these, never libm. Arguments in radians.
 // (sqrt, fabs, floor, fmin… are exact in IEEE 754 and come from <cmath>.)
 namespace det {
 struct SinCos {
@@ -53,8 +53,8 @@ Mat3 cofactor(const Mat3& m);
 // Translation, rotation and scale as one matrix: p' = T·R·S·p.
 Mat4 matrix_from_trs(const Vec3& translation, const Quat& rotation, const Vec3& scale);
 
-// The factors by which a matrix's linear part stretches lengths: its singular values, to a few ulps
-// of each. 0 where it flattens space.
+// Factors by which a matrix's linear part stretches lengths: its singular values, to a few ulps
+// each. 0 where it flattens space.
 struct Stretch {
   double smallest = 1;
   double largest = 1;

@@ -11,7 +11,7 @@ struct PngOptions {
   int channels = 4;               // of the pixels given: 3 (RGB) or 4 (RGBA)
   bool grey16 = false;            // in their place one of 16 bits, the high byte first
   bool drop_opaque_alpha = true;  // writes RGB where every alpha is 255
-  bool says_srgb = false;         // a chunk says that the numbers are sRGB codes
+  bool says_srgb = false;         // a chunk states that the numbers are sRGB codes
   std::string comment;            // ASCII, a text chunk "Comment"; empty: none
 };
 

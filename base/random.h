@@ -26,7 +26,7 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
   return counter;
 }
 
-// A word as a number in (0, 1): the middle of the 2^-32 wide step that it stands for.
+// Converts a word to a number in (0, 1): the middle of its 2^-32 wide step.
 constexpr double in_unit(std::uint32_t word) { return (word + 0.5) * 0x1p-32; }
 
 }  // namespace panwright

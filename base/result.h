@@ -8,10 +8,10 @@
 namespace panwright {
 
 struct Failed {};
-// What a function returns when it has reported an error: `return failed;`
+// The return value of a function that has reported an error: `return failed;`
 inline constexpr Failed failed{};
 
-// Holds a T, or nothing. The errors are in the DiagnosticLog of the call.
+// A T, or nothing. The errors are in the DiagnosticLog of the call.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -29,7 +29,7 @@ struct Position {
   std::uint32_t column = 1;  // 1-based, in characters of the file's encoding
 };
 
-// Bytes of a file, kept alive by whoever holds this: a string, or a mapping. A NUL stands behind
+// Bytes of a file, kept alive by its holders: a string, or a mapping. A NUL stands behind
 // the last one. It is used like a pointer to them.
 class SharedText {
  public:
@@ -46,8 +46,8 @@ class SharedText {
   bool operator==(std::nullptr_t) const { return view_.data() == nullptr; }
   explicit operator bool() const { return view_.data() != nullptr; }
 
-  // Gives back the memory of bytes [begin, end) of a mapping. They stay readable: the file is asked
-  // for them again. Nothing happens to a string.
+  // Gives back the memory of bytes [begin, end) of a mapping. They stay readable from the file. No
+  // effect on a string.
   void forget(std::size_t begin, std::size_t end) const;
 
  private:
@@ -56,8 +56,8 @@ class SharedText {
   bool mapped_ = false;
 };
 
-// One reading of one file. A file that is included twice has two entries, so that each of them
-// knows who included it; a part that is used has one of its own.
+// One reading of one file. A file included twice has two entries, each with its own includer; a
+// part that is used has one of its own.
 struct SourceFile {
   std::string name;  // as the user would type it
   SharedText bytes;  // null: not text, or not readable
@@ -83,7 +83,7 @@ class SourceMap {
  private:
   const std::vector<std::uint32_t>& line_starts(FileId id) const;
 
-  // The place of a file whose column was counted last; counting goes on from there.
+  // The place of the file counted last; counting goes on from there.
   struct Counted {
     std::uint32_t line = 0;  // 0: none yet
     std::uint32_t offset = 0;

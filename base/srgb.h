@@ -11,8 +11,8 @@ double linear_from_srgb(double encoded);
 // The linear value of an 8-bit code: linear_from_srgb(code / 255).
 double srgb_decoded(std::uint8_t code);
 
-// The 8-bit code nearest to a linear value, by what is encoded, ties upwards; values outside [0, 1]
-// are clamped, NaN gives 0. Exact: the thresholds are computed in double.
+// Returns the 8-bit code nearest to a linear value in encoded space, ties upwards; values outside
+// [0, 1] are clamped, NaN gives 0. Exact: the thresholds are computed in double.
 std::uint8_t srgb_code(double linear);
 
 }  // namespace panwright

@@ -25,7 +25,7 @@ std::string markup_escaped(std::string_view text);
 // Quotes a value for a message: control characters escaped, cut after 60 characters.
 std::string in_quotes(std::string_view text);
 
-// Whether a text starts with one of `marks`.
+// Returns true if a text starts with one of `marks`.
 bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks);
 
 }  // namespace panwright

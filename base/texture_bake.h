@@ -1,4 +1,4 @@
-// Textures that are computed from others, texel by texel.
+// Textures computed from others, texel by texel.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct Baked {
   std::vector<std::vector<std::uint8_t>> textures;  // each 4·width·height, row 0 the top row
 };
 
-// The side of what is made of them: the longest.
+// Returns the resolution of the baked textures: the largest of the sources.
 std::uint32_t baked_width(std::span<const BakeSource> sources);
 std::uint32_t baked_height(std::span<const BakeSource> sources);
 
@@ -32,8 +32,8 @@ std::uint32_t baked_height(std::span<const BakeSource> sources);
 //
 //   sources  one or more with a texture
 //   srgb     for each texture made, whether its RGB is stored as sRGB codes
-//   texel    of the sources' texels, 0 to 1, those of the textures; taken to 0 to 1. A function of
-//            them alone, called from several threads.
+//   texel    computes the textures' texels from those of the sources, 0 to 1; clamped to 0 to 1.
+//            Pure, called from several threads.
 //
 // Expects: a source that is not empty. Cost: O(texels made).
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,

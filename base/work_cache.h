@@ -1,4 +1,4 @@
-// Long work of compilations, kept between runs: each result by what it follows from.
+// Cache of long compilation work between runs, keyed by all inputs of a result.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace panwright {
 
-// Kinds of work that are worth keeping.
+// Kinds of cached work.
 enum class Work : std::uint8_t {
   meshes,      // triangles for exact shapes
   levels,      // levels of detail of meshes
@@ -27,8 +27,8 @@ enum class Work : std::uint8_t {
 inline constexpr std::size_t kWorks = 5;
 std::string_view work_name(Work work);  // "meshes"
 
-// How many results came from a cache, and how many were made. What is made faster than it is read
-// is not asked for, and not counted.
+// Numbers of results read from a cache and computed. Work faster than its reading is not cached and
+// not counted.
 struct WorkCounts {
   struct Count {
     std::uint64_t reused = 0;
@@ -41,19 +41,19 @@ struct WorkCounts {
   Count all() const;
 };
 
-// What makes the results of this program: the identities that the linker gave to the program and to
-// those libraries that decide numbers. Nothing: they have none.
+// Returns the identities that the linker gave to the program and to the libraries that decide
+// numbers. Nothing: they have none.
 std::optional<Hash128> program_identity();
 
-// A FileCache of results. Keys hold the kind of work and program_identity() besides what they are
-// given: another build makes its results itself, and where there is no identity nothing is kept.
-// No result depends on the cache: an entry is what the same program made of the same numbers.
+// A FileCache of results. Keys include the kind of work and program_identity(): another build
+// computes its own results, and without an identity nothing is kept. No result depends on the
+// cache: an entry is the same program's result for the same numbers.
 class WorkCache {
  public:
   static constexpr std::uint64_t kMostBytes = 1ull << 30;
 
-  // max_bytes: of the folder (FileCache). One WorkCache keeps half of it at most, so that a model
-  // that is larger than that does not drive everything out, itself included.
+  // max_bytes: of the folder (FileCache). One WorkCache keeps half of it at most, so that a larger
+  // model does not drive out everything, itself included.
   explicit WorkCache(std::filesystem::path folder, std::uint64_t max_bytes = kMostBytes);
 
   std::optional<std::vector<std::byte>> find(Work work, const Hash128& key) const;
@@ -71,13 +71,13 @@ class WorkCache {
   mutable std::array<std::atomic<std::uint64_t>, kWorks> reused_{}, made_{};
 };
 
-// A result from a cache; else what is made now, and kept.
+// Returns a result from the cache; else computes and stores it.
 //
 //   cache  null: none
-//   key    () → Hash128, of all that the result follows from
+//   key    () → Hash128, of all that the result depends on
 //   make   () → std::optional<T>; nothing: it failed, which is not kept
-//   write  (const T&, ByteWriter&) → whether it is to be kept
-//   read   (ByteReader&) → T, which need not be sound: fail() says that it is not
+//   write  (const T&, ByteWriter&) → true to keep it
+//   read   (ByteReader&) → T, unverified; fail() marks it invalid
 template <class T, class Key, class Make, class Write, class Read>
 std::optional<T> reused_or_made(const WorkCache* cache, Work work, Key&& key, Make&& make,
                                 Write&& write, Read&& read) {

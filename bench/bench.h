@@ -1,4 +1,4 @@
-// Benchmarks: what a case is, and what it reports.
+// Benchmarks: cases and their reports.
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,16 @@
 
 namespace panwright::bench {
 
-// One line of a result: how fast, how wrong, and against what. No speed stands without an error.
+// Row of a result: speed, error and reference. No speed stands without an error.
 struct Row {
   std::string case_name;
-  std::string setting;  // what was varied, as "triangles=11880 samples=4"
+  std::string setting;  // varied parameters, as "triangles=11880 samples=4"
   double speed = 0;
   std::string speed_unit;  // "Mtri/s", "ms/frame"…
   double error = 0;
   std::string error_unit;      // "m", "relative", "px", "ulp"…
-  std::string reference;       // what the error is measured against
-  double reference_error = 0;  // that reference's own uncertainty, in error_unit
+  std::string reference;       // reference of the error
+  double reference_error = 0;  // uncertainty of the reference, in error_unit
   int runs = 0;                // of which speed is the median
   double spread = 0;           // half the distance between the quartiles of speed, in speed_unit
   double must = 0;             // the bound of the project on the speed (see must_is_least); 0: none
@@ -26,7 +26,7 @@ struct Row {
   double must_error = 0;       // the bound on the error; 0: none
 };
 
-// What a case gets to work with.
+// Environment of a case.
 class Context {
  public:
   Context(bool quick, std::filesystem::path program_folder);
@@ -42,7 +42,7 @@ class Context {
   std::filesystem::path source(std::string_view path) const;
 
   void add(Row row);
-  // What a reader must know and a row cannot say, as why a case was left out.
+  // Adds a remark for readers that no row can hold, as the reason for a missing case.
   void note(std::string text);
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<std::string>& notes() const { return notes_; }
@@ -79,7 +79,7 @@ const std::vector<Case>& cases();  // by name
 struct Variant {
   std::string setting;
   std::function<void()> work;
-  std::function<void()> before = {};  // where there is one: done each time before work, not timed
+  std::function<void()> before = {};  // if given: called each time before work, not timed
 };
 
 struct Timing {

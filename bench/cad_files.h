@@ -1,4 +1,4 @@
-// CAD files of known contents, as large as a case needs.
+// CAD files of known contents, of any size.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class Band {
   std::uint64_t triangles() const { return 2ull * side_ * side_; }
   std::uint64_t vertices() const { return std::uint64_t{side_} * (side_ + 1); }
   Vec3 at(std::uint32_t around, std::uint32_t along) const;  // rounded as written
-  // How far a place lies from the vertex that it stands for.
+  // Returns the distance of a place from its vertex.
   double off(const Vec3& place) const;
 
   std::string vrml() const;             // one IndexedFaceSet of VRML 97
@@ -25,7 +25,7 @@ class Band {
   std::string obj() const;
   std::string stl() const;  // binary
   std::string ply() const;  // little endian, double positions
-  // Of a scene that holds it in double: positions, normals and triangles.
+  // Returns the bytes of a scene that holds it in double: positions, normals and triangles.
   double array_bytes(bool normals) const;
 
  private:
@@ -43,8 +43,8 @@ class Band {
   std::uint32_t side_;
 };
 
-// The largest Band::off() of the vertices of a compiled model, in metres; infinite when its
-// triangles are not as many.
+// Returns the largest Band::off() of the vertices of a compiled model, metres; infinite for another
+// number of triangles.
 double worst_place(const Band& band, const pan::Model& model);
 
 }  // namespace panwright::bench

@@ -1,4 +1,4 @@
-// Flux of levels of detail from afar, in the mean over seeds, against the finest, path traced.
+// Mean flux over seeds of distant levels of detail, against the path-traced finest one.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ namespace panwright::bench {
 // Sum over the pixels of the second channel.
 double flux_of(const preview::Image& image);
 
-// Direct light alone unless bounces is above 0; nothing: not drawn.
+// Traces the flux; only direct light unless bounces is above 0; nothing: not drawn.
 std::optional<double> traced_flux(const world::World& world, const world::Camera& camera,
                                   std::uint32_t seed, unsigned bounces);
 
-// Of one level, seen one way.
+// Flux of one level in one view.
 class FarFlux {
  public:
-  // Draws, and adds beside the flux that is wanted. level: 0 for the finest, k for the model's
+  // Draws, and adds the result beside the expected flux. level: 0 for the finest, k for the model's
   // k-th. False: not drawn.
   bool add(preview::Renderer& renderer, const world::World& world, const world::Camera& camera,
            const pan::Model& model, std::size_t level, unsigned samples, double wanted);
   std::uint32_t seeds() const { return seeds_; }
-  // of: what there is one of for each seed, "sheet"
+  // of: name of one sample per seed, "sheet"
   Row row(std::string case_name, std::string setting, const std::string& of, double must) const;
 
  private:

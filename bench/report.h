@@ -8,16 +8,16 @@
 
 namespace panwright::bench {
 
-// What the numbers were measured on, one "# name: value" line each.
+// Returns the machine of the measurements, one "# name: value" line each.
 std::string machine_header(const Context& context);
 
-// Header, column names, one line a row (RFC 4180 quoting).
+// Returns the header, column names, one line a row (RFC 4180 quoting).
 std::string to_csv(const Context& context, const Case& one);
 
-// The same rows for a person; a bound that is missed is marked.
+// Returns the same rows for a person; missed bounds are marked.
 std::string to_table(const Context& context);
 
-// How many rows miss a bound.
+// Returns the number of rows that miss a bound.
 int missed(const std::vector<Row>& rows);
 
 }  // namespace panwright::bench

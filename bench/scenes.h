@@ -1,4 +1,4 @@
-// Models that the cases measure.
+// Models measured by the cases.
 #pragma once
 
 #include <filesystem>
@@ -22,10 +22,10 @@ materials::Material figure8_material();
 // A perfect diffuser of the given albedo.
 materials::Material lambert_material(double albedo);
 
-// What the compiler makes of a scene; null: refused, and the log says why.
+// Compiles a scene; null: refused, with a report.
 world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log);
 
-// The box of all meshes of a model, world axes: of their own boxes' corners.
+// Box of all meshes of a model, world axes: of their own boxes' corners.
 struct Box {
   Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
   Vec3 middle() const { return (low + high) / 2.0; }

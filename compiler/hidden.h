@@ -1,4 +1,4 @@
-// Hidden-geometry removal: triangles that no viewpoint outside the model sees.
+// Hidden-geometry removal: triangles that are invisible from every viewpoint outside the model.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 namespace panwright::compiler {
 
 struct HiddenOptions {
-  // one per instance: whether it may lose faces; empty: all may. All of them occlude others.
+  // one per instance: true if it may lose faces; empty: all may. All of them occlude others.
   std::vector<char> may_lose;
-  Options compile;                       // as the model will be compiled with
-  std::uint32_t rays_per_triangle = 64;  // that lead nowhere from each removed triangle
-  // In all, and four more for each triangle of a mesh. What they do not suffice for stays.
+  Options compile;                       // options of the later compilation
+  std::uint32_t rays_per_triangle = 64;  // without escape, of each removed triangle
+  // In all, and four more for each triangle of a mesh. Triangles left undecided stay.
   std::uint64_t max_rays = 16'000'000;
   std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
-  // Of what earlier searches found; null: none. It changes no result, `cached` and `seconds` apart.
+  // Cache of earlier searches; null: none. It changes no result, `cached` and `seconds` apart.
   const FileCache* cache = nullptr;
 };
 
@@ -31,37 +31,37 @@ struct HiddenReport {
   std::uint64_t unique_after = 0;
   std::uint64_t instances_before = 0;
   std::uint64_t instances_after = 0;
-  std::uint64_t hidden = 0;  // triangles that are gone
-  // Not seen and kept: max_rays did not suffice, or a visible neighbour continues smoothly.
+  std::uint64_t hidden = 0;  // removed triangles
+  // Unseen but kept: max_rays did not suffice, or a visible neighbour continues smoothly.
   std::uint64_t ambiguous = 0;
   bool capped = false;  // max_rays did not suffice for some
   std::uint64_t rays = 0;
-  std::uint64_t reached = 0;  // triangles that the last rays from outside found
-  // With 95 % confidence, the share of all directions from points of the removed triangles together
-  // (by number) that lead outside; and of any one of them.
+  std::uint64_t reached = 0;  // triangles found by the last rays from outside
+  // With 95 % confidence, the share of open directions from points of all removed triangles
+  // together (by number), and from any one of them.
   double open_share = 0;
   double open_share_each = 0;
   double seconds = 0;
-  bool cached = false;  // all that takes a search was found before
+  bool cached = false;  // the whole search came from the cache
 };
 
-// Removes the triangles of meshes, and whole instances, that nobody outside the model can see.
+// Removes triangles of meshes, and whole instances, that are invisible from outside the model.
 //
-// A ray from a point of a triangle that leads outside proves that it is seen, so it stays. From
-// each triangle rays go along both normals, then by the cosine on both sides, until one escapes.
-// Where none does, they go along those that neighbours escaped by, and triangles that face a
-// visible side take more: towards gaps that others were seen through, and evenly over area and
-// direction, as the rays of images do. Rays from outside find where there are gaps. What faces a
-// visible side and continues a visible triangle smoothly stays, and so does whatever max_rays do
-// not suffice for. So from what is removed no ray escaped. Rays are decided in double; surfaces
-// within 1e-5 of the model's radius are one; gaps narrower than 3e-6 of it count as closed.
+// A ray that escapes from a point of a triangle proves it visible, so it stays. Rays start along
+// both normals, then by the cosine on both sides, until one escapes. If none does, they follow the
+// escaping rays of neighbours. Triangles that face a visible side take more: towards gaps found by
+// others, and evenly over area and direction, as the rays of images. Rays from outside find gaps.
+// Triangles that face a visible side and smoothly continue a visible one stay, as do those
+// undecided after max_rays. So no ray escaped from any removed triangle. Rays are decided in
+// double; surfaces within 1e-5 of the model's radius are one; gaps narrower than 3e-6 of it count
+// as closed.
 //
 // Surfaces are visible and occlude from both sides; cut-out materials occlude nothing. Shapes
-// shared by several instances lose what is hidden in all of them. Exact shapes are hidden as a
-// whole or not at all. What carries decals stays whole. Parts that a joint can move occlude nothing
-// but themselves, and are occluded by nothing else: what some joint position uncovers stays. A mesh
-// that was closed stays marked so: no more of its back is visible than before. Unused shapes are
-// removed; nodes stay. Deterministic, whatever the number of threads.
+// shared by several instances lose only triangles hidden in all of them. Exact shapes are hidden as
+// a whole or not at all. Meshes with decals stay whole. Parts that a joint can move occlude nothing
+// but themselves, and are occluded by nothing else: triangles uncovered in some joint position
+// stay. A mesh that was closed stays marked so: no more of its back is visible than before. Unused
+// shapes are removed; nodes stay. Deterministic, whatever the number of threads.
 //
 //   scene  valid (scene::check), and valid afterwards; unchanged on failure
 //

@@ -1,4 +1,4 @@
-// How large models are, in words.
+// Sizes of models, in words.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace panwright::compiler {
 
-// A length in the unit that a person would say it in, to three digits: "1.1 km", "34 mm".
+// Returns a length in its natural unit, to three digits: "1.1 km", "34 mm".
 std::string length_in_words(double metres);
 
-// Extents along x, y and z in one unit, and something of that size: "2.1 x 1.4 x 6.8 m (about a
-// bus)". The unit and the thing are those of the largest one.
+// Returns extents along x, y and z in one unit, and an object of that size: "2.1 x 1.4 x 6.8 m
+// (about a bus)". Unit and object are those of the largest extent.
 std::string size_in_words(const Vec3& extents);
 
 }  // namespace panwright::compiler

@@ -11,7 +11,7 @@ namespace panwright::geometry {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// A mesh in its own frame, metres. Triangles are counter-clockwise seen from outside.
+// Mesh in its own frame, metres. Triangles are counter-clockwise seen from outside.
 struct Mesh {
   std::vector<Vec3> positions;      // V
   std::vector<Vec3> normals;        // V unit vectors, or empty
@@ -19,7 +19,7 @@ struct Mesh {
   std::vector<Vec3> colors;         // V linear RGB that multiply the diffuse colour, or empty
   std::vector<Triangle> triangles;  // T, each index < V
   double error = 0;                 // metres: no point of the mesh lies further from the shape
-  bool closed = false;              // every edge is shared by two triangles that run it oppositely
+  bool closed = false;              // every edge is shared by two triangles in opposite directions
 };
 
 }  // namespace panwright::geometry

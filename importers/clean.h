@@ -17,12 +17,12 @@ namespace panwright::importers {
 // Cleans every mesh of a scene once, however many instances share it. Exact shapes stay as they
 // are. Meshes that end without triangles are left out with their instances and decals.
 //
-//   scene    in its place (see place()): lengths and spots are told in its world
-//   options  lengths in the world; a mesh takes the smallest that its instances ask for
-//   cache    of meshes that were cleaned before; null: none. It changes nothing
+//   scene    placed (see place()): lengths and spots are in its world
+//   options  lengths in the world; a mesh takes the smallest of its instances
+//   cache    of cleaned meshes; null: none. It changes no result
 //
-// Reports: N6301, W6302, W6303, W6305, once each for the scene. Fails: E0001, with a scene that is
-// of no more use.
+// Reports: N6301, W6302, W6303, W6305, once each for the scene. Fails: E0001, leaving the scene
+// unusable.
 Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
                             DiagnosticLog& log, const Job& job = {},
                             const WorkCache* cache = nullptr);
@@ -37,28 +37,28 @@ struct Bounds {
 };
 Bounds bounds_of(const scene::Scene& scene);
 
-// The unit that makes a spacecraft of a model of some size.
+// Unit that gives a spacecraft's size to a model.
 struct UnitGuess {
   double unit = 1;              // metres
-  std::string_view name = "m";  // as --units takes it
-  bool plausible = true;        // false: no unit does; it stays as written
+  std::string_view name = "m";  // as in --units
+  bool plausible = true;        // false: none is; the unit stays as written
 };
 UnitGuess guessed_unit(double largest_extent);
 
-// A unit by its name: um, mm, cm, dm, m, km, in, ft, yd. Nothing for another name.
+// Returns a unit by its name: um, mm, cm, dm, m, km, in, ft, yd. Nothing for another name.
 std::optional<double> unit_of(std::string_view name);
 
-// An axis by its name: y, z. Nothing for another name.
+// Returns an axis by its name: y, z. Nothing for another name.
 std::optional<UpAxis> up_of(std::string_view name);
 
-// Gives a scene its unit, its axes and its place by a node "model" between the root and what stands
-// at the top, which is there only where something changes.
+// Applies unit, axes and position to a scene by a node "model" below the root, added only if
+// something changes.
 //
-//   unit      metres; none: what the file says, else what its format prescribes, unless its size
-//             tells otherwise. Reports W6006 where the unit is assumed or the size unlikely
+//   unit      metres; none: the file's, else its format's, unless the size contradicts. Reports
+//             W6006 if the unit is assumed or the size unlikely
 //   up        none: usual_up()
-//   recentre  whether the middle of the bounds comes to the origin
-//   returns   how far the model was moved, in metres of the scene
+//   recentre  moves the middle of the bounds to the origin
+//   returns   displacement of the model, in metres of the scene
 Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up, bool recentre,
            DiagnosticLog& log);
 

@@ -1,4 +1,4 @@
-// Where a model and the files that it names come from: one folder on disk, or memory.
+// Source of a model and of the files that it names: one folder on disk, or memory.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class Files {
     found,
     missing,    // nothing there, or not a regular file
     outside,    // a link leads out of the folder
-    too_large,  // brings all files read so far to more than the limit
+    too_large,  // exceeds the limit of all files together
     unreadable,
   };
 
@@ -35,33 +35,33 @@ class Files {
   // Reads a file. Each reading counts towards the limit of bytes.
   virtual Outcome read(const std::string& path, SharedText& bytes) = 0;
 
-  // The one file whose path differs from this in the case of letters alone.
+  // Returns the one file whose path differs only in letter case.
   virtual std::optional<std::string> same_but_for_case(const std::string&) { return std::nullopt; }
 
-  // Declares a file that the model names, whether or not anybody reads it: no output may take its
-  // place (base/file_uses.h). As the model's folder sees it; it may lie outside, or not be there.
+  // Declares a file named by the model, even if unread: no output may replace it
+  // (base/file_uses.h). Relative to the model's folder; it may lie outside, or be missing.
   virtual void declare(const std::string&) {}
 
-  // As the user would type it.
+  // Returns the path for messages.
   virtual std::string display_name(const std::string& path) const = 0;
 };
 
-// log: of the run, for the files that it watches. Files over 1 MB are mapped, so that what was read
-// of them need not stay in memory. note: a file that another program cuts short while it is mapped
-// ends the process with SIGBUS, as for any mapping; one that is replaced by rename stays whole.
+// Opens a folder. log: of the run, for file tracking. Files over 1 MB are mapped, so that bytes
+// already read need not stay in memory. note: a mapped file that another program truncates ends the
+// process with SIGBUS; one replaced by rename stays whole.
 std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder, std::uint64_t max_bytes,
                                        const DiagnosticLog& log);
 
-// The bytes are not copied: they outlive the result.
+// Opens files in memory. The bytes are not copied and must outlive the result.
 std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes);
 
-// The path that a URI or file name in the file `including` stands for: percent-decoded when asked,
-// "file:" and backslashes taken as people mean them. Nothing when it leaves the folder, is
-// absolute, names another scheme, or holds a NUL.
+// Resolves a URI or file name in the file `including`: percent-decoded on request, "file:" and
+// backslashes accepted. Nothing if it leaves the folder, is absolute, names another scheme, or
+// holds a NUL.
 std::optional<std::string> resolved(std::string_view including, std::string_view uri,
                                     bool percent_encoded);
 
-// Declares what a URI or file name in the file `including` stands for, if it is one of a file.
+// Declares the target of a URI or file name in the file `including`, if it is a file.
 void declare(Files& files, std::string_view including, std::string_view uri, bool percent_encoded);
 
 }  // namespace panwright::importers

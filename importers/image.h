@@ -1,4 +1,4 @@
-// Images of PPM, PNG and JPEG files.
+// Decoder of PPM, PNG and JPEG images.
 #pragma once
 
 #include <cstddef>
@@ -21,14 +21,14 @@ struct DecodedImage {
 };
 
 struct ImageProblem {
-  std::optional<Code> code;  // none: all went well
+  std::optional<Code> code;  // none: success
   std::string message;
 };
 
-// Decodes an image, at most max_bytes of pixels (four bytes each). The format is told by the first
-// bytes. Sizes are checked before anything is allocated. PNG checksums are verified; 16-bit
-// channels keep their upper half. JPEG files of which pixels are lost are refused. Same bytes, same
-// pixels, on any processor. Nothing is printed, and settings of libpng and libjpeg stay as they are.
+// Decodes an image, at most max_bytes of pixels (four bytes each). The format follows from the
+// first bytes. Sizes are checked before anything is allocated. PNG checksums are verified; 16-bit
+// channels keep their upper half. JPEG files with lost pixels are refused. Same bytes, same pixels,
+// on any processor. Nothing is printed, and settings of libpng and libjpeg stay as they are.
 //
 // Problems: E3001 with the place in the file, E3002. Cost: O(bytes + pixels); JPEG: for each scan.
 ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,

@@ -1,4 +1,4 @@
-// What cleaning found in a scene: for people, programs and pages with images.
+// Report of mesh cleaning, for people, programs and pages with images.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace panwright::importers {
 struct MeshQuality {
   std::uint32_t shape = 0;       // in scene.shapes
   std::uint32_t instance = 0;    // the first that uses it
-  std::uint32_t instances = 0;   // how many use it
+  std::uint32_t instances = 0;   // number of users
   std::string path;              // of that instance's node: "body/panel[2]"
   geometry::CleanReport report;  // lengths in the world, of the largest instance; spots in the mesh
 };
 
-// A place to look at, in the world.
+// Place of a problem, in the world.
 struct WorldSpot {
   geometry::SpotKind kind = geometry::SpotKind::hole;
   Vec3 at{0};         // metres
@@ -35,11 +35,11 @@ struct MeshReport {
 
 const char* kind_name(geometry::SpotKind kind);  // "hole"
 
-// A summary in a few lines, then a line for each mesh that is not clean.
+// Returns a summary in a few lines, then a line for each mesh that is not clean.
 std::string to_text(const MeshReport& mesh_report);
 
 // {"schema":1,"total":{…},"meshes":[{"path","shape","instances",…}],"spots":[{"kind","at","length",
-// "size","mesh"}]}; members of reports are called as in CleanReport.
+// "size","mesh"}]}; members of reports are named as in CleanReport.
 std::string to_json(const MeshReport& mesh_report);
 
 }  // namespace panwright::importers

@@ -1,4 +1,4 @@
-// Formats of 3D models that are known by name and not read.
+// Formats of 3D models known by name but not readable.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@ struct OtherFormat {
   std::string_view advice;  // "convert it to glTF (.glb) with Blender"
 };
 
-// What a file is, by its first bytes. Nothing for what is read, and for what is not known.
+// Identifies a format by its first bytes. Nothing for readable and unknown formats.
 //
-//   path  its name, where that tells apart what begins alike (ZIP archives)
+//   path  its name, to distinguish formats with equal beginnings (ZIP archives)
 std::optional<OtherFormat> other_format_by_bytes(std::string_view bytes, std::string_view path);
 
-// The same by the name's extension, in any letter case, that below ".gz" where there is one.
+// The same by the name's extension, in any letter case, before ".gz" if present.
 std::optional<OtherFormat> other_format_by_name(std::string_view path);
 
 }  // namespace panwright::importers

@@ -13,12 +13,13 @@
 
 namespace panwright::materials {
 
-// An eighth of the square of the Sun's angular radius, 4.6504e-3 rad, at 1 AU: what an even disc adds
-// to the squares of alpha where light and viewer stand at the normal. Half vectors spread by ρ²/16
-// along each axis there, and alpha² is twice that; elsewhere see materials/formulas/sun_disc.glsl.
+// An eighth of the square of the Sun's angular radius, 4.6504e-3 rad, at 1 AU: the contribution of
+// a uniform disc to the squares of alpha for light and viewer at the normal. Half vectors spread by
+// ρ²/16 along each axis there, and alpha² is twice that; elsewhere see
+// materials/formulas/sun_disc.glsl.
 inline constexpr double kSunAlpha2 = 2.7033e-6;
 
-// The shading context: what a BRDF depends on besides material, normal and directions.
+// Shading context: inputs of a BRDF besides material, normal and directions.
 struct ShadingContext {
   panwright::Vec3 tangent{
       0};                 // unit, perpendicular to the normal; 0 where microfacets are isotropic
@@ -32,28 +33,28 @@ namespace f64 {
 
 using Vec3 = glm::dvec3;
 
-// The reflectance f of a material (docs/conventions.md, reflection), 1/sr, RGB. Finite and at least
-// 0 for unit vectors and a material whose numbers are at least 0.
+// Returns the reflectance f of a material (docs/conventions.md, reflection), 1/sr, RGB. Finite and
+// at least 0 for unit vectors and a material whose numbers are at least 0.
 //
 //   to_light, to_viewer, normal  unit vectors, pointing away from the surface
 //   tint                         colour of a texture or vertex; multiplies diffuse
 //   material                     fitted, see fit()
-//   returns                      0 where the light is below the horizon. A viewer below it is taken
-//                                to it: near the limb of a smoothly shaded mesh the interpolated
-//                                normal may face away from who sees the microfacet.
+//   returns                      0 for light below the horizon. A viewer below it is moved to it:
+//                                near the limb of a smoothly shaded mesh the interpolated normal
+//                                may face away from the viewer.
 //
 // Reciprocal while both directions are 1e-6 or more above the horizon.
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
           const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
-// The radiance towards the viewer under a distant light, emission included: irradiance/sr. The
-// irradiance is that on a plane that faces the light.
+// Returns the radiance towards the viewer under a distant light, emission included: irradiance/sr.
+// The irradiance is that on a plane that faces the light.
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
               const ShadingContext& local = {});
 
-// A compiled BRDF: the parameters are converted once, for many directions. brdf() spends most of
-// its time on that. May be used from several threads.
+// Compiled BRDF: the parameters are converted once, for many directions. brdf() spends most of its
+// time on that. Thread-safe.
 class CompiledBrdf {
  public:
   explicit CompiledBrdf(const Material& material);
@@ -72,7 +73,7 @@ class CompiledBrdf {
 
 }  // namespace f64
 
-// The same in float, material and all: what a shader computes.
+// The same in float, material included, as computed by a shader.
 namespace f32 {
 
 using Vec3 = glm::vec3;

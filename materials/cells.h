@@ -1,5 +1,4 @@
-// The pattern of solar cells, on the CPU; shaders have the same text
-// (materials/formulas/cells.glsl).
+// Pattern of solar cells, on the CPU; shaders have the same text (materials/formulas/cells.glsl).
 #pragma once
 
 #include <array>
@@ -16,20 +15,19 @@ struct CellShares {
   double gap = 0;     // between cells, without cover glass
 };
 
-// What a footprint shows of the pattern: its average over a box.
+// Averages the pattern over a footprint, a box.
 //
 //   texcoord   of the middle
 //   footprint  size of the box along u and v, in texture coordinates, >= 0
-//   returns    exact for a box. A skewed footprint is replaced by its bounding box: the mean over a
-//   panel
-//              stays, edges get up to twice as broad.
+//   returns    exact for a box. A skewed footprint is replaced by its bounding box: the mean over
+//              a panel stays, edges get up to twice as broad.
 CellShares cells_at(const Cells& cells, const Vec2& texcoord, const Vec2& footprint);
 
-// The materials of the three parts by themselves: of a cell, of a grid line on it, and of a gap.
-// A renderer that mixes them by their shares has what the pattern shows.
+// Returns the materials of the three parts: a cell, a grid line on it, and a gap. Mixed by their
+// shares, they reproduce the pattern.
 std::array<Material, 3> cell_parts(const Material& material);
 
-// The text as GLSL, as glsl_formulas() gives it, with `vec3 cell_shares(u, v, size_u, size_v,
+// Returns the text as GLSL, as of glsl_formulas(), with `vec3 cell_shares(u, v, size_u, size_v,
 // gap_u, gap_v, fingers, finger_width)` in units of the cells' pitches.
 [[nodiscard]] std::string glsl_cells();
 

@@ -1,4 +1,4 @@
-// The reflectance formulas as GLSL, for shaders.
+// Reflectance formulas as GLSL, for shaders.
 #pragma once
 
 #include <span>
@@ -8,31 +8,30 @@
 
 namespace panwright::materials {
 
-// The formulas that materials of one BRDF model need, as GLSL 4.00 or later. Belongs after
-// #version and before the code that calls it; it leaves no macros behind and these names:
+// Returns the formulas of one BRDF model, as GLSL 4.00 or later, for insertion after #version and
+// before the calling code. Defines no macros, and these names:
 //
-//   struct Surface   the parameters (generated from schemas/material.toml); fill in every member
-//   that
-//                    the BRDFs use
+//   struct Surface   the parameters (generated from schemas/material.toml); fill in every
+//                    member that the BRDFs use
 //   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
 //   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
 //                         vec3 irradiance)                                        irradiance/sr
 //
 // Directions are unit vectors that point away from the surface. A texture's or vertex's colour is
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in
-// materials/brdf.h wherever sums, products, divisions and square roots are rounded as IEEE 754
-// says.
+// materials/brdf.h if sums, products, divisions and square roots are rounded by IEEE 754.
 [[nodiscard]] std::string glsl_formulas(const BrdfModel& brdf_model);
 
-// The same for several BRDF models, one or more; surface_brdf and surface_radiance have a first
-// argument more, `uint brdf_model`, which counts them.
+// The same for one or more BRDF models; surface_brdf and surface_radiance take a further first
+// argument, `uint brdf_model`, their index.
 [[nodiscard]] std::string glsl_formulas(std::span<const BrdfModel> brdf_models);
 
-// Every BRDF and helper, without surface_brdf and surface_radiance: for programs that call single
-// formulas.
+// Returns every BRDF and helper, without surface_brdf and surface_radiance: for programs that call
+// single formulas.
 [[nodiscard]] std::string glsl_all_brdfs();
 
-// Reading a material of a pan in a shader. Belongs after glsl_formulas(); the shader defines
+// Returns functions that read a material of a pan in a shader, for insertion after glsl_formulas().
+// The shader defines
 //
 //   vec4 material_row(int i)   the i-th vec4 of the section of materials
 //

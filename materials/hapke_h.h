@@ -23,7 +23,7 @@ class HapkeH {
 // HapkeH(w)(x), for few x.
 [[nodiscard]] double hapke_h(double x, double w);
 
-// What hapke_h_function of materials/formulas/hapke.glsl needs to give H of one albedo.
+// Coefficients of hapke_h_function in materials/formulas/hapke.glsl for the H of one albedo.
 struct HFit {
   std::array<double, 8> coefficients{};
   double error = 0;  // largest relative error of H over x in [0, 1]
@@ -32,11 +32,10 @@ struct HFit {
 // Cost: a tenth of a millisecond.
 [[nodiscard]] HFit hapke_h_fit(double w);
 
-// What a fit of H is to be multiplied by: together they are H within 1e-10.
+// Correction factor of a fit of H: together they are H within 1e-10.
 class HapkeHCorrection {
  public:
-  // coefficients: as hapke_h_fit(w) gives them, or as they were stored.
-  // Cost: a fraction of a millisecond.
+  // coefficients: of hapke_h_fit(w), or as stored. Cost: a fraction of a millisecond.
   HapkeHCorrection(double w, const std::array<double, 8>& coefficients);
 
   // x: cosine, 0..1

@@ -1,4 +1,4 @@
-// Materials whose fits earlier runs have computed.
+// Cache of fits of materials between runs.
 #pragma once
 
 #include "base/work_cache.h"
@@ -6,10 +6,10 @@
 
 namespace panwright::materials {
 
-// As resolved() in material.h.
+// Resolves as resolved() in material.h.
 //
-//   cache  of fits; null: none. It changes no number. Fits are no parts of a model: WorkCounts
-//          leave them out
+//   cache  of fits; null: none. It changes no number. WorkCounts exclude fits, as they are no part
+//          of a model
 Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log,
                   const WorkCache* cache);
 

@@ -1,4 +1,4 @@
-// Surface materials: the authored fields, and what the renderer evaluates.
+// Surface materials: authored fields, and evaluated materials.
 //
 // The structs are generated from schemas/material.toml: `Fields` are the authored ones, `Material`
 // is one diffuse and one specular BRDF out of a closed set, with Fresnel's indices, coat, cells and
@@ -19,53 +19,53 @@ namespace panwright::materials {
 
 enum class FresnelModel : std::uint32_t { none, dielectric, conductor };
 
-// The formulas of a material: materials of equal BRDFs share one shader.
+// Formulas of a material: materials of equal BRDFs share one shader.
 struct BrdfModel {
   DiffuseModel diffuse = DiffuseModel::lambert;
   SpecularModel specular = SpecularModel::none;
   FresnelModel fresnel = FresnelModel::none;
   bool compensated = false;  // multiple scattering between microfacets
   bool coated = false;
-  bool mapped = false;  // microfacets whose reflectance comes from a map
+  bool mapped = false;  // microfacets with a reflectance map
   auto operator<=>(const BrdfModel&) const = default;
 };
 
 BrdfModel brdf_model_of(const Material& material);
 
-// RMS slopes of the microfacets of cook_torrance, beckmann and ggx along u and v; none for others.
+// Returns RMS slopes of the microfacets of cook_torrance, beckmann and ggx along u and v; none for
+// others.
 std::optional<Vec2> slopes_of(const Material& material);
 
-// A model with these slopes along u and v; cook_torrance takes the first, a model without slopes
-// has its defaults.
+// Returns a model with these slopes along u and v; cook_torrance takes the first, a model without
+// slopes has its defaults.
 SpecularBrdf with_slopes(SpecularModel model, const Vec2& alpha);
 
-// Whether it is anisotropic: slopes that differ along u and v, or tilted cells.
+// Returns true for an anisotropic material: slopes that differ along u and v, or tilted cells.
 bool is_anisotropic(const Material& material);
 
-// The roughness of eon whose terms have the same ratio as those of Oren and Nayar's BRDF for slopes
-// of standard deviation σ, radians: 0 to 0.9.
+// Returns the roughness of eon whose terms have the same ratio as those of Oren and Nayar's BRDF
+// for slopes of standard deviation σ, radians: 0 to 0.9.
 double eon_roughness(double sigma);
 
-// The degrees whose product with kDegree is `radians`, to the last bit where there are such.
+// Returns the degrees whose product with kDegree is `radians`, to the last bit if there are such.
 double exact_degrees(double radians);
 
-// A shader for each material: 0 to kMostVariants − 1. Materials of equal BRDFs share one; when
-// there are more than variants, the rarest share the last.
+// Limit of shader variants: 0 to kMostVariants − 1. Materials of equal BRDFs share one; beyond the
+// limit, the rarest share the last.
 inline constexpr std::uint32_t kMostVariants = 8;
 std::vector<std::uint32_t> variants_of(std::span<const Material> materials);
 
-// K of a filling factor φ: −ln(1 − 1.209 φ^⅔)/(1.209 φ^⅔); 1 at 0. Expects: 0 ≤ φ ≤ 0.7.
-// B. Hapke, "Bidirectional reflectance spectroscopy: 6. Effects of porosity", 2008.
+// Returns K of a filling factor φ: −ln(1 − 1.209 φ^⅔)/(1.209 φ^⅔); 1 at 0. Expects: 0 ≤ φ ≤ 0.7. B.
+// Hapke, "Bidirectional reflectance spectroscopy: 6. Effects of porosity", 2008.
 double porosity_factor(double filling);
 
-// Computes material.fits from the parameters. What resolved() and a pan give has been fitted.
-// Cost: a millisecond for microfacets that are compensated, some more where they are anisotropic,
-// and less for Hapke's BRDF. Microfacets that were fitted before cost nothing.
+// Computes material.fits from the parameters. Materials of resolved() and of a pan are already
+// fitted. Cost: a millisecond for compensated microfacets, more for anisotropic ones, less for
+// Hapke's BRDF. Repeated fits of equal microfacets are cached.
 void fit(Material& material);
 
-// Fills in the defaults, selects the BRDFs and fits. A part without effect gets the cheapest BRDF:
-// lambert or none. A specular colour without another model is
-// Blinn-Phong's lobe of exponent 0.
+// Applies the defaults, selects the BRDFs and fits. A part without effect gets the cheapest BRDF:
+// lambert or none. A specular colour without another model is Blinn-Phong's lobe of exponent 0.
 //
 // Expects: numbers within the ranges of the schema; they are finite, >= 0, and slopes are > 0.
 // Reports at `where`: N1401, W1402, W1403, W1404, N1405. Never fails.

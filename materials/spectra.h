@@ -14,44 +14,44 @@ namespace panwright::materials {
 // Wavelengths of the channels, µm.
 inline constexpr std::array<double, 3> kBands_um{0.65, 0.55, 0.45};
 
-// n + ik for the bands about 650, 550 and 450 nm.
+// Complex index n + ik for the bands about 650, 550 and 450 nm.
 struct Conductor {
   Vec3 n{1};
   Vec3 k{0};
 };
 
-// Optical constants by chemical symbol or name, as "Al"; nothing for one that is not known.
-// Thick enough to be opaque; values are those of one published set (internal/optical_tables.h says
-// which), others differ by 1 to 2 % in reflectance, gold at 550 nm by 6 %.
+// Returns optical constants by chemical symbol or name, as "Al"; nothing for an unknown one. Opaque
+// thickness; values of one published set (internal/optical_tables.h). Others differ by 1 to 2 % in
+// reflectance, gold at 550 nm by 6 %.
 std::optional<Conductor> metal(std::string_view name);
 
-// The names that metal() accepts, in alphabetical order.
+// Returns the names of metal(), in alphabetical order.
 std::span<const std::string_view> metal_names();
 
 // The same for a clear film: "Kapton", "MgF2" or "SiO2", interpolated linearly between wavelengths.
-// What a coat of it absorbs is rather coat_of_film(name, thickness).
+// For absorption in a coat use coat_of_film(name, thickness).
 std::optional<Conductor> film(std::string_view name);
 
-// The names that film() accepts, in alphabetical order.
+// Returns the names of film(), in alphabetical order.
 std::span<const std::string_view> film_names();
 
-// A film as a coat with a plane outer face: its index at 550 nm, and what it absorbs per channel.
+// Returns a film as a coat with a plane outer face: its index at 550 nm, and its absorption per
+// channel.
 //
 //   thickness  metres
 Coat coat_of_film(const Conductor& film, double thickness);
 
-// A film of film_names() as a coat that has its colour: an absorption edge lies between the bands
-// (Kapton's at 500 nm), and samples at three wavelengths make amber lemon. The light that passes
-// the film twice at normal incidence, of the Sun's spectrum, is seen by the CIE 1931 observer and
-// given as linear sRGB, the Sun being white: that has the chromaticity and the luminance of the
-// spectrum, where sRGB has the colour; channels that are not in 0..1 are moved there. Absorption is
-// nothing where k is 0.
+// Returns a film of film_names() as a coat of its true colour. Samples at three wavelengths would
+// turn amber to lemon, as an absorption edge lies between the bands (Kapton's at 500 nm). Sunlight
+// that passes the film twice at normal incidence is converted by the CIE 1931 observer to linear
+// sRGB, the Sun being white. It keeps the chromaticity and luminance of the spectrum within sRGB's
+// gamut; other channels are clamped to 0..1. No absorption for k = 0.
 //
 //   thickness  metres
-//   returns    none for a name that is not known
+//   returns    none for an unknown name
 std::optional<Coat> coat_of_film(std::string_view name, double thickness);
 
-// n and k, one for each of wavelengths_um().
+// Optical constants n and k, one for each of wavelengths_um().
 struct OpticalConstants {
   std::string_view what;
   std::span<const double> n;
@@ -59,10 +59,10 @@ struct OpticalConstants {
 };
 std::span<const double> wavelengths_um();  // 0.3 to 2.5
 
-// The names of metal(), and the films "Kapton", "MgF2" and "SiO2".
+// Returns constants by the names of metal(), and the films "Kapton", "MgF2" and "SiO2".
 std::optional<OpticalConstants> optical_constants(std::string_view name);
 
-// An opaque body, bare or under a film that is thick beside the wavelength: a second-surface
+// Opaque body, bare or under a film that is thick compared to the wavelength: a second-surface
 // mirror, an absorbing film over metal.
 struct Stack {
   OpticalConstants body;
@@ -70,19 +70,19 @@ struct Stack {
   double thickness = 0;  // of the film, metres
 };
 
-// Reflectance of unpolarised light in vacuum; reflections in the film are added without regard to
-// phase, R1 + (1 − R1)² T² R2/(1 − R1 R2 T²).
+// Returns the reflectance of unpolarised light in vacuum; reflections in the film are added
+// incoherently, R1 + (1 − R1)² T² R2/(1 − R1 R2 T²).
 //
 //   wavelength  into wavelengths_um()
 //   cosine      of the angle of incidence, 0..1
 double reflectance(const Stack& stack, std::size_t wavelength, double cosine);
 
-// 1 − the reflectance weighted with the Sun's irradiance outside the atmosphere from 0.3 to 2.5 µm
-// (ASTM E490-00a; 4.4 % of it lie outside). Cost: 45 reflectances.
+// Returns 1 − the reflectance weighted with the Sun's irradiance outside the atmosphere from 0.3 to
+// 2.5 µm (ASTM E490-00a; 4.4 % of it lie outside). Cost: 45 reflectances.
 double solar_absorptance(const Stack& stack, double cosine);
 
-// The same under light from everywhere, in which directions count with their cosine. Within 2e-5 of
-// the integral.
+// The same under diffuse light, with directions weighted by their cosine. Within 2e-5 of the
+// integral.
 double hemispherical_solar_absorptance(const Stack& stack);
 
 }  // namespace panwright::materials

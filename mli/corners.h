@@ -1,4 +1,4 @@
-// Inner corners: where blankets of faces that look at each other share the room between them.
+// Inner corners: blankets of faces that face each other share the space between them.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,27 @@
 
 namespace panwright::mli {
 
-// Faces that wear blankets, each of an owner.
+// Faces with blankets, each of an owner.
 class Corners {
  public:
   // metres
   void add(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t owner);
-  void build();  // once all are there
+  void build();  // after the last face
 
-  // Metres along a unit direction until a place on an owner's face is as near to another owner's
-  // face as it has come; at most `most`. Where every blanket stays below, each keeps to what is
-  // nearer to its own faces, so that none goes through another. 0 on an inner edge; outer edges are
-  // never nearer. The same bits whatever faces are further than 2 · most from the place. Cost:
-  // O(log faces + faces within 2 · most).
+  // Returns the metres from a place on an owner's face along a unit direction, until another
+  // owner's face is as near as the distance travelled; at most `most`. Blankets below it stay on
+  // their own half of the space and never intersect. 0 on an inner edge; outer edges are never
+  // nearer. Faces further than 2 · most from the place change no bit. Cost: O(log faces + faces
+  // within 2 · most).
   double room(std::uint32_t owner, const Vec3& from, const Vec3& along, double most) const;
 
-  // Whether a segment on an owner's face leads through another owner's face, its border included,
-  // or ends there. tolerance: metres.
+  // Returns true if a segment on an owner's face meets another owner's face, its border included.
+  // tolerance: metres.
   bool crossed(std::uint32_t owner, const Vec3& a, const Vec3& b, double tolerance) const;
 
-  // Adds to a key the other owners' faces that meet one of some boxes (metres), in order: around
-  // places from which nothing further than a box is asked for, they are all that room() and
-  // crossed() follow from. Returns whether there are any.
+  // Adds to a key the other owners' faces that meet one of some boxes (metres), in order: all
+  // inputs of room() and crossed() for places that need nothing beyond a box. Returns true if there
+  // are any.
   bool add_near(std::uint32_t owner, std::span<const geometry::AxisBox> boxes,
                 KeyHasher& key) const;
 

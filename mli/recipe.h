@@ -1,4 +1,4 @@
-// Recipes of foil: the operations that make a sheet, and what is wrong with them.
+// Recipes of foil: the operations that make a sheet, and their checks.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace panwright::mli {
 
-// Every operation works on heights in metres over a flat sheet, x from its left edge, y from its
-// lower edge. Unless it says otherwise, it adds to the heights that are there. Wavelengths, pitches
-// and other sizes along the sheet are two cells of its grid at least.
+// Operations: heights in metres over a flat sheet, x from its left edge, y from its lower edge.
+// Unless stated otherwise, an operation adds to the present heights. Wavelengths, pitches and other
+// sizes along the sheet are two cells of its grid at least.
 
-// An independent uniform height in [-amplitude, amplitude] at every vertex of the recipe's grid.
+// Independent uniform heights in [-amplitude, amplitude] at every vertex of the recipe's grid.
 struct Random {
   double amplitude = 0;
 };
 
-// Passes of a mean over 3 × 3 vertices; beyond the edges stands the edge sample once more, which
-// preserves the mean of all heights. Equal heights stay what they are, to the bit.
+// Passes of a mean over 3 × 3 vertices; edge samples are repeated beyond the edges, which preserves
+// the mean of all heights. Equal heights stay equal, to the bit.
 struct Smooth {
   std::uint32_t passes = 0;
 };
@@ -29,18 +29,18 @@ struct Constant {
   double height = 0;
 };
 
-// Multiplies by f(x)·g(y). f is 0 within x0 of the left and right edges, 1 from x1 on, 3t² − 2t³
-// between them; g likewise with y0 and y1. x1 = 0: f is 1.
+// Factor f(x)·g(y). f is 0 within x0 of the left and right edges, 1 from x1 on, 3t² − 2t³ between
+// them; g likewise with y0 and y1. x1 = 0: f is 1.
 struct Taper {
   double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
-// Wrinkles with sharp crests and flat flanks across one direction, which run on, end and fork.
+// Wrinkles with sharp crests and flat flanks across one direction, which continue, end and fork.
 //
 // h = a·|z|·tri(arg z) with tri(φ) = 1 − 2|φ|/π and z a sum of 24 plane waves of random phases,
-// E|z|² = 1.5, so that the mean of h² is a²/2 as for a sine wave of amplitude a. Their wave
-// numbers are uniform within 20 % of 2π/wavelength, their directions within ±Θ of `direction`, with
-// Θ such that rms wave numbers along and across the direction are as `anisotropy` to 1.
+// E|z|² = 1.5. So the mean of h² is a²/2, as for a sine wave of amplitude a. Their wave numbers are
+// uniform within 20 % of 2π/wavelength, their directions within ±Θ of `direction`. Θ is such that
+// rms wave numbers along and across the direction are as `anisotropy` to 1.
 struct Wrinkle {
   double wavelength = 0;  // metres
   double amplitude = 0;
@@ -55,7 +55,7 @@ struct Wrinkle {
 // deviation of ln L); the rest has a density ∝ L^-tail from `length` on. All end at 20 lengths. A
 // ridge is depth·L/length high and reaches 0.15 to 0.6 L to either side, so that facets of all
 // sizes are equally steep. A. Andresen, A. Hansen, J. Schmittbuhl, "Ridge network in crumpled
-// paper", 2007, find such lengths in paper; that foil's are the same, and the default numbers, are
+// paper", 2007, find such lengths in paper; their use for foil, and the default numbers, are
 // guesses.
 struct Crease {
   double density = 0;  // ridges per square metre
@@ -85,20 +85,20 @@ struct Emboss {
   double depth = 0;  // of the middle above the lines
 };
 
-// A lap or tape across the whole sheet: a step of the given height, flat on top, whose flanks take
-// a fifth of its width each. Beside it folds, up and down in turn, half a stitch apart, each of its
-// own height, fade away within two and a half widths.
+// Lap or tape across the whole sheet: a step of the given height, flat on top, whose flanks take a
+// fifth of its width each. Folds beside it, up and down in turn, half a stitch apart and of varied
+// heights, fade out within two and a half widths.
 struct Seam {
   bool along_x = true;
-  double position = 0;  // of its middle line: y where along_x, else x
+  double position = 0;  // of its middle line: y if along_x, else x
   double width = 0;
   double height = 0;  // may be negative
   double stitch = 0;  // 0: no folds
-  double pucker = 0;  // the largest height of a fold
+  double pucker = 0;  // largest height of a fold
 };
 
-// Pins the sheet to its base on a grid of points, a pitch apart and centred: multiplies by 0 within
-// `radius` of one, by 1 from `reach` on, and adds radial puckers between.
+// Pins of the sheet to its base on a grid of points, a pitch apart and centred: multiplies by 0
+// within `radius` of one, by 1 from `reach` on, and adds radial puckers between.
 struct Button {
   double pitch = 0;
   double radius = 0;
@@ -106,7 +106,7 @@ struct Button {
   double pucker = 0;
 };
 
-// Dents that meet in sharp straight crests: heights go with the squared distance to the nearest of
+// Dents that meet in sharp straight crests: heights follow the squared distance to the nearest of
 // irregular points. Three sizes, each half as large and half as deep as the one before; those
 // smaller than two cells of the recipe's grid are left out.
 struct Crush {
@@ -114,8 +114,8 @@ struct Crush {
   double depth = 0;  // rms height of the largest
 };
 
-// Scales all heights so that the root of the mean squared slope, both axes together, is this. It is
-// the m of `cook`: α² of a surface that is only seen from afar (Beckmann).
+// Scale of all heights to a root mean squared slope, both axes together. It is the m of `cook`: α²
+// of a surface seen only from afar (Beckmann).
 struct SlopeRms {
   double slope = 0;
 };
@@ -123,7 +123,7 @@ struct SlopeRms {
 using Operation = std::variant<Random, Smooth, Constant, Taper, Wrinkle, Crease, Fractal, Emboss,
                                Seam, Button, Crush, SlopeRms>;
 
-// The word of the language: "random", "slope_rms"…
+// Returns the operation's word in the language: "random", "slope_rms"….
 std::string_view name_of(const Operation& operation);
 
 struct Recipe {
@@ -134,15 +134,16 @@ struct Recipe {
   std::vector<Operation> operations;  // applied in order, any number of times
 
   double cell() const { return width / xgrid; }  // metres
-  // Cells across the height: the sheet is cell()·ygrid() high, within half a cell of `height`.
+  // Returns the cells across the height: the sheet is cell()·ygrid() high, within half a cell of
+  // `height`.
   double ygrid() const;
 };
 
-// Where a recipe was written, for diagnostics.
+// Places of a recipe's parts, for diagnostics.
 struct RecipePlaces {
   SourceSpan recipe;                   // the element
   SourceSpan width, height, xgrid;     // none: that of the recipe
-  std::vector<SourceSpan> operations;  // none where it is shorter
+  std::vector<SourceSpan> operations;  // none if shorter
 };
 
 inline constexpr std::uint32_t kMaxCells = 100'000;            // across, and up
@@ -153,7 +154,7 @@ inline constexpr double kMaxRidges = 2e6;   // of a crease, those beyond the edg
 inline constexpr double kMaxOverlap = 100;  // ridges of a crease over a point, on average
 inline constexpr std::size_t kMaxOperations = 1000;
 
-// Whether a sheet can be made. Reports E7001 for each number that cannot be, with its place.
+// Checks that a sheet can be made. Reports E7001 for each invalid number, with its place.
 bool check(const Recipe& recipe, DiagnosticLog& log, const RecipePlaces& places = {});
 
 }  // namespace panwright::mli

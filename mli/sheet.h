@@ -18,8 +18,8 @@ struct Sheet {
   Vec2 spacing{0, 0};           // metres between columns, rows
   std::vector<double> heights;  // rows*columns, metres; row 0 at the lower edge, y = 0
   Statistics statistics;        // of these heights
-  // Covariance of the facets' slopes of the recipe's own grid less that of these: what coarser
-  // detail lost.
+  // Covariance of the facets' slopes of the recipe's own grid less that of these: the loss of
+  // coarser detail.
   Covariance removed_slope_covariance;
 
   double at(std::uint32_t column, std::uint32_t row) const {
@@ -28,30 +28,30 @@ struct Sheet {
 };
 
 struct SheetOptions {
-  // Cells across the width; 0, or the recipe's xgrid and more: as the recipe has them.
+  // Cells across the width; 0, or the recipe's xgrid and more: the recipe's.
   std::uint32_t cells = 0;
 };
 
-// The sheet of a recipe. The same bits whatever compiler, optimisation and number of threads.
+// Makes the sheet of a recipe. The same bits whatever compiler, optimisation and number of threads.
 //
 // Random numbers are Philox4x32-10, key (seed, index of the operation): other seeds give other
 // sheets of the same distribution. Sheets of other detail are filtered(), always from the recipe's
-// own grid, so that each is the same foil. Fails: E7001 for a recipe that check() refuses, or whose
-// slope_rms meets a level sheet; E0001. Cost: two copies of the recipe's own grid, 8 bytes a vertex
+// own grid, so that each is the same foil. Fails: E7001 for a recipe that check() refuses, or
+// slope_rms of a level sheet; E0001. Cost: two copies of the recipe's own grid, 8 bytes a vertex
 // each.
 Result<Sheet> made(const Recipe& recipe, const SheetOptions& options, DiagnosticLog& log,
                    const RecipePlaces& places = {}, const Job& job = {});
 
-// A coarser sheet: the height at a vertex is the mean of the finer one, linear between its
-// vertices, over a box as large as a coarse cell, mirrored at the edges. Rows are as many as keep
-// the cells nearest to square. The mean height by area stays the same; statistics are measured
-// anew, and the slopes that are lost are added to the removed ones.
+// Returns a coarser sheet: the height at a vertex is the mean of the finer one over a box of a
+// coarse cell; linear between vertices, mirrored at the edges. Rows keep the cells nearest to
+// square. The mean height by area stays the same; statistics are recomputed, and the lost slopes
+// added to the removed ones.
 //
-// Expects: cells > 0. As many or more cells than the sheet has: returns it as it is.
+// Expects: cells > 0. With as many or more cells than the sheet's, returns it unchanged.
 Sheet filtered(const Sheet& sheet, std::uint32_t cells, const Job& job = {});
 
-// A hash of the bits of numbers: for each of them as a word of 64 bits, FNV-1a's step, then the
-// upper half folded onto the lower.
+// Returns a hash of the bits of numbers: for each of them as a word of 64 bits, FNV-1a's step, then
+// the upper half folded onto the lower.
 std::uint64_t checksum(std::span<const double> numbers);
 
 }  // namespace panwright::mli

@@ -1,4 +1,4 @@
-// What a sheet has become: heights and slopes, measured.
+// Statistics of a sheet: heights and slopes.
 #pragma once
 
 #include <array>
@@ -31,23 +31,23 @@ struct Statistics {
   double facet_slope_rms = 0;
   Vec3 mean_normal{0, 0, 1};  // unit vector along the sum of the facets' area vectors
   // The lag along x and along y at which the autocorrelation of heights first falls to 1/e, metres;
-  // half the sheet where it does not by then; 0 for a level sheet.
+  // half the sheet if it does not; 0 for a level sheet.
   Vec2 correlation_length{0, 0};
   std::array<std::uint64_t, kBins> tilt_histogram{};  // facets by tilt, bins of half a degree
 };
 
-// The root of the mean squared slope, both axes together. heights: rows*columns, row 0 at the lower
-// edge; spacing: metres between columns, rows. Expects: two columns and rows at least.
+// Returns the root mean squared slope, both axes together. heights: rows*columns, row 0 at the
+// lower edge; spacing: metres between columns, rows. Expects: two columns and rows at least.
 double slope_rms(std::span<const double> heights, std::size_t columns, const Vec2& spacing,
                  const Job& job = {});
 
-// All of them. Sums go row by row in one order: the same bits with any number of threads.
-// Cost: O(vertices).
+// Measures all statistics. Sums go row by row in one order: the same bits with any number of
+// threads. Cost: O(vertices).
 Statistics measured(std::span<const double> heights, std::size_t columns, const Vec2& spacing,
                     const Job& job = {});
 
-// Of the same sheet with heights times a factor above 0. Tilts move to other bins by the middle of
-// theirs: the histogram is as good as its bins.
+// Returns the statistics for heights times a factor above 0. Tilts move to other bins by their
+// bin's middle, which limits the histogram's accuracy.
 Statistics scaled(const Statistics& statistics, double factor);
 
 }  // namespace panwright::mli

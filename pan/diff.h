@@ -16,10 +16,10 @@ struct Difference {
 };
 
 struct Differences {
-  std::vector<Difference> model;       // what can be seen or addressed
+  std::vector<Difference> model;       // visible or addressable
   std::vector<Difference> provenance;  // inputs, version, options, source locations, build identity
   std::vector<Difference> storage;     // compression, sizes of records, the format's version
-  std::size_t hidden = 0;              // beyond the limit, counted and not kept
+  std::size_t hidden = 0;              // beyond the limit, counted only
 
   bool empty() const { return model.empty() && provenance.empty() && storage.empty(); }
   bool same_model() const { return model.empty(); }

@@ -1,4 +1,4 @@
-// The compiled model: a pan file, mapped, checked, and read without copies.
+// Compiled model: a pan file, mapped, checked, and read without copies.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace panwright::pan {
 
-// The indices of one mesh, as stored. One of the two spans is empty.
+// Indices of one mesh, as stored. One of the two spans is empty.
 struct Indices {
   std::span<const std::uint16_t> shorts;  // 3*T, or empty
   std::span<const std::uint32_t> longs;   // 3*T, or empty
@@ -33,7 +33,7 @@ struct Indices {
   std::uint32_t operator[](std::size_t i) const { return shorts.empty() ? longs[i] : shorts[i]; }
 };
 
-// The runs of one mesh in the big arrays.
+// Runs of one mesh in the big arrays.
 struct MeshView {
   std::span<const layout::Float3> positions;  // V, metres, relative to the mesh's origin
   std::span<const layout::Float3> normals;    // V unit vectors
@@ -46,22 +46,20 @@ namespace internal {
 struct Unpacked;
 }
 
-// A pan file in memory. What holds:
+// A pan file in memory. Guarantees:
 //
 //   after open()   the header and the directory are sound: every span that takes no index has
 //                  whole, aligned elements. Their contents are any bytes.
-//   after check()  every rule of docs/pan-format.md holds, so every index, offset, number and
-//                  string of the file can be used as it is, and every function below is safe.
+//   after check()  every rule of docs/pan-format.md holds: indices, offsets, numbers and strings
+//                  need no further checks, and every function below is safe.
 //
-// Sections that are stored as this program uses them are read where they lie in the file. Those
-// that are compressed, or whose records have another size than here, are empty after open():
-// check() unpacks them into memory of the model's own, bounded by 256 times the file and by
-// kMaxUnpackedBytes.
+// Sections in this program's own layout are read in place. Compressed ones, and those with records
+// of another size, are empty after open(): check() unpacks them into the model's own memory,
+// bounded by 256 times the file and by kMaxUnpackedBytes.
 //
-// The spans live as long as the model; moving the model does not move them. A model that is done
-// with check() never changes: its const functions hold no hidden state, so any number of threads
-// may call them at once, and owners share it as std::shared_ptr<const Model>. The file may be
-// renamed, replaced or deleted meanwhile: the mapping keeps what was opened.
+// The spans live as long as the model; moving the model does not move them. After check() a model
+// never changes: its const functions hold no hidden state and are thread-safe, and owners share it
+// as std::shared_ptr<const Model>. The file may be renamed, replaced or deleted meanwhile.
 class Model {
  public:
   // Maps a file and reads its header and directory. Only those pages are touched.
@@ -73,34 +71,34 @@ class Model {
   // for files that others write in place.
   static Result<Model> open(const std::filesystem::path& path, DiagnosticLog& log);
 
-  // The same from a copy in memory. max_bytes: what the file may have, and the size of its
-  // sections when decompressed.
+  // The same from a copy in memory. max_bytes: limit of the file's size, and of its decompressed
+  // sections.
   //
   // Fails: also E0104.
   static Result<Model> read(const std::filesystem::path& path, std::uint64_t max_bytes,
                             DiagnosticLog& log);
 
-  // The same from bytes, which are copied. name: the file name that diagnostics show.
+  // The same from bytes, which are copied. name: the file name in diagnostics.
   static Result<Model> from_bytes(std::span<const std::byte> bytes, std::string name,
                                   DiagnosticLog& log);
 
-  // The same from a mapping. name: the file name that diagnostics show.
+  // The same from a mapping. name: the file name in diagnostics.
   static Result<Model> from_mapping(MappedFile file, std::string name, DiagnosticLog& log);
 
-  // open() and check().
+  // Calls open() and check().
   static Result<Model> load(const std::filesystem::path& path, DiagnosticLog& log,
                             const Job& job = {});
 
   Model(Model&&) noexcept = default;
   Model& operator=(Model&&) noexcept = default;
 
-  // Checks every byte: checksums, then every rule of docs/pan-format.md. Reports the first
-  // problem of each kind in each section; which one does not depend on the number of threads.
-  // Compressed sections are unpacked when their checksum is right. A second call checks anew, and
-  // spans stay where they are unless it fails.
+  // Checks every byte: checksums, then every rule of docs/pan-format.md. Reports the first problem
+  // of each kind in each section; the choice does not depend on the number of threads. Compressed
+  // sections are unpacked when their checksum is right. A second call checks anew, and spans stay
+  // where they are unless it fails.
   //
-  // returns  whether the file is sound
-  // Fails: E0001, E4008 to E4015. Cost: one pass over the file, and over what it unpacks to.
+  // returns  true if the file is valid
+  // Fails: E0001, E4008 to E4015. Cost: one pass over the file, and over the unpacked bytes.
   bool check(DiagnosticLog& log, const Job& job = {});
   bool checked() const { return checked_; }
 
@@ -109,17 +107,16 @@ class Model {
   const layout::Header& header() const;
   std::span<const layout::DirectoryEntry> directory() const;  // sections of unknown kinds included
   const layout::DirectoryEntry* entry(layout::SectionKind kind) const;  // null: absent
-  // A section as this program knows its elements, without padding. Empty: absent, without
-  // elements, or not unpacked yet.
+  // Returns a section with elements in this program's layout, without padding. Empty: absent,
+  // without elements, or not unpacked yet.
   std::span<const std::byte> section(layout::SectionKind kind) const {
     return content_[static_cast<std::uint32_t>(kind)];
   }
-  // Bytes that check() takes for compressed sections and for records of other sizes: the least
-  // that the model holds besides the file.
+  // Bytes allocated by check() for compressed sections and records of other sizes.
   std::uint64_t unpacked_bytes() const { return unpacked_bytes_; }
-  // Whether a section of the directory is one that this program reads.
+  // Returns true if this program reads a section of the directory.
   bool reads(const layout::DirectoryEntry& entry) const;
-  bool compressed() const;  // whether any section is
+  bool compressed() const;  // true if any section is
   Hash128 build_id() const;
 
   std::span<const layout::Node> nodes() const;  // parents before children; [0] is the root
@@ -154,7 +151,7 @@ class Model {
   // Expects, all of these: checked(), and indices below their count.
   std::string_view string(std::uint32_t id) const;
   std::span<const layout::Level> levels(std::uint32_t instance) const;  // from the finest
-  // The material of an instance's back where it has one of its own; −1: both sides are alike.
+  // Returns the material of an instance's back; −1: both sides are alike.
   std::int32_t back_of(std::uint32_t instance) const;
   MeshView mesh(std::size_t index) const;
   std::span<const std::uint8_t> texels(std::size_t texture) const;  // 4*W*H, row 0 the top row
@@ -178,8 +175,8 @@ class Model {
   // "root/body/dish": the names from the root; a node without a name is shown as its [index].
   std::string node_path(std::size_t index) const;
 
-  // The joints as kinematics have them; and their initial values, as resolved: in limits, followers
-  // where those that they follow take them.
+  // Joints in the form of geometry/kinematics, and their initial values: within limits, followers
+  // resolved.
   geometry::JointSet joint_set() const;
   std::vector<geometry::JointValues> initial_values() const;
 
@@ -216,15 +213,15 @@ class Model {
   bool checked_ = false;
 };
 
-// The parameters of a stored material, in double.
+// Converts a stored material to parameters in double.
 materials::Material material_from(const layout::Material& record, std::string_view name);
 // The record of a material, rounded to float. The name is a string id.
 layout::Material record_from(const materials::Material& material, std::uint32_t name);
 
-// "positions", "lights", "kind 1000": the name of a section's kind.
+// Returns the name of a section's kind: "positions", "lights", "kind 1000".
 std::string kind_name(std::uint32_t kind);
 
-// "flux", "pixels"…: a value's name in the format.
+// Returns a value's name in the format: "flux", "pixels"….
 std::string_view reason_name(layout::ToleranceReason reason);
 
 geometry::Joint kinematic(const layout::Joint& joint);

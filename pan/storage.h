@@ -1,4 +1,4 @@
-// How the meshes of a file are stored: on a grid of few bits, and as streams of a codec.
+// Storage forms of meshes: on a grid of few bits, and as streams of a codec.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace panwright::pan {
 
-// What `--compress` names.
+// Storage form, as of `--compress`.
 struct StorageForm {
   enum class Kind {
     plain,      // sections as they are: floats
-    lossless,   // sections as WriteOptions::compress makes them
+    lossless,   // sections compressed by WriteOptions::compress
     quantised,  // codes of `bits`, not compressed
     meshopt,    // meshoptimizer's codecs; floats where bits is 0
     draco,      // Draco
@@ -30,34 +30,34 @@ struct StorageForm {
 inline constexpr std::uint32_t kLeastStorageBits = 8;
 inline constexpr std::uint32_t kMostStorageBits = 24;
 
-// "none", "lossless", "quantised", "quantised:14", "meshopt", "meshopt:16", "draco", "draco:11".
-// Without bits: 16 of quantised, 14 of draco. Nothing: another text.
+// Parses "none", "lossless", "quantised", "quantised:14", "meshopt", "meshopt:16", "draco",
+// "draco:11". Without bits: 16 of quantised, 14 of draco. Nothing: another text.
 std::optional<StorageForm> storage_form(std::string_view text);
 std::string storage_name(const StorageForm& form);
-// What storage_form() takes, for messages.
+// Texts accepted by storage_form(), for messages.
 inline constexpr std::string_view kStorageForms =
     "none, lossless, quantised, meshopt or draco; of the last three with 8 to 24 bits, as draco:14";
 
-// Bits of each of the two octahedral codes of a normal beside positions of form.bits.
+// Returns the bits of each of the two octahedral codes of a normal for a form.
 std::uint32_t normal_bits(const StorageForm& form);
 
-// The bits, at least `bits`, with which no vertex of a mesh moves further than `most` metres; 0:
-// floats are needed.
+// Returns the fewest bits, at least `bits`, that move no vertex of a mesh further than `most`
+// metres; 0: floats are needed.
 std::uint32_t bits_within(const PackedMesh& mesh, std::uint32_t bits, double most);
 
 // Moves positions to the nearest point of a grid of 2^bits - 1 steps along the longest side of the
-// bounds, in the mesh's own coordinates, and normals to the nearest octahedral codes. What that
-// moves is measured: mesh.stream holds it, and mesh.error grows by it. Equal positions stay equal.
+// bounds. Moves normals to the nearest octahedral codes. The displacement is measured: mesh.stream
+// holds it, and mesh.error grows by it. Equal positions stay equal.
 //
 //   exact  V, or empty: vertices whose positions stay as they are
 // Cost: O(V).
 void snap(PackedMesh& mesh, std::uint32_t bits, std::uint32_t normal_bits,
           std::span<const char> exact);
-// The normals alone.
+// Snaps the normals alone.
 void snap_normals(PackedMesh& mesh, std::uint32_t normal_bits);
 
-// Makes the stream of a mesh. Its arrays become what a reader gets: the triangles, and where Draco
-// says so the vertices, in another order; numbers stay the same, those off the grid too.
+// Makes the stream of a mesh, and replaces its arrays by the decoded ones. Triangles, and vertices
+// where Draco reorders them, come in another order; numbers stay the same, off-grid ones too.
 //
 // Expects: form.streams(). Cost: O(V + T). Calls on different meshes may run in parallel.
 void encode(PackedMesh& mesh, const StorageForm& form);

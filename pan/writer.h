@@ -1,4 +1,4 @@
-// Writing pan files: whole models, and the stream of sections below them.
+// Writer of pan files: whole models, and the stream of sections below them.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ namespace panwright::pan {
 
 // ---- whole models
 
-// p' = T·R·S·p. A parent comes before its children; parent is -1 for node 0 alone.
+// Node: p' = T·R·S·p. A parent comes before its children; parent is -1 for node 0 alone.
 struct NodeContent {
   std::string name;
   std::int32_t parent = -1;
@@ -47,8 +47,8 @@ struct PackedMesh {
   std::vector<float> texcoords;        // 2*V, or empty
   std::vector<float> colors;           // 3*V, or empty
   std::vector<std::uint32_t> indices;  // 3*T, each < V; stored in 2 bytes where V <= 65535
-  // How positions, normals and indices are stored, where storage.h has made a stream of them: that
-  // of what the arrays hold. Of all meshes of a file, or of none.
+  // Storage of positions, normals and indices, if storage.h has made a stream of them. Of all
+  // meshes of a file, or of none.
   layout::MeshStream stream{};
   std::vector<std::byte> stream_bytes;
 
@@ -61,7 +61,7 @@ struct InstanceContent {
   std::uint32_t mesh = 0;
   std::uint32_t material = 0;
   std::int32_t texture = -1;  // -1: none
-  std::int32_t back = -1;     // the material of its back; -1: both sides are alike
+  std::int32_t back = -1;     // material of the back; -1: both sides are alike
 };
 
 struct TextureContent {
@@ -85,14 +85,14 @@ struct KeypointContent {
   Vec3 position{0};  // in the node's coordinates, metres
 };
 
-// A joint, as in the format.
+// Joint, as in the format.
 struct JointContent {
-  std::string name;  // no other joint's
+  std::string name;  // unique
   std::uint32_t node = 0;
   geometry::Joint joint;
   geometry::JointValues value{};  // initial, within the limits
   std::optional<Vec3> pointing;   // in the node's coordinates, unit
-  std::int32_t gimbal = -1;       // the joint further out that aims together with this one
+  std::int32_t gimbal = -1;       // outer joint that aims together with this one
   bool points_at_sun = false;
 };
 
@@ -131,7 +131,7 @@ struct Contents {
   std::vector<TextureContent> textures;                //
   std::vector<FrameContent> frames;                    //
   std::vector<SourceContent> sources;                  // one per instance, or empty
-  std::optional<layout::Budget> budget;                // what it was compiled for
+  std::optional<layout::Budget> budget;                // of the compilation
   std::vector<layout::MeshTolerance> mesh_tolerances;  // one per mesh, or empty
   std::vector<KeypointContent> keypoints;              //
   std::vector<DecalContent> decals;                    // from the lowest to the topmost
@@ -147,7 +147,7 @@ struct Contents {
 // Cost: O(vertices + triangles). Calls on different meshes may run in parallel.
 PackedMesh packed(const geometry::Mesh& mesh, std::string name);
 
-// A hash of the inputs of a file (docs/pan-format.md, Build identity).
+// Hash of the inputs of a file (docs/pan-format.md, Build identity).
 Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
                        std::string_view options);
 
@@ -157,24 +157,24 @@ struct WriteReport {
 };
 
 struct WriteOptions {
-  // Sections that compression makes at least an eighth smaller are stored so. Readers of format
-  // 1.0 refuse such a file; ours unpack it when they check it.
+  // Compresses sections that shrink by at least an eighth. Readers of format 1.0 refuse such a
+  // file; ours unpack it in check().
   bool compress = false;
 };
 
 // Writes a model atomically ("-": to standard output). Equal contents and options give equal
 // bytes, whatever the number of threads; the build identity does not depend on the options.
 //
-// Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
-// vertices and 4 GiB of names in all.
-// Fails: E0001, E0103; where the contents are not as expected, what Model::check() fails with: no
-// file is written that readers refuse, and an old one stays. Cost: O(bytes); memory for one block
-// besides the contents, and when it compresses, for one section and what it comes to.
+// Expects: contents as documented above and as scene::check ensures; fewer than 2^32 vertices and 4
+// GiB of names in all.
+// Fails: E0001, E0103; for other contents the codes of Model::check(). Writes no file that readers
+// refuse; an old one stays. Cost: O(bytes); memory of one block beyond the contents; with
+// compression, of one section, plain and packed.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
                           const Job& job = {});
-// The same, where nobody needs the contents any more: what is written of a mesh gives its memory
-// back, so that the file is checked without them.
+// The same, consuming the contents: written meshes free their memory, so that the file is checked
+// without them.
 Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
                           const Job& job = {});
@@ -183,7 +183,7 @@ std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOpti
 
 // ---- sections
 
-// Gives each text a number: 0 is the empty one, then the order of first use.
+// Numbers of texts: 0 is the empty one, then the order of first use.
 class StringTable {
  public:
   StringTable() { id(""); }
@@ -197,10 +197,10 @@ class StringTable {
   std::string bytes_;
 };
 
-// Streams sections into a file and hashes them on the way; the directory and the header follow.
-// Nothing appears under the file's name before finish(), and nothing is left when there is none.
+// Stream of sections into a file, hashed on the way; the directory and the header follow. Nothing
+// appears under the file's name before finish(), and nothing is left without it.
 //
-// Once a call has failed and said so, the calls after it do nothing and return false.
+// After a failed, reported call, all calls do nothing and return false.
 class Writer {
  public:
   // Fails: E0103.
@@ -219,25 +219,25 @@ class Writer {
   bool append(std::span<const std::byte> bytes, DiagnosticLog& log);
   bool end(DiagnosticLog& log);
 
-  // A section of a known kind in one call.
+  // Writes a section of a known kind in one call.
   bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
 
-  // A section whose content is made from other sections: count elements, no bytes.
+  // Declares a section derived from other sections: count elements, no bytes.
   bool derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log);
 
-  // Marks the file as one that needs `features` (layout::kFeature…) of its readers, besides those
-  // that sections bring by themselves: compression and records of other sizes.
+  // Adds `features` (layout::kFeature…) to those that readers need, besides those of compression
+  // and of records of other sizes.
   //
   // Expects: known features; before finish().
   void require(std::uint64_t features);
 
   // Writes the directory, then the header with the complete mark, syncs and renames. The minor
-  // version is the lowest that has all that was written.
+  // version is the lowest that has all written features.
   //
-  // sync_seconds: the time that fsync took is added, when given. check: for Model::check() of the
-  // file before it takes its name, when given.
+  // sync_seconds: increased by the time of fsync, when given. check: runs Model::check() before the
+  // file takes its name, when given.
   //
-  // Fails: E0103; with check, in a file, what Model::check() fails with, and an old file stays.
+  // Fails: E0103; with check, the codes of Model::check(), and an old file stays.
   bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr,
               const Job* check = nullptr);
 

@@ -12,7 +12,7 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 
-// The functions of one context, as glad's <glad/gl.h> declares them.
+// Functions of one context, as declared by glad's <glad/gl.h>.
 struct GladGLContext;
 
 namespace panwright::preview {
@@ -23,19 +23,19 @@ enum class ContextKind {
   osmesa,     // Mesa's software renderer: the same bits on every machine of one kind
 };
 
-// "auto", "egl", "osmesa". Nothing: another name.
+// Parses "auto", "egl", "osmesa". Nothing: another name.
 std::optional<ContextKind> context_kind_from_name(std::string_view name);
 
-// What a context can do; the renderer refuses what goes beyond.
+// Limits of a context; the renderer refuses larger requests.
 struct ContextLimits {
   std::uint32_t framebuffer_side = 0;  // pixels
   std::uint32_t texture_side = 0;      // texels
 };
 
-// What a context was told so far.
+// Counts of a context's work so far.
 struct ContextCounts {
   // buffers, textures, renderbuffers, framebuffers, vertex arrays, samplers and programs made, and
-  // memory given to them. Fences count nowhere.
+  // memory allocated for them; without fences
   std::uint64_t allocations = 0;
   std::uint64_t uploaded_bytes = 0;  // into buffers and textures
 };
@@ -54,14 +54,14 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  // Makes the context current on this thread; whichever was current before is released. False
-  // when the driver refuses, or another thread has it. Cost: nothing when it is current already.
+  // Makes the context current on this thread, releasing the previous one. False when the driver
+  // refuses, or another thread has it. Cost: nothing when it is current already.
   bool make_current();
 
   // Leaves this thread without a current context, if this one is current.
   void release();
 
-  // The address of an OpenGL function; null: unknown. Expects: current.
+  // Returns the address of an OpenGL function; null: unknown. Expects: current.
   using Proc = void (*)();
   virtual Proc get_proc(const char* name) const = 0;
 
@@ -79,7 +79,8 @@ class Context {
   Context();
   virtual bool bind() = 0;
   virtual void unbind() = 0;
-  // Loads the functions and asks what the context is. Empty, or why it cannot be used.
+  // Loads the functions and queries the context. Returns the reason it is unusable, or an empty
+  // string.
   std::string load();
 
  private:

@@ -1,4 +1,4 @@
-// A context with what all renderers on it share: shader programs, and models on the GPU.
+// Context with the shared state of its renderers: shader programs, and models on the GPU.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace panwright::preview {
 
-// A model on the GPU: vertices, textures, materials. It never changes, holds the model, and is
-// taken off the GPU with its last owner. Renderers hold those of the world they drew last; whoever
-// wants a model to stay between worlds holds it too.
+// Model on the GPU: vertices, textures, materials. It never changes, holds the model, and is freed
+// with its last owner. Renderers own those of the last drawn world; other owners keep a model
+// between worlds.
 class ModelResources {
  public:
   struct Impl;
@@ -33,9 +33,9 @@ class ModelResources {
   std::unique_ptr<Impl> impl_;
 };
 
-// One OpenGL context, the programs built on it and the models uploaded to it. Any number of
-// renderers may share it. A device with its renderers belongs to one thread at a time: before
-// another thread takes over, context().release() on the first.
+// OpenGL context with its programs and uploaded models. Any number of renderers may share it. A
+// device with its renderers belongs to one thread at a time: before another thread takes over, call
+// context().release() on the first.
 class Device : public std::enable_shared_from_this<Device> {
  public:
   // Fails: E5001; E5007 in a build without OpenGL.
@@ -48,23 +48,22 @@ class Device : public std::enable_shared_from_this<Device> {
 
   Context& context() const;
 
-  // A model on the GPU, found by the identity of the pan::Model, else uploaded.
+  // Returns a model on the GPU, found by the identity of the pan::Model, else uploaded.
   //
   // Expects: model is not null and checked().
   // Fails: E0001; E5001 when the context is lost; E5003 when a texture or the whole is too large
-  // for the context, which then holds what it held before. Cost: that of a look-up, or one upload
-  // of the model.
+  // for the context, which stays unchanged. Cost: that of a look-up, or one upload of the model.
   Result<std::shared_ptr<const ModelResources>> resources(const world::ModelPtr& model,
                                                           DiagnosticLog& log, const Job& job = {});
-  // The same without an upload; null: it is not there.
+  // The same without an upload; null: not uploaded.
   std::shared_ptr<const ModelResources> find(const world::ModelPtr& model) const;
 
-  // What was done so far.
+  // Counts of work so far.
   struct Counts {
     std::uint64_t models = 0;       // uploaded
     std::uint64_t model_bytes = 0;  // of them
     std::uint64_t programs = 0;     // built
-    // of the context, whatever for: see ContextCounts
+    // of the context, for any purpose: see ContextCounts
     std::uint64_t allocations = 0;
     std::uint64_t uploaded_bytes = 0;
   };

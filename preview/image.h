@@ -1,5 +1,5 @@
-// Images of linear radiance with their ground truth layers, and the files they are written to
-// (docs/conventions.md 4 and 8). Nothing here needs OpenGL.
+// Images of linear radiance with their ground truth layers, and their files (docs/conventions.md 4
+// and 8). Nothing here needs OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace panwright::preview {
 
-// Of metadata: what made the image (workspace/record.h).
+// Metadata name of the record of an image's making (workspace/record.h).
 inline constexpr const char* kRecordName = "panwright.record";
 
 // One rendered view. Row 0 is the top row; all layers run along rows. H = height, W = width.
@@ -36,10 +36,10 @@ struct Image {
   std::vector<std::uint32_t> node_id;      // H*W index of the node in its target's model + 1; or 0
   std::vector<std::uint32_t> material_id;  // H*W material index there + 1; background 0
 
-  std::vector<float> standard_error;  // 3*H*W of the radiance; empty where it is not known
+  std::vector<float> standard_error;  // 3*H*W of the radiance; empty if unknown
 
-  // Name and value, into EXR headers; that of kRecordName into PNG (a text chunk of ASCII) and .npz
-  // (meta.json), too. A .npy has no place for it.
+  // Name and value, for EXR headers; that of kRecordName also for PNG (a text chunk of ASCII) and
+  // .npz (meta.json). Not in .npy.
   std::vector<std::pair<std::string, std::string>> metadata;
 
   bool has_ground_truth() const { return !depth.empty(); }
@@ -55,14 +55,14 @@ enum class ImageFormat {
         // standard_error; meta.json first
 };
 
-// The format that a file name's extension asks for, in any letter case.
+// Returns the format of a file name's extension, in any letter case.
 std::optional<ImageFormat> image_format(const std::filesystem::path& path);
 
-// Whether a format stores the ground truth layers; otherwise they need not be rendered.
+// Returns true if a format stores the ground truth layers; otherwise they need not be rendered.
 bool stores_ground_truth(ImageFormat format);
 
-// Writes an image in the format of its extension, atomically. Layers that the image does not have
-// are left out. The bytes depend on the image and ev alone.
+// Writes an image in the format of its extension, atomically. Absent layers are left out. The bytes
+// depend on the image and ev alone.
 //
 //   ev            exposure of a PNG, in stops
 //   sync_seconds  the time spent in fsync is added to it when given
@@ -74,7 +74,7 @@ bool write_image(const std::filesystem::path& path, const Image& image, double e
 
 // Reads the metadata of kRecordName from a file that write_image() wrote.
 //
-// Fails: E0101, E0102; E0202 for another extension; E0207 where there is none.
+// Fails: E0101, E0102; E0202 for another extension; E0207 without one.
 Result<std::string> read_image_record(const std::filesystem::path& path, DiagnosticLog& log);
 
 }  // namespace panwright::preview

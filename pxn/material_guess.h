@@ -1,4 +1,4 @@
-// The library's material that a CAD material stands for, where name and colour agree on one.
+// Guess of the library's material for a CAD material, if name and colour agree.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 
 namespace panwright::pxn {
 
-// What a guess looks at.
+// Inputs of a guess.
 struct GuessInput {
   std::string_view name;    // as in the file
-  Vec3 color{0.8};          // linear; the mean over the texture where there is one
+  Vec3 color{0.8};          // linear; the mean over a texture
   double metallic = 0;      // 0 to 1
-  bool color_known = true;  // false: of a texture that could not be read
+  bool color_known = true;  // false: of an unreadable texture
 };
 
 // A preset and the reason for it, or the reason why the material stays as imported.
@@ -24,15 +24,16 @@ struct Guess {
   std::string reason;  // "'foil' and 'gold' in its name, and its colour"; a phrase, no sentence
 };
 
-// A guess needs a material in the name, found at word boundaries, and a colour that this material
-// can have. A colour alone, or a colour word alone, is no material.
+// Guesses a preset. It needs a material in the name, found at word boundaries, and a possible
+// colour of that material. A colour alone, or a colour word alone, does not suffice.
 Guess guessed_preset(const GuessInput& input);
 
-// The words of a name in lower case: runs of letters, cut at other characters, at digits, and where
-// a small letter meets a capital or a run of capitals ends ("SolarPanel11", "MLIBlanket").
+// Returns the words of a name in lower case: runs of letters, cut at other characters, at digits,
+// before a capital after a small letter, and at the end of a run of capitals ("SolarPanel11",
+// "MLIBlanket").
 std::vector<std::string> words_of(std::string_view name);
 
-// The colour of material `index` of a file: its base colour, times the mean of its texture.
+// Returns the colour of material `index` of a file: its base colour, times the mean of its texture.
 //
 // Expects: index < imported.materials.size(). Cost: O(pixels of the texture).
 GuessInput guess_input(const importers::Imported& imported, std::size_t index);

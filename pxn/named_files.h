@@ -1,4 +1,4 @@
-// The files that a pxn text names.
+// Files named by a pxn text.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace panwright::pxn {
 
-// Declares as inputs of a run all files beside a text that its attributes and element texts name,
-// whether or not anything reads them: no output may take their place. Whatever looks like a file
-// name counts, in texts that are not well-formed too.
+// Declares as inputs of a run all files beside a text named in its attributes and element texts,
+// even unread ones: no output may replace them. Everything that looks like a file name counts, also
+// in texts that are not well-formed.
 //
 //   path  of the text: names are relative to its folder
 // Cost: O(bytes), and a look at the disk for each of at most 10,000 names.

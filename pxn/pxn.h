@@ -1,4 +1,4 @@
-// The pxn language: text → scene.
+// Reader of the pxn language: text → scene.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace panwright::pxn {
 
-// What a reading may cost. A file that asks for more gets a diagnostic.
+// Limits of a reader. Exceeding one is reported.
 struct Limits {
   std::uint64_t bytes = 128ull << 20;      // of all files together; never 4 GiB or more
   std::uint64_t elements = 20'000'000;     // of all files together
@@ -33,33 +33,32 @@ struct Limits {
 
 struct Options {
   Limits limits;
-  std::filesystem::path root;  // includes may not leave this folder; empty: the top file's
-  // radians: edges of meshes without normals stay sharp where facets meet at more than this
+  std::filesystem::path root;  // folder that includes may not leave; empty: the top file's
+  // radians: larger angles between facets of meshes without normals stay sharp
   double crease_angle = 30 * kDegree;
   // values that replace those of <param>: name, and text as in its attribute
   std::vector<std::pair<std::string, std::string>> parameters;
-  // where given, the names of all <param> are added, and a name in `parameters` that none has is no
-  // error: another model may have it
+  // if given, receives the names of all <param>, and an unknown name in `parameters` is no error:
+  // another model may have it
   std::set<std::string>* declared = nullptr;
-  // false: sheets of foil have their finest mesh alone, for who asks about the sheets
+  // false: sheets of foil have only their finest mesh
   bool foil_levels = true;
-  // of foil, materials and cleaned meshes that were made before; null: none. It changes nothing in
-  // the scene
+  // of foil, materials and cleaned meshes; null: none. It does not change the scene
   const WorkCache* cache = nullptr;
-  // texts that stand in for what files on disk hold, by their paths, absolute and without links:
-  // what an editor has not saved yet; null: none. The files themselves are there
+  // unsaved texts of an editor that replace files on disk, by their paths, absolute and without
+  // links; null: none. The files must exist
   const std::map<std::filesystem::path, std::shared_ptr<const std::string>>* unsaved = nullptr;
 };
 
-// Reads a pxn file and all that it includes.
+// Reads a pxn file with its includes.
 //
-//   returns  what could be read, sound by scene::check, whenever the top file has a root element of
-//            a version that is known, and the limits of elements and nodes hold; the log says
-//            whether that is all of it. Equal materials, spheres and textures are stored once, and
-//            the shapes of a file included many times.
+//   returns  the readable part, valid by scene::check, if the top file has a known root element,
+//            and the limits of elements and nodes hold; errors in the log mark it as incomplete.
+//            Equal materials, spheres and textures are stored once, as are shapes of repeated
+//            includes.
 //
 // Nodes: the root "root"; each group, transform, rotate and include, and each shape, as a node of
-// its own, named "group1", "mesh2"… in the order of their kind, or by the stem of the included
+// its own; named "group1", "mesh2"… in the order of their kind, or by the stem of the included
 // file.
 //
 // Fails: E0001, E01…, E1001, E1003, E1008, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
@@ -73,7 +72,7 @@ struct MemoryFile {
 };
 
 // The same for files in memory, for tests and fuzzing: nothing is read from disk. The first file is
-// the top one; includes find the others by path.
+// the top one; includes find others by path.
 //
 // Expects: files not empty.
 [[nodiscard]] Result<scene::Scene> read_memory(std::span<const MemoryFile> files,

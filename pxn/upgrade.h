@@ -1,4 +1,4 @@
-// Level 0 → level 1, text to text.
+// Upgrade of texts from level 0 to level 1.
 #pragma once
 
 #include <span>
@@ -13,22 +13,21 @@ namespace panwright::pxn {
 
 struct UpgradedFile {
   std::string path;       // as given
-  std::string text;       // in canonical form; empty: it is of level 1 already
-  std::size_t paths = 0;  // of includes and textures that had to change
+  std::string text;       // in canonical form; empty: already of level 1
+  std::size_t paths = 0;  // changed ones, of includes and textures
 };
 
-// Writes files of level 0 in the words of level 1, with their comments: transform and rotate with
-// attributes and without <child> and a <group> that holds all the rest, frame_s as frame, paths
-// relative to the file that names them. Appearances stay: what they leave out may come from around
-// the file. Files that are included are upgraded only if they are named too.
+// Upgrades files of level 0 to level 1, with their comments: transform and rotate with attributes
+// and without <child> and a <group> around all the rest, frame_s as frame, paths relative to their
+// file. Appearances stay: missing fields may come from around the file. Included files are upgraded
+// only if listed too.
 //
-//   paths    of files; those that an earlier one includes, directly or not, are upgraded as parts
-//   of
-//            that model
-//   returns  the texts, in the same order; models were read before and after, and look the same bit
-//            for bit (Likeness::looks)
+//   paths    of files; those included by an earlier one, directly or not, are upgraded as
+//            parts of that model
+//   returns  the texts, in the same order; models were read before and after, and are equal bit for
+//            bit (Likeness::looks)
 //
-// Fails: what pxn::read reports; E1317 when the text would not mean the same.
+// Fails: as pxn::read; E1317 if the meaning would change.
 // Reports: N1318. Cost: that of reading the models twice.
 [[nodiscard]] Result<std::vector<UpgradedFile>> upgraded(std::span<const std::string> paths,
                                                          const Options& options, DiagnosticLog& log,

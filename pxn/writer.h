@@ -1,4 +1,4 @@
-// Scene → text: any scene as one pxn file of level 1.
+// Writer of any scene as one pxn file of level 1.
 #pragma once
 
 #include <cstddef>
@@ -13,29 +13,27 @@
 
 namespace panwright::pxn {
 
-// What a text calls the texture of a texture: a path relative to the folder of the text.
+// Name of a texture in a text: a path relative to the text's folder.
 using TextureName = std::function<std::string(std::size_t texture)>;
 
-// The scene as a text of level 1, in canonical form. Nodes, shapes, materials, frames, keypoints,
-// decals and the budget are written out one by one, in metres and radians, each number as the
-// shortest text that reads back as the same number. Read again, it gives a scene that is the same
-// by scene_difference(), if the scene came from pxn::read.
+// Writes the scene as a text of level 1, in canonical form. Nodes, shapes, materials, frames,
+// keypoints, decals and the budget are written one by one, in metres and radians. Each number is
+// the shortest text that reads back as the same number. Reading it gives the same scene by
+// scene_difference(), if the scene came from pxn::read.
 //
-//   scene  sound by scene::check
-//   name   none: images are named as their textures
+//   scene  valid by scene::check
+//   name   none: images are named after their textures
 //
-// What the language cannot say is changed: names that several materials have get a number, and so
-// do those of shapes that a decal could not be told by; braces in names become parentheses; shapes
-// at a node with others, all joints of a node but its first, and a root that is moved, get nodes of
-// their own; masses of joints are left out; weights that add up to
-// more than 1 are scaled to 1 and colours made brighter for it; textures by texture
-// coordinates that belong to an instance, and terms of a budget that need others that are absent
-// are left out.
+// Changes, for the limits of the language: repeated names of materials, and ambiguous ones of
+// shapes with decals, get a number; braces in names become parentheses. Shapes that share a node,
+// all joints of a node but its first, and a moved root get nodes of their own. Weights that add up
+// to more than 1 are scaled to 1, with brighter colours. Left out: masses of joints, textures of
+// instances by texture coordinates, and terms of a budget without their partners.
 [[nodiscard]] std::string to_text(const scene::Scene& scene, const TextureName& name = {});
 
 // Writes the textures of a scene as PNG files, for a text in this folder. Each keeps its texture's
-// name where that is a PNG file in the folder or below it that is not there yet, or that holds the
-// same texels already; others are called STEM-1.png, STEM-2.png….
+// name if that is a PNG file in or below the folder that does not exist or holds the same texels;
+// others are named STEM-1.png, STEM-2.png….
 //
 //   returns  the name of each texture's file
 //
@@ -46,13 +44,13 @@ using TextureName = std::function<std::string(std::size_t texture)>;
 
 enum class Likeness {
   same,   // field by field, except Source and inputs
-  looks,  // what is seen and found: names of nodes and materials, and nodes that move nothing, may
+  looks,  // visible and named parts; names of nodes and materials, and nodes that move nothing, may
           // differ
 };
 
-// Empty when two scenes are alike; the first difference in words otherwise. Numbers are compared
-// bit for bit, but for the sign of 0. Shapes, materials and textures may stand in another order,
-// and those that nothing uses are not looked at.
+// Compares two scenes; returns the first difference in words, or an empty string. Numbers are
+// compared bit for bit, except the sign of 0. Shapes, materials and textures may be in another
+// order, and unused ones are ignored.
 std::string scene_difference(const scene::Scene& a, const scene::Scene& b, Likeness likeness);
 
 }  // namespace panwright::pxn

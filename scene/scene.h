@@ -18,14 +18,14 @@ namespace panwright::scene {
 
 inline constexpr std::int32_t kNone = -1;
 
-// Where something was written: the file as in Scene::inputs. Survives without the source text.
+// Place in an input file; the file as in Scene::inputs. Survives without the source text.
 struct Source {
   std::string file;
   std::uint32_t line = 0;  // 0: unknown
   std::uint32_t column = 0;
 };
 
-// p' = T·R·S·p.
+// Affine transform: p' = T·R·S·p.
 struct Transform {
   Vec3 translation{0};        // metres
   Quat rotation{1, 0, 0, 0};  // unit
@@ -51,7 +51,7 @@ struct Texture {
   bool linear = false;             // false: sRGB encoded
 };
 
-// How a texture is mapped onto a shape.
+// Mapping of a texture onto a shape.
 enum class Mapping : std::uint8_t {
   texcoords,  // by the mesh's own coordinates
   sphere,     // by longitude and latitude seen from the origin of the texture's frame
@@ -60,29 +60,29 @@ enum class Mapping : std::uint8_t {
 // The accuracy budget of the model. Absent terms set no limit.
 struct Budget {
   static constexpr double kDefaultCorridor = 30 * kDegree;
-  static constexpr double kDefaultPixels = 0.25;  // where a camera is given, and no pixels
+  static constexpr double kDefaultPixels = 0.25;  // if a camera is given without pixels
   std::optional<double> tolerance;                // metres
   std::optional<double> nearest;   // metres from the camera to the nearest surface, > 0
   std::optional<double> ifov;      // radians, the angle of a pixel, > 0
-  std::optional<double> pixels;    // a silhouette may be off by so many, > 0
+  std::optional<double> pixels;    // largest silhouette error, > 0
   std::optional<double> flux;      // relative error of a part's flux, > 0
-  std::optional<double> centroid;  // pixels that a part's photocentre may be off by, > 0
-  // The camera comes along a frame's z axis, within `corridor` radians of it; `nearest` is from the
-  // frame's origin then. Empty: from anywhere.
+  std::optional<double> centroid;  // largest error of a part's photocentre, pixels, > 0
+  // Frame along whose z axis, within `corridor` radians, the camera approaches; `nearest` is then
+  // measured from the frame's origin. Empty: from anywhere.
   std::string approach;
   double corridor = kDefaultCorridor;  // radians, > 0
   Source source;
   bool any() const { return tolerance || nearest || ifov || pixels || flux || centroid; }
 };
 
-// A shape at a node, with what covers it.
+// A shape at a node, with its materials.
 struct Instance {
   std::int32_t node = 0;
   std::int32_t shape = 0;
   std::int32_t material = 0;
   std::int32_t texture = kNone;
-  // The material of its back, by itself: texture and colours of vertices are the front's. It has
-  // the holes of the front's. kNone: both sides are alike.
+  // Material of the back, without texture and vertex colours, which are the front's. It has the
+  // holes of the front's. kNone: both sides are alike.
   std::int32_t back = kNone;
   Mapping mapping = Mapping::texcoords;
   Mat4 texture_from_shape{1};       // for Mapping::sphere
@@ -94,32 +94,32 @@ struct Instance {
 // A coarser mesh of a sheet of foil.
 struct FoilLevel {
   geometry::MeshShape mesh;
-  double detail = 0;  // metres: for pixels that see this or more of it
+  double detail = 0;  // metres: smallest pixel footprint that uses it
   double error = 0;   // metres
 };
 
-// What a shape was made from that is a sheet of foil: a mesh at the recipe's own detail.
+// Recipe of a shape that is a sheet of foil: a mesh at the recipe's own detail.
 struct Foil {
   std::int32_t shape = 0;
   mli::Recipe recipe;
   mli::Form form;
   mli::Statistics statistics;  // of the flat sheet
   // A blanket of several sheets over faces: recipe and statistics are of the largest one, and the
-  // form says nothing.
+  // form is unused.
   bool wrapped = false;
   Source source;
   std::vector<FoilLevel> levels;  // from the finest, less detail each
 };
 
-// A texture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
-// Seen from outside it is upright along `up`; it reaches half its larger side deep to both sides of
-// the point, and faces away from the normal do not take it.
+// Texture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
+// Upright along `up` as seen from outside. It reaches half its larger side deep on both sides of
+// the point, not on faces turned away from the normal.
 struct Decal {
   std::string name;
   std::int32_t instance = 0;
   std::int32_t texture = 0;
-  Vec3 at{0};                  // the texture's centre, in the shape's frame, metres; moved to the
-                               // nearest point of the surface
+  Vec3 at{0};  // centre of the texture, in the shape's frame, metres; moved to the nearest point of
+               // the surface
   std::optional<Vec3> normal;  // outwards, any length; none: the surface's there
   std::optional<Vec3> up;      // any length; none: +z, or +y where the normal is along z
   double width = 1;            // metres in the shape's frame, > 0
@@ -146,13 +146,13 @@ struct Frame {
 
 using geometry::JointKind;
 
-// What a joint turns its pointing direction to by itself.
+// Target that a joint's pointing direction follows.
 enum class PointAt : std::uint8_t { nothing, sun };
 
-// How a part of the spacecraft moves: about or along an axis through its node's origin, inside the
-// node's own transform: world_from_node = world_from_parent·(node's transform)·motion. Several
-// joints of one node apply in their order, the first outermost. At rest (values of 0, factors of 1)
-// nothing moves; world_from_nodes() has them at `value`.
+// Motion of a part about or along an axis through its node's origin, inside the node's own
+// transform: world_from_node = world_from_parent·(node's transform)·motion. Several joints of one
+// node apply in their order, the first outermost. At rest (values of 0, factors of 1) nothing
+// moves; world_from_nodes() has them at `value`.
 struct Joint {
   std::string name;
   std::int32_t node = 0;
@@ -161,14 +161,14 @@ struct Joint {
   std::vector<double> lower;  // radians, metres or factors; none: unlimited; else of each value
   std::vector<double> upper;  // as many as lower
   std::vector<double> value;  // the initial ones, within the limits; none: at rest
-  // Follows another joint, by index: value = multiplier·(value of that one) + offset.
+  // Index of the joint to follow: value = multiplier·(value of that one) + offset.
   std::int32_t mimic = kNone;
   double multiplier = 1;
   double offset = 0;
-  std::optional<Vec3> pointing;  // what points where the joint aims, in the node's frame, unit
+  std::optional<Vec3> pointing;  // direction to be aimed, in the node's frame, unit
   std::int32_t gimbal = kNone;   // a joint further out that aims together with this one
   PointAt point_at = PointAt::nothing;
-  // of the part that moves, where the file tells: kilograms, metres in the node's frame, kg·m²
+  // Inertia of the moving part, if known: kilograms, metres in the node's frame, kg·m².
   std::optional<double> mass;
   std::optional<Vec3> centre_of_mass;
   std::optional<Mat3> inertia;
@@ -197,7 +197,7 @@ struct Scene {
   std::vector<Input> inputs;  // in order of first use
 };
 
-// A transform of any regular affine matrix: p' = outer·inner·p. A shear needs both; else inner is
+// Decomposition of a regular affine matrix: p' = outer·inner·p. A shear needs both; else inner is
 // the identity. Mirrors become a negative scale. Nothing for a matrix that flattens space (smallest
 // stretch below 1e-12 of the largest) or is not finite or not affine. Good to a few ulps of the
 // largest stretch.
@@ -208,24 +208,23 @@ struct Decomposed {
 };
 std::optional<Decomposed> decomposed(const Mat4& matrix);
 
-// Whether the cut-outs of two materials make the same holes.
+// Returns true if the cut-outs of two materials make the same holes.
 bool same_holes(const materials::Material& a, const materials::Material& b);
 
-// Whether a joint can take more than one value.
+// Returns true if a joint can take more than one value.
 bool can_move(const Joint& joint);
 
-// A joint as kinematics have it, and the values that it begins with.
+// Converts a joint to the form of geometry/kinematics, with its initial values.
 geometry::Joint kinematic(const Joint& joint);
 geometry::JointValues initial_values(const Joint& joint);
 
-// Names by which joints are found, one each: their own, that of the node where they have none, with
-// "#2"… where an earlier one has it.
+// Returns unique names of joints: their own, else that of the node, with "#2"… for repeated ones.
 std::vector<std::string> joint_names(const Scene& scene);
 
 // World matrices with all joints at their initial values, one per node, root first.
 std::vector<Mat4> world_from_nodes(const Scene& scene);
 
-// Whether every index, number and name of a scene is as documented above. Returns the first
+// Checks that every index, number and name of a scene is as documented above. Returns the first
 // problem, or an empty string for a valid scene. A reader that builds an invalid one has a bug.
 std::string check(const Scene& scene);
 

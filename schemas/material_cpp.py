@@ -59,7 +59,7 @@ def variants(schema):
 
 HEADER = '''
 //
-// What a material is made of. Read materials/material.h first.
+// Parameters of materials. Read materials/material.h first.
 #pragma once
 
 #include <array>
@@ -78,7 +78,7 @@ namespace panwright::materials {
 '''
 
 FUNCTIONS = '''
-// What is known of a model beside its parameters.
+// Description of a BRDF model.
 struct ModelInfo {
   std::string_view name;   // in files and JSON
   std::string_view title;  // in words
@@ -89,15 +89,15 @@ struct ModelInfo {
 const ModelInfo& info_of(DiffuseModel model);
 const ModelInfo& info_of(SpecularModel model);
 
-// A model with its default parameters.
+// Returns a model with its default parameters.
 DiffuseBrdf default_brdf(DiffuseModel model);
 SpecularBrdf default_brdf(SpecularModel model);
 
-// The model whose element has this tag; none where there is none.
+// Returns the model whose element has this tag; none if there is none.
 std::optional<DiffuseModel> diffuse_model_of_tag(std::string_view tag);
 std::optional<SpecularModel> specular_model_of_tag(std::string_view tag);
 
-// What an author gave for a model, its defaults where nothing was given.
+// Returns the authored parameters of a model, with its defaults.
 DiffuseBrdf brdf_of(const Fields& fields, DiffuseModel model);
 SpecularBrdf brdf_of(const Fields& fields, SpecularModel model);
 void set_brdf(Fields& fields, const DiffuseBrdf& brdf);
@@ -122,8 +122,8 @@ using ParameterEditor = std::function<void(const Parameter&, std::span<double>)>
 void edit_parameters(DiffuseBrdf& brdf, const ParameterEditor& edit);
 void edit_parameters(SpecularBrdf& brdf, const ParameterEditor& edit);
 
-// Everything that tells materials apart, but for names and what follows from it (fits): equal
-// exactly where the materials are.
+// Returns all distinguishing numbers of a material, without names and derived numbers (fits): equal
+// exactly for equal materials.
 std::vector<double> key_of(const Material& material);
 std::vector<double> key_of(const Fields& fields);
 
@@ -174,8 +174,8 @@ def with_element(schema):
 
 
 def fields_lines(schema):
-    lines = wrapped("What an author writes; absent fields are inherited from the appearance or the material around. "
-                    "Several models of one part may be given; resolved() settles which one is used.", "// ")
+    lines = wrapped("Authored fields; absent ones are inherited from the appearance or the material around. "
+                    "Several models of one part may be given; resolved() selects one.", "// ")
     lines += ["struct Fields {"]
     for parameter in schema["structs"]["Material"]["parameter"]:
         lines.append(f"  std::optional<{TYPES[parameter['type']]}> {parameter['field']};")
@@ -184,12 +184,12 @@ def fields_lines(schema):
             lines.append(f"  std::optional<{struct['name']}> {struct['field']};")
     lines += ["  // by model"]
     lines += [f"  std::optional<{brdf['struct']}> {brdf['name']};" for brdf in with_element(schema)]
-    lines += ["  // a model that is named holds, whatever else is given"]
+    lines += ["  // a named model takes precedence"]
     lines += [f"  std::optional<{part.capitalize()}Model> {part}_model;" for part in PARTS]
-    lines += ["  bool hapke_named = false;  // by level 1, where its numbers have names",
+    lines += ["  bool hapke_named = false;  // by level 1, in which its numbers have names",
               "  std::optional<std::string> preset;  // name of the library's material it comes from", "",
-              "  // Every field that `inner` gives replaces the one here. A model that is given inside replaces the",
-              "  // choice made outside.", "  Fields overridden_by(const Fields& inner) const;",
+              "  // Returns the fields with those of `inner` on top. A model given inside replaces the",
+              "  // choice outside.", "  Fields overridden_by(const Fields& inner) const;",
               "  bool operator==(const Fields&) const = default;", "};", ""]
     return lines
 

@@ -31,7 +31,7 @@ def gpu_fields(schema):
 
 
 def parameters_glsl(schema):
-    lines = [MARK.rstrip(), "", "// What the formulas know of a material; docs/conventions.md says what the fields mean.",
+    lines = [MARK.rstrip(), "", "// Parameters of a material in the formulas; fields as in docs/conventions.md.",
              "struct Surface {"]
     for name, kind, doc in gpu_fields(schema):
         if doc:

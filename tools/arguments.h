@@ -1,5 +1,5 @@
-// Options and arguments of a command, declared beside its code. The declarations are the table that
-// the parser, the help, the manual pages and the completion of shells read.
+// Options and arguments of a command, declared beside its code. The declarations are the table of
+// the parser, the help, the manual pages and the completion of shells.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +13,35 @@
 
 namespace panwright::tools {
 
-// One option, flag or argument as it is declared.
+// Declared option, flag or argument.
 struct Option {
-  // Replaces nothing, or the text by another one of the same meaning. Returns what would be
-  // accepted; empty: the text is.
+  // Check of a text, which may replace it by an equivalent one. Returns the accepted values; empty:
+  // the text is accepted.
   using Check = std::function<std::string(std::string& text)>;
 
   std::vector<std::string> names;  // "-o", "--output"; of an argument: "input"
   std::string help;
   std::string type;   // "FILE"; empty: a flag
-  std::string group;  // the heading of the help; empty: "Options"
+  std::string group;  // heading of the help; empty: "Options"
   bool argument = false;
   bool required = false;
   bool repeatable = false;
   bool may_be_empty = false;
-  std::optional<std::string> bare;   // what it takes when no value follows; see bare_value()
+  std::optional<std::string> bare;   // value of an option without one; see bare_value()
   std::string alias_of;              // another spelling of this option: left out of lists
-  std::vector<std::string> choices;  // all values there are; empty: others
+  std::vector<std::string> choices;  // all values; empty: others
   std::vector<const Option*> excluded;
-  std::vector<Check> checks;                     // in the order in which they run
+  std::vector<Check> checks;                     // in order of execution
   std::function<bool(const std::string&)> take;  // false: not a value of its type
-  std::string value_words;                       // what take() accepts: "a number"
+  std::string value_words;                       // values of take(): "a number"
   unsigned given = 0;                            // times, on the command line
 
-  // "--output", or the only name there is.
+  // Returns "--output", or the only name.
   const std::string& name() const { return names.back(); }
   bool is_flag() const { return type.empty(); }
 };
 
-// Completes the declaration of one option.
+// Builder of the declaration of one option.
 class Argument {
  public:
   explicit Argument(Option& option) : option_(option) {}
@@ -50,39 +50,38 @@ class Argument {
   Argument& group(const char* name);
   Argument& required();
   Argument& may_be_empty();  // "" is a value
-  Argument& one_value();     // of a list: each occurrence brings one
+  Argument& one_value();     // of a list: one per occurrence
   Argument& excludes(const Argument& other);
-  Argument& alias_of(const Argument& other);  // which the help lists in its place
+  Argument& alias_of(const Argument& other);  // listed in the help in its place
 
-  // The option may stand alone and then has this value. A word after it is its value unless it
-  // looks like a file: has a dot or a slash.
+  // Sets the value of the option alone. A following word is its value unless it looks like a file:
+  // has a dot or a slash.
   Argument& bare_value(const char* value);
-  // Values that are shown, completed and suggested; accepts, as of Option::Check, says which are
-  // taken.
+  // Sets values to show, complete and suggest; accepts, as of Option::Check, decides.
   Argument& some_of(std::initializer_list<const char*> values, Option::Check accepts);
 
   Argument& one_of(std::initializer_list<const char*> values);
   Argument& range(double least, double most);
-  Argument& finite();  // what is no finite number is refused
+  Argument& finite();  // refuses numbers that are not finite
   Argument& positive();
   Argument& not_negative();
   Argument& bytes();  // "512MB"
-  // "2mm", "30deg": metres, degrees. Of options that take a number, before its bounds.
+  // Accepts "2mm", "30deg" as metres, degrees. For options of a number, before its bounds.
   Argument& length();
   Argument& angle();
-  Argument& folder();  // that exists, or can be made in one that does
+  Argument& folder();  // existing, or creatable in an existing one
 
  private:
   Option& option_;
 };
 
-// What is wrong with a command line, in one sentence.
+// Problem of a command line, in one sentence.
 struct UsageError {
   std::string message;
 };
 
-// The options of one command. Values that are bound outlive the parsing, and stay as they are where
-// the user says nothing. Names: "-o,--output" for an option, "input" for an argument.
+// Options of one command. Bound values outlive the parsing, and keep their defaults unless given.
+// Names: "-o,--output" for an option, "input" for an argument.
 class Arguments {
  public:
   Arguments() = default;
@@ -98,20 +97,20 @@ class Arguments {
   Argument add(const char* names, std::optional<double>& value, const char* help);
   Argument flag(const char* names, bool& value, const char* help);
 
-  // Expects: it is there.
+  // Returns an option. Expects: it exists.
   Argument find(const char* name);
 
-  // Sets the values that words of a command line give, the words after the command.
+  // Sets values from the words of a command line after the command.
   //
   //   command  "panwright render", for messages
-  //   returns  the first thing that is wrong; none: all is well
+  //   returns  the first problem; none: success
   std::optional<UsageError> parse(std::string_view command, const std::vector<std::string>& words);
 
   const std::deque<Option>& options() const { return options_; }
 
  private:
   Option& declare(const char* names, const char* help, const char* value_words);
-  std::deque<Option> options_;  // in the order of declaration, at places that stay
+  std::deque<Option> options_;  // in the order of declaration, at fixed addresses
 };
 
 }  // namespace panwright::tools

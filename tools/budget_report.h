@@ -1,4 +1,5 @@
-// What a budget asked for, what came of it, and where triangles, bytes and time went.
+// Report of an accuracy budget: requests, results, and the distribution of triangles, bytes and
+// time.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,14 +11,14 @@
 
 namespace panwright::tools {
 
-// As docs/json-output.md has it.
+// Returns the JSON of docs/json-output.md.
 nlohmann::ordered_json budget_json(const scene::Budget& budget, const compiler::Report& report);
 
-// For people, in lines.
+// Returns lines of text.
 std::string budget_text(const std::string& model, const scene::Budget& budget,
                         const compiler::Report& report);
 
-// One HTML page, with nothing outside it.
+// Returns one self-contained HTML page.
 std::string budget_page(const std::string& model, const scene::Budget& budget,
                         const compiler::Report& report);
 

@@ -1,4 +1,4 @@
-// A subcommand: one file declares its options, parses nothing, and does the work.
+// Subcommand: one file declares its options and does the work.
 #pragma once
 
 #include <functional>
@@ -13,18 +13,18 @@
 
 namespace panwright::tools {
 
-// What the program that runs commands gives them.
+// Host program of a command.
 struct Host {
   Job job;  // cancelled when the user stops the program
   // Called before work that polls the job: from then on, a signal cancels it. May be empty.
   std::function<void()> watch_signals;
 };
 
-// A command line that shows what a command is for.
+// Example of a command line.
 struct Example {
   std::string_view command;  // "render"
-  std::string_view words;    // what follows it
-  std::string_view what;     // what it does
+  std::string_view words;    // after the command
+  std::string_view what;     // its effect
 };
 
 struct Command {
@@ -34,8 +34,8 @@ struct Command {
   std::function<int(const Host&)> run;  // the exit code
 };
 
-// A command whose options are a struct of its own: `declare` binds them, `run` gets them. Both are
-// called once at most.
+// Makes a command whose options are a struct of its own: `declare` binds them, `run` gets them.
+// Both are called once at most.
 template <class Options>
 Command command(std::string name, std::string help, void (*declare)(Arguments&, Options&),
                 int (*run)(const Options&, const Host&)) {

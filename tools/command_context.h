@@ -1,4 +1,4 @@
-// What every command does around its work: diagnostics out, timings, exit code.
+// Common frame of every command: diagnostics, timings, exit code.
 #pragma once
 
 #include <chrono>
@@ -26,39 +26,38 @@ class CommandContext {
   DiagnosticLog& log() { return log_; }
   const CommonOptions& options() const { return options_; }
 
-  // The files of this command: commands declare what they will read and write before they do.
+  // The files of this command: inputs and outputs are declared before use.
   FileUses& files() { return *log_.files(); }
 
-  // What libraries are given: the threads that were asked for, progress on the terminal. From the
+  // Returns the job for libraries: the requested threads, and progress on the terminal. From the
   // first call on, a signal cancels it.
   const Job& job();
 
-  // The object that --json prints; commands add their results to it.
+  // The object printed by --json; commands add their results to it.
   nlohmann::ordered_json& result() { return *result_; }
 
-  // Notes that a file was written, to be said at the end, with its size and what else there is to
-  // say of it ("11,880 triangles"). Streams and devices are not files.
+  // Records a written file, reported at the end with its size and details ("11,880 triangles").
+  // Streams and devices are not files.
   void wrote(const std::string& path, std::string detail = {});
-  // Notes that what could be read was not written, as no output was named; to be said at the end.
+  // Records that the readable part was not written, for want of an output; reported at the end.
   void left_out() { left_out_ = true; }
 
-  // The command shows a pxn text, and `check` and `compile` speak of it: what the importers found
-  // in its CAD files and that leaves the result as it is becomes one line (--json has it all).
+  // Summarises the importers' harmless diagnostics about CAD files in one line (--json has all);
+  // for commands that show a pxn text, as `check` and `compile` report them.
   void summarise_imports() { summarises_imports_ = true; }
 
-  // What the cache had and what was made anew: `cache` of the result, and a line of --timings.
-  // whole: it had the whole file.
+  // Adds the cache's statistics: `cache` of the result, and a line of --timings. whole: the whole
+  // file was cached.
   void add_work(const WorkCounts& work, bool whole = false);
 
-  // Ends the current step and starts one called `name`, for --timings.
+  // Ends the current step and starts one named `name`, for --timings.
   void step(std::string name);
-  // Adds steps whose time was taken elsewhere.
+  // Adds steps timed elsewhere.
   void add_timing(std::string name, double seconds);
   void add_timings(const std::vector<workspace::Step>& steps);
 
-  // Prints diagnostics (text on standard error, or the JSON object on standard output), timings
-  // and the SARIF file. Returns the exit code: what the diagnostics ask for, or `clean` without
-  // errors.
+  // Prints diagnostics (text on standard error, or the JSON object on standard output), timings and
+  // the SARIF file. Returns the exit code: that of the diagnostics, or `clean` without errors.
   int finish(int clean = 0);
 
  private:

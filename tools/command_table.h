@@ -1,5 +1,5 @@
-// All commands with their options and examples: what the program runs, and what its help, its
-// manual pages and the completion of shells are made of.
+// Table of all commands with their options and examples, source of the program, its help, its
+// manual pages and the completion of shells.
 #pragma once
 
 #include <memory>
@@ -18,20 +18,21 @@ struct DescribedCommand {
   std::vector<Example> examples;
 };
 
-// A command with its options declared.
+// Declares the options of a command.
 DescribedCommand described(Command command);
 
-// In the order of the help.
+// Returns the commands in the order of the help.
 std::vector<DescribedCommand> command_table();
 
-// nullptr: no command is called that.
+// Returns a command; nullptr: unknown.
 DescribedCommand* find_command(std::span<DescribedCommand> table, std::string_view name);
 
-// "'compil' is not a command; did you mean 'compile'?"
+// Returns "'compil' is not a command; did you mean 'compile'?"
 std::string unknown_command_words(std::string_view name, std::span<const DescribedCommand> table);
 
-// Three of each command. They run from a copy of the folder examples/ of the project, in their
-// order, each command's in a copy of its own; what one writes, the next ones of the command read.
+// Returns three examples of each command. They run from a copy of the project's folder examples/,
+// in their order, each command's in a copy of its own; later ones of a command read the outputs of
+// earlier ones.
 std::span<const Example> all_examples();
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// The subcommands. Each stands in a file of its own name, command_….cpp, with its options.
+// Subcommands, each in a file command_NAME.cpp with its options.
 #pragma once
 
 #include <string>
@@ -27,11 +27,11 @@ Command help_command();
 Command version_command();
 Command completion_command();
 
-// Programs of other names that do one thing: pxntopan and pxn2pan, vrmltopan and gltftopan.
+// Makes the single-purpose programs: pxntopan and pxn2pan, vrmltopan and gltftopan.
 Command converter_command(const std::string& name);
 Command importer_command(const std::string& name);
 
-// For completion scripts: not in the table.
+// Makes the command of completion scripts, which is not in the table.
 Command complete_command();
 
 }  // namespace panwright::tools

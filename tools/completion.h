@@ -1,5 +1,5 @@
-// Completion of command lines in shells. The scripts ask the program: what it answers comes from
-// the table of commands, the library of materials and the files that the line names.
+// Completion of command lines in shells. The scripts query the program, which answers from the
+// table of commands, the library of materials and the files of the line.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace panwright::tools {
 
-// A script for "bash", "zsh" or "fish".
+// Returns a script for "bash", "zsh" or "fish".
 std::string completion_script(std::string_view shell);
 
-// What may stand where the cursor is.
+// Completions at the cursor.
 struct Candidates {
   struct Word {
     std::string text;
@@ -25,8 +25,8 @@ struct Candidates {
   std::string extension;  // of the files, ".pxn"; empty: any
 };
 
-// The candidates for the last word, which may be empty, of those that follow "panwright". "=" may
-// be a word of its own, as bash has it: candidates are then values without their option.
+// Returns the candidates for the last word, which may be empty, of those after "panwright". "=" may
+// be a word of its own, as in bash: candidates are then values without their option.
 Candidates candidates(std::vector<std::string> words, const Job& job);
 
 }  // namespace panwright::tools

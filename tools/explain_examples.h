@@ -1,4 +1,4 @@
-// What brings a diagnostic about, and what helps.
+// Examples of diagnostics, and their remedies.
 #pragma once
 
 #include <string_view>
@@ -9,11 +9,11 @@ namespace panwright::tools {
 
 struct CodeExample {
   Code code;
-  std::string_view example;  // as typed, or as it came about
+  std::string_view example;  // as typed, or as it occurred
   std::string_view cure;
 };
 
-// nullptr: a code that has none, which a test forbids.
+// Returns an example; nullptr: a code without one, which a test forbids.
 const CodeExample* example_of(Code code);
 
 }  // namespace panwright::tools

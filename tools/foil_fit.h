@@ -1,4 +1,4 @@
-// `panwright mli --fit`: what is asked, the recipe as pxn text, and what is said of it.
+// Text and report of `panwright mli --fit`: the target, and the recipe as pxn text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,14 +10,15 @@
 
 namespace panwright::tools {
 
-// Reads "slope_rms=0.15 correlation=2cm height_rms=1mm", blanks or commas between. Reports E0201.
+// Parses "slope_rms=0.15 correlation=2cm height_rms=1mm", separated by blanks or commas. Reports
+// E0201.
 std::optional<mli::FitTarget> fit_target(std::string_view text, DiagnosticLog& log);
 
-// An <mli> element, and before it its material where that is of the library. Numbers read back as
-// the same.
+// Returns an <mli> element, after its material if that is of the library. Numbers read back as the
+// same.
 std::string recipe_text(const mli::Recipe& recipe, std::string_view material, bool from_library);
 
-// Of what was fitted: targets, statistics of fitted and of other seeds, the text.
+// Returns the fit: targets, statistics of fitted and of other seeds, the text.
 nlohmann::ordered_json fit_json(const mli::Fit& fit, const mli::FitTarget& target,
                                 const std::string& text);
 void print_fit(const mli::Fit& fit, const mli::FitTarget& target, const std::string& text);

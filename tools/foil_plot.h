@@ -1,4 +1,4 @@
-// Slopes of a sheet of foil, counted and drawn. The same bytes for the same sheet.
+// Histogram of a foil sheet's slopes, and its plot. The same bytes for the same sheet.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace panwright::tools {
 
-// Facets of a sheet by their slope along each axis: the two triangles of each cell, cut as
-// mli::Statistics says.
+// Facets of a sheet by their slope along each axis: the two triangles of each cell, cut as in
+// mli::Statistics.
 struct SlopeHistogram {
   static constexpr std::size_t kBins = 81;
   struct Axis {
@@ -19,16 +19,17 @@ struct SlopeHistogram {
     std::array<std::uint64_t, kBins> counts{};
     std::uint64_t below = 0, above = 0;  // facets outside the bins
   };
-  double lowest = 0;  // the lower end of the first bin
+  double lowest = 0;  // lower end of the first bin
   double bin = 0;     // of both axes; the middle of all bins is slope 0
   std::uint64_t facets = 0;
   Axis x, y;
 };
 
-// Bins reach at least four standard deviations to either side of both means.
+// Counts slopes. Bins reach at least four standard deviations to either side of both means.
 SlopeHistogram slope_histogram(const mli::Sheet& sheet);
 
-// Density over slope, with the Gaussian of the same mean and variance beside each axis, as SVG.
+// Plots the density over slope, with the Gaussian of the same mean and variance beside each axis,
+// as SVG.
 std::string slope_plot(const SlopeHistogram& histogram, const std::string& name);
 
 }  // namespace panwright::tools

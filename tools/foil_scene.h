@@ -1,4 +1,4 @@
-// A scene that shows a sheet of foil by itself.
+// Scene of a single sheet of foil.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace panwright::tools {
 
-// The flat sheet about the origin, seen from +z; in the studio walls and lamps stand around it, by
-// its size.
+// Makes a scene of the flat sheet about the origin, seen from +z; in the studio, with walls and
+// lamps around it, scaled to its size.
 //
 //   material  its maps are left out
 // Fails: as mli::formed().
 Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Material& material,
                                 workspace::SampleLight light, DiagnosticLog& log);
 
-// What sees it: +y up, so that the sheet fills an image `width` pixels across and as high as its
-// own sides ask for.
+// Returns its camera: +y up, the sheet fills an image `width` pixels across, of the sheet's aspect
+// ratio.
 world::Camera foil_camera(const mli::Sheet& sheet, std::uint32_t width);
-// Pixels up of that camera, 1 at least.
+// Returns the height of that camera's image, pixels, at least 1.
 std::uint32_t foil_image_height(const mli::Sheet& sheet, std::uint32_t width);
-// From the upper left, 48° from the normal.
+// Returns a Sun from the upper left, 48° from the normal.
 world::Sun foil_sun();
 
 }  // namespace panwright::tools

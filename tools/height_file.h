@@ -1,4 +1,4 @@
-// Height fields of sheets of foil, as files for other programs.
+// Files of the heights of foil sheets, for other programs.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace panwright::tools {
 
-// Whether the extension is one of those: .npy, .exr, .png. Reports E0202.
+// Returns true for the extensions .npy, .exr, .png. Reports E0202.
 bool is_height_file(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Writes the heights at the vertices in the format of the extension, atomically.
@@ -17,10 +17,10 @@ bool is_height_file(const std::filesystem::path& path, DiagnosticLog& log);
 //   .npy  (rows, columns) float64, metres; row 0 is the sheet's lower edge, y = 0
 //   .exr  R = G = B = metres, 32-bit float; the lower edge is the last row, as in an image
 //   .png  16-bit grey, 0 the lowest and 65535 the highest height, rounded; rows as in .exr; a
-//         comment says the scale
+//         comment has the scale
 //
-//   detail   what there is to say of the file
-//   returns  whether it was written
+//   detail   set to a description of the file
+//   returns  true if it was written
 // Fails: E0202, E0103.
 bool write_heights(const std::filesystem::path& path, const mli::Sheet& sheet, std::string& detail,
                    DiagnosticLog& log);

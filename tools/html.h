@@ -6,7 +6,7 @@
 
 namespace panwright::tools {
 
-// Text as the content of an element or a quoted attribute, in UTF-8 whatever it was.
+// Escapes a text as the content of an element or a quoted attribute, as valid UTF-8.
 std::string html_escaped(std::string_view text);
 
 }  // namespace panwright::tools

@@ -9,11 +9,11 @@
 
 namespace panwright::tools {
 
-// One line: name, kind, axis, value, limits, what it follows or aims; indented by the joints above.
+// Returns one line: name, kind, axis, value, limits, leader or aim; indented by the joints above.
 std::string joint_line(const pan::Model& model, std::size_t index,
                        const geometry::JointValues& values);
 
-// A list, in SI.
+// Returns a list, in SI.
 nlohmann::ordered_json joints_json(const pan::Model& model,
                                    const std::vector<geometry::JointValues>& values);
 

@@ -1,4 +1,4 @@
-// Manual pages, made of the table of commands.
+// Manual pages, made from the table of commands.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace panwright::tools {
 
-// panwright(1), in the macros of man(7).
+// Returns panwright(1), in the macros of man(7).
 std::string program_man_page(std::span<const DescribedCommand> table);
 
-// panwright-COMMAND(1).
+// Returns panwright-COMMAND(1).
 std::string command_man_page(const DescribedCommand& command);
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// What cleaning found, as a page that a browser shows.
+// HTML page of the mesh report.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The nodes of a model as a list that can be copied from.
+// List of a model's nodes, for copying.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace panwright::tools {
 
-// One line for each node but the root, parents first: its whole name, the triangles that hang on
-// the node itself and their materials, between tabs. Control characters of names are escaped.
+// Returns one line for each node but the root, parents first: its whole name, the triangles of the
+// node itself and their materials, separated by tabs. Control characters of names are escaped.
 std::string node_list(const pan::Model& model);
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// Words in images.
+// Overlay text in images, with a bitmap font.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,8 @@
 
 namespace panwright::tools {
 
-// Writes words as they are in white into an image, letters of 5 × 7 dots, two rows of dots below
-// the line for g, j, p, q, y and _, `size` pixels a dot. What falls outside is left out; what is
-// not ASCII is a box, one for each character.
+// Writes text in white into an image; letters of 5 × 7 dots, `size` pixels a dot, with two rows of
+// dots for descenders. Parts outside are clipped; each non-ASCII character is a box.
 void write_overlay_text(preview::Image& image, std::uint32_t x, std::uint32_t y, std::uint32_t size,
                         std::string_view words);
 

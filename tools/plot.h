@@ -7,8 +7,8 @@
 
 namespace panwright::tools {
 
-// A frame with axes, and curves in it. Data coordinates x0..x1, y0..y1 over a fixed area of 640 by
-// 420 pixels; what lies above or below is drawn on the frame.
+// Plot with axes and curves. Data coordinates x0..x1, y0..y1 over a fixed area of 640 by 420
+// pixels; values above or below are clamped to the frame.
 class Plot {
  public:
   using Points = std::vector<std::pair<double, double>>;
@@ -20,7 +20,7 @@ class Plot {
   void y_tick(double y, const std::string& words);
   void curve(const Points& points, const char* color, const std::string& name);
   void dots(const Points& points, const char* color);
-  // The text, at the end.
+  // Returns the finished text.
   std::string finish();
 
  private:

@@ -1,4 +1,4 @@
-// One model with its joints at given values, for commands that show no image.
+// Model with joints at given values, for commands without an image.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,15 @@
 
 namespace panwright::tools {
 
-// Values of joints, and what they aim at.
+// Joint values, and their aims.
 struct PoseOptions {
   JointOptions joints;
   std::optional<std::string> sun;  // "X Y Z", world axes
 };
 void declare(Arguments& arguments, PoseOptions& options);
 
-// A world of the model, at the origin, called after its file. Joints that point at the Sun by
-// themselves do so where its direction is given, and stay at their initial values else.
+// Makes a world of the model, at the origin, named after its file. Joints that track the Sun do so
+// if its direction is given, else stay at their initial values.
 //
 // Fails: E0201, E5013, E5014; as workspace::read_joints. Reports: W5015.
 Result<world::World> posed(const std::string& file, const world::ModelPtr& model,

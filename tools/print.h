@@ -1,6 +1,5 @@
-// Text on standard output and standard error, in place of the line of progress. A stream that takes
-// none (closed, a full disk behind it) does not end the work: run() looks at standard output at the
-// end.
+// Text on standard output and standard error, replacing the progress line. A failing stream
+// (closed, full disk) does not end the work: run() checks standard output at the end.
 #pragma once
 
 #include <fmt/format.h>

@@ -8,12 +8,12 @@
 
 namespace panwright::tools {
 
-// Shows on standard error, on a terminal only, what is done once that has taken two seconds:
-// "tessellating  42 %, 1.2k of 2.9k, 350/s, 5 s left", or "compile: 4 s" where no phase says how
-// much there is. The line goes before anything is printed.
+// Progress line of work longer than two seconds, on standard error, on a terminal only:
+// "tessellating  42 %, 1.2k of 2.9k, 350/s, 5 s left", or "compile: 4 s" without a total. Cleared
+// before other output.
 class ProgressLine {
  public:
-  // what: the work as a whole, "compile"
+  // what: name of the whole work, "compile"
   explicit ProgressLine(std::string what);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
@@ -21,7 +21,7 @@ class ProgressLine {
 
   void show(const Progress& progress);
 
-  // Shows no more from here on, and wipes what is there.
+  // Clears the line and stops.
   void end();
 
  private:
@@ -29,10 +29,10 @@ class ProgressLine {
   std::unique_ptr<Ticker> ticker_;  // null: no terminal
 };
 
-// The line in words. seconds: since the phase began.
+// Returns the line in words. seconds: since the phase began.
 std::string progress_words(const Progress& progress, double seconds);
 
-// Wipes the line that is shown, if there is one, so that other text may be printed.
+// Clears a visible line, for other output.
 void wipe_progress();
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// What `render` says of its images, and the lines it answers.
+// Report of `render` on its images, and its stream of views.
 #pragma once
 
 #include <chrono>
@@ -9,10 +9,10 @@
 
 namespace panwright::tools {
 
-// One line per image, and the entries of --json.
+// Reporter: one line per image, and the entries of --json.
 class RenderReport {
  public:
-  // many: of --views, whose end is a summary; explain: how each target was drawn
+  // many: of --views, which ends with a summary; explain: describes the drawing of each target
   RenderReport(CommandContext& context, bool many, bool explain)
       : context_(context), many_(many), explain_(explain) {}
   workspace::RunListener listener();
@@ -27,13 +27,13 @@ class RenderReport {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// What was measured and chosen, as members of an object.
+// Adds measurements and choices as members of an object.
 void describe_image(const workspace::Written& image, nlohmann::ordered_json& entry);
 
 // Reads views from standard input, one a line, and answers each with one line on standard output,
-// until the input ends. A line that is wrong has errors in its answer.
+// until the input ends. An invalid line has errors in its answer.
 //
-//   defaults  what a line leaves out
+//   defaults  values of omitted members
 //   returns   the exit code: 0, or that of the worst answer
 int serve_views(workspace::ViewSession& session, const workspace::ViewText& defaults,
                 const workspace::RunListener& listener, CommandContext& context);

@@ -1,4 +1,4 @@
-// Options that several commands have.
+// Options shared by several commands.
 #pragma once
 
 #include <cstdint>
@@ -15,45 +15,45 @@
 
 namespace panwright::tools {
 
-// Options that every command has.
+// Options of every command.
 struct CommonOptions {
   bool json = false;           // one JSON object on standard output
   std::string sarif;           // also write the diagnostics here, as SARIF 2.1.0
   bool quiet = false;          // no notes
-  bool timings = false;        // how long each step took, on standard error
+  bool timings = false;        // duration of each step, on standard error
   std::string color = "auto";  // auto, always, never
   std::uint64_t threads = 0;   // 0: all cores
 };
 void declare(Arguments& arguments, CommonOptions& options);
 
-// Whether results of earlier runs are used: an option of what compiles models.
+// Use of earlier results: an option of commands that compile models.
 struct CacheOption {
   bool off = false;
   std::filesystem::path folder() const;  // for OpenOptions::cache
 };
 void declare(Arguments& arguments, CacheOption& cache);
 
-// --compress: a pan::StorageForm, "" without the option.
+// Declares --compress: a pan::StorageForm, "" without the option.
 void declare_compress(Arguments& arguments, std::string& form);
 pan::StorageForm storage_of(const std::string& form);
-// "draco:14, moved by 1.2e-05 m and 0.011 deg at most"; empty: not stored as streams.
+// Returns "draco:14, moved by 1.2e-05 m and 0.011 deg at most"; empty: not stored as streams.
 std::string storage_words(const std::string& form, const compiler::StorageReport& report);
 nlohmann::ordered_json storage_json(const std::string& form, const compiler::StorageReport& report);
 
-// Options of what reads models.
+// Options of commands that read models.
 struct ReadOptions {
-  workspace::OpenOptions open;          // but for the parameters
+  workspace::OpenOptions open;          // except the parameters
   std::vector<std::string> parameters;  // NAME=VALUE
-  CacheOption cache;                    // declared by itself
+  CacheOption cache;                    // declared separately
 
-  // All of it. Fails: E0201 for a parameter without a value, and a wrong budget.
+  // Returns all of it. Fails: E0201 for a parameter without a value, and an invalid budget.
   Result<workspace::OpenOptions> opening(DiagnosticLog& log) const;
 };
 void declare(Arguments& arguments, ReadOptions& options);
 void declare_max_input(Arguments& arguments, std::uint64_t& bytes);
 void declare_root(Arguments& arguments, std::string& root);
 
-// Options of CAD files.
+// Declares options of CAD files.
 void declare(Arguments& arguments, workspace::CadOptions& options);
 
 // Values of joints.
@@ -68,11 +68,11 @@ void declare(Arguments& arguments, JointOptions& options);
 
 // Camera, Sun and poses of one view.
 struct ViewOptions {
-  workspace::ViewText text;        // but for the poses
+  workspace::ViewText text;        // except the poses
   std::vector<std::string> poses;  // "NAME=x y z w i j k", or without a name
   JointOptions joints;
 
-  // All of it. Fails: E0201 for two poses of one target.
+  // Returns all of it. Fails: E0201 for two poses of one target.
   Result<workspace::ViewText> typed(DiagnosticLog& log) const;
 };
 void declare(Arguments& arguments, ViewOptions& options);

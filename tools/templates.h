@@ -1,4 +1,4 @@
-// Files that the program writes for those who begin.
+// Template files written for beginners.
 #pragma once
 
 #include <string>

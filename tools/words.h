@@ -1,4 +1,4 @@
-// Words of messages and helps.
+// Formatting of messages and help texts.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace panwright::tools {
 
-// "a, b or c".
+// Returns "a, b or c".
 std::string listed(const std::vector<std::string>& words, std::string_view last);
 
-// Characters of a UTF-8 text: the columns that it takes.
+// Returns the characters of a UTF-8 text, its width in columns.
 std::size_t characters(std::string_view utf8);
 
-// Lines of at most `width` characters, cut at blanks; line breaks of the text stay. Each line after
-// the first begins with `indent` blanks, which count.
+// Wraps a text at blanks to lines of at most `width` characters, keeping its line breaks. Later
+// lines begin with `indent` blanks, which count.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent);
 
-// "1.2 MB".
+// Returns "1.2 MB".
 std::string bytes_words(std::uint64_t bytes);
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// Accuracy budgets as text: of options.
+// Accuracy budgets as text of options.
 #pragma once
 
 #include <string_view>
@@ -9,10 +9,9 @@
 
 namespace panwright::workspace {
 
-// "nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% centroid=0.01px tolerance=1mm approach=FRAME
-// corridor=30deg", separated by blanks or commas, in any order, with the meanings and the default
-// of pixels that <budget> has; "none": no budget. Lengths and angles as those of options are: a
-// bare number is metres or degrees.
+// Parses "nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% centroid=0.01px tolerance=1mm
+// approach=FRAME corridor=30deg", separated by blanks or commas, in any order, with the meanings
+// and defaults of <budget>; "none": no budget. A bare number is metres or degrees.
 //
 // Fails: E0201 with near names, for a term twice or out of range, and for terms that lack a
 // partner.

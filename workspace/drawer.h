@@ -1,4 +1,4 @@
-// One engine, ready to draw worlds into images in memory.
+// Drawer of worlds into images in memory, by one engine.
 #pragma once
 
 #include <cstddef>
@@ -27,14 +27,14 @@ enum class Engine {
 struct DrawOptions {
   Engine engine = Engine::gl;
   preview::ContextKind context = preview::ContextKind::automatic;
-  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say, which
-                         // may be what an error asks for (preview::RenderOptions)
-  // `truth` of both is that of the call.
+  unsigned samples = 0;  // N: N×N in each pixel; 0: by the engine's own options, which may set an
+                         // error (preview::RenderOptions)
+  // `ground_truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
 };
 
-// The engine in use.
+// Engine in use.
 struct EngineInfo {
   Engine engine = Engine::gl;
   // of the OpenGL context; empty and false for the reference
@@ -54,11 +54,11 @@ struct Measured {
 
 struct Drawn {
   preview::Image image;
-  std::optional<Measured> measured;                 // by the reference alone
-  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
+  std::optional<Measured> measured;                 // only by the reference
+  std::optional<preview::SamplingReport> sampling;  // only by OpenGL
 };
 
-// Keeps the state shared by images: the context, the models of the last world.
+// Drawer, with the state shared by images: the context, the models of the last world.
 class Drawer {
  public:
   // Fails: E5001, E5007. Reports: N5002.
@@ -70,22 +70,21 @@ class Drawer {
 
   EngineInfo info() const;
 
-  // For images that are begun from now on. Expects: the same engine and kind of context.
+  // Sets options for later images. Expects: the same engine and kind of context.
   void set_options(const DrawOptions& options);
 
-  // Uploads the models of a world, or builds their acceleration structures. draw() does it where
-  // it is missing.
+  // Uploads the models of a world, or builds their acceleration structures. draw() does so if
+  // needed.
   //
   // Expects: targets. Fails: E0001, E5003.
   bool prepare(const world::World& world, DiagnosticLog& log, const Job& job = {});
 
-  // The two halves of draw(): submit() begins an image, collect() ends the oldest one that was
-  // begun. With OpenGL the next image can be drawn while one is copied; the reference has done all
-  // when submit() returns.
+  // The two halves of draw(): submit() begins an image, collect() ends the oldest one under way.
+  // With OpenGL the next image can be drawn while one is copied; the reference completes in
+  // submit().
   //
-  // Expects: as draw(); fewer than kMostInFlight images begun and not ended. Fails: as draw(); what
-  // was begun before stays, but after E0001 and E5001, when all is dropped, and after a failure of
-  // collect().
+  // Expects: as draw(); fewer than kMostInFlight images under way. Fails: as draw(); images under
+  // way stay, except after E0001 and E5001 and a failure of collect(), when all are dropped.
   static constexpr std::size_t kMostInFlight = preview::Renderer::kMostInFlight;
   bool submit(const world::World& world, const world::Camera& camera, bool ground_truth,
               DiagnosticLog& log, const Job& job = {});
@@ -96,8 +95,8 @@ class Drawer {
 
   // Draws a world.
   //
-  //   truth  whether the ground truth layers are rendered
-  // Expects: targets; camera, Sun and options as the engine wants them.
+  //   ground_truth  true: also renders the ground truth layers
+  // Expects: targets; camera, Sun and options as the engine requires.
   // Fails: E0001, E5003. Reports: W5006, W5008, W5012.
   Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool ground_truth,
                      DiagnosticLog& log, const Job& job = {});

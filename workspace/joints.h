@@ -14,18 +14,18 @@
 
 namespace panwright::workspace {
 
-// A value for a joint. A bare number is degrees, metres or a factor, by what the joint takes; units
-// may follow it: deg, rad, mrad, urad, arcmin, arcsec; m, mm, cm, dm, km, um, in, ft; %. Joints of
+// Value of a joint. A bare number is degrees, metres or a factor, by the joint's kind; units may
+// follow it: deg, rad, mrad, urad, arcmin, arcsec; m, mm, cm, dm, km, um, in, ft; %. Joints of
 // several values take as many, separated by blanks or commas.
 //
 // "@sun", "@camera", "@NAME" (another target's origin) and "@X Y Z" (a direction in world axes) aim
 // its pointing direction instead.
 struct JointText {
-  std::string joint;  // "JOINT" of the one target that has it, or "TARGET/JOINT"
+  std::string joint;  // "JOINT" of the only target with it, or "TARGET/JOINT"
   std::string value;
 };
 
-// "JOINT=VALUE".
+// Parses "JOINT=VALUE".
 JointText joint_text(std::string_view text);
 
 // Reads a file of joints: one JSON object of values by name, texts or numbers or lists of numbers.
@@ -33,7 +33,7 @@ JointText joint_text(std::string_view text);
 // Fails: E0101, E0102, E0104, E0203.
 Result<std::vector<JointText>> read_joints(const std::filesystem::path& path, DiagnosticLog& log);
 
-// Where a joint is.
+// Place of a joint.
 struct JointPlace {
   std::size_t target = 0;
   std::uint32_t joint = 0;
@@ -41,16 +41,16 @@ struct JointPlace {
 // Fails: E5013 with near names.
 Result<JointPlace> find_joint(std::string_view name, const world::World& world, DiagnosticLog& log);
 
-// Sets joints of a world, in order: later values replace earlier ones. Values first; then aims,
-// once set_aims() is called, as they depend on the Sun and the camera.
+// Setter of joints of a world, in order: later values replace earlier ones. Values first; then
+// aims, once set_aims() is called, as they depend on the Sun and the camera.
 //
-// Fails: E0201 for a text that is no value, E5013, E5014.
+// Fails: E0201 for an invalid value, E5013, E5014.
 class JointSetter {
  public:
   explicit JointSetter(world::World& world) : world_(world) {}
   bool set(const JointText& text, DiagnosticLog& log);
-  // Aims, and every joint that points at the Sun by itself. camera: where it is; none: nothing is
-  // aimed there (E5014). Reports: W5015.
+  // Sets aims, and every joint that tracks the Sun. camera: its position; none: aims at it fail
+  // (E5014). Reports: W5015.
   bool set_aims(const std::optional<Vec3>& camera, DiagnosticLog& log);
 
  private:
@@ -64,7 +64,7 @@ class JointSetter {
   std::vector<Aim> aims_;
 };
 
-// A value with its unit, so that it is read back to the same bits: "0.5rad", "0.25m", "2".
+// Returns a value with its unit that reads back to the same bits: "0.5rad", "0.25m", "2".
 std::string exact_value(geometry::JointKind kind, const geometry::JointValues& values);
 // The same for people: "28.6479 deg".
 std::string shown_value(geometry::JointKind kind, const geometry::JointValues& values);

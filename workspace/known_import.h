@@ -1,4 +1,4 @@
-// CAD files whose pan file an earlier run has made.
+// Cache of pan files of CAD imports between runs.
 #pragma once
 
 #include <filesystem>
@@ -13,36 +13,36 @@
 
 namespace panwright::workspace {
 
-// What write_pan() said of it.
+// Results of write_pan().
 struct KnownImport {
   compiler::Report report;  // without parts, fit and times
   std::optional<compiler::HiddenReport> hidden;
 };
 
-// The pan file of one import, under a hash of the file, the options and the program. Of GLB files
-// that hold all that they need: of others not all that they were looked for in is known. Where
-// nothing is known, parts may be (base/work_cache.h).
+// Pan file of one import, keyed by a hash of the file, the options and the program. Only for
+// self-contained GLB files: for others the searched paths are not all known. Parts of other imports
+// may be cached (base/work_cache.h).
 class ImportMemory {
  public:
-  // path, options, write: as read_cad() and write_pan() are given them. log: what it holds by now
-  // is not part of what is kept.
+  // path, options, write: as of read_cad() and write_pan(). log: its present entries are not
+  // stored.
   ImportMemory(const std::filesystem::path& path, const OpenOptions& options,
                const WriteOptions& write, const DiagnosticLog& log);
 
-  // Writes the same file as before, unless it is there, and says again what was said. Nothing: it
-  // is not known, or, reported as E0103, cannot be written.
+  // Writes the same file as before, unless it exists, and repeats its diagnostics. Nothing: not
+  // cached, or, reported as E0103, not writable.
   std::optional<KnownImport> recall(DiagnosticLog& log, OpenReport* report) const;
 
-  // Keeps what was written to the output, and what the log says now.
+  // Stores the written output, and the present log.
   void keep(const scene::Scene& scene, const KnownImport& made, const DiagnosticLog& log) const;
 
  private:
-  std::optional<WorkCache> cache_;  // none: this import is not for it
+  std::optional<WorkCache> cache_;  // none: the import is not cacheable
   Hash128 key_;
   Hash128 file_;        // of its bytes
   std::string origin_;  // WriteOptions::origin
   std::filesystem::path output_;
-  std::size_t said_ = 0;  // entries of the log before
+  std::size_t said_ = 0;  // earlier entries of the log
 };
 
 }  // namespace panwright::workspace

@@ -1,4 +1,4 @@
-// A scene that shows materials: for each a sphere, a tilted tile and a wrinkled tile.
+// Scene of material samples: for each a sphere, a tilted tile and a wrinkled tile.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,21 @@
 
 namespace panwright::workspace {
 
-// What lights the samples.
+// Lighting of the samples.
 enum class SampleLight {
   sun,     // the Sun alone, as in space
-  studio,  // and glowing walls and lamps around them, out of the camera's view: for display only
+  studio,  // with glowing walls and lamps around them, out of the camera's view: for display only
 };
 
-// Puts a shape into a scene, at a place and a rotation under its root.
+// Adds a shape to a scene, at a place and a rotation under its root.
 void add_shape(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
                const Quat& rotation, std::int32_t material);
 
-// One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
+// Makes one material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
 scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight light);
 
-// What sees them, `width` pixels across and a third of it high. The tiles are turned
-// so that a mirror's glint just misses the viewer; in the studio they mirror a lamp behind the
-// viewer.
+// Returns their camera, `width` pixels across and a third of it high. The tiles are oriented so
+// that a mirror's glint just misses the viewer; in the studio they mirror a lamp behind the viewer.
 world::Camera sample_camera(std::uint32_t width);
 world::Sun sample_sun();
 

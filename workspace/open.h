@@ -1,4 +1,5 @@
-// Any file as a model: pan files mapped and checked, pxn and CAD files read, cleaned, compiled.
+// Opening of any file as a model: pan files mapped and checked, pxn and CAD files read, cleaned,
+// compiled.
 #pragma once
 
 #include <array>
@@ -34,7 +35,7 @@ struct CadOptions {
   std::string animation;       // glTF: name, number or none; empty: importers::Options
   std::optional<double> time;  // glTF: seconds
   std::string assume;    // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step, urdf, mjcf
-  bool no_weld = false;  // meshes stay as they are
+  bool no_weld = false;  // keeps meshes unchanged
   double weld = 0;       // metres in the world
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
@@ -48,30 +49,28 @@ struct CadOptions {
 struct OpenOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
-  // In place of the model's, as budget_of_text() reads it; empty: the model's. Ranks below
-  // max_error.
+  // Replaces the model's budget, as of budget_of_text(); empty: the model's. Ranks below max_error.
   std::string budget;
   // Values that replace those of <param>: name, and text as in its attribute.
   std::vector<std::pair<std::string, std::string>> parameters;
-  // pxn::Options::declared, and parameters that the model has not are no part of its identity
+  // pxn::Options::declared, and unknown parameters are no part of the model's identity
   std::set<std::string>* declared = nullptr;
   std::optional<double> max_error;  // metres in the world; none: from the model's budget
   std::uint64_t max_triangles = 1ull << 27;
   CadOptions cad;  // for models that are CAD files
-  // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
-  // files unless keep_hidden. A model that is shown once and not stored does not need it.
+  // Removes hidden geometry from imports with hidden="remove" (the default) and from CAD files
+  // unless keep_hidden. Needless for a model shown once and not stored.
   bool prune = true;
   bool foil_levels = true;  // pxn::Options::foil_levels
   // pxn::Options::unsaved
   std::map<std::filesystem::path, std::shared_ptr<const std::string>> unsaved;
-  // Folder that keeps what took long, so that the same model, and what has not changed of another
-  // one, does not take it again: which triangles are hidden, and the results of base/work_cache.h.
-  // It changes no result. Empty: none; user_cache_folder(): the user's own.
+  // Cache folder of long work: hidden triangles, and the results of base/work_cache.h. It changes
+  // no result. Empty: none; user_cache_folder(): the user's own.
   std::filesystem::path cache;
 };
 
-// Where this user's programs keep such things: panwright in $XDG_CACHE_HOME, or in ~/.cache;
-// $PANWRIGHT_CACHE names another folder, or none by "off". Empty: none, or no home.
+// Returns the user's cache folder: panwright in $XDG_CACHE_HOME, or in ~/.cache; $PANWRIGHT_CACHE
+// names another folder, or none by "off". Empty: none, or no home.
 std::filesystem::path user_cache_folder();
 
 // One step and its duration.
@@ -83,19 +82,19 @@ struct Step {
 // Results of opening a file, or of a part of it. Calls add to it.
 struct OpenReport {
   std::vector<Step> steps;
-  std::optional<importers::MeshReport> mesh_report;  // of a CAD file that was cleaned
-  std::optional<compiler::HiddenReport> hidden;      // where geometry could be removed
-  WorkCounts work;                                   // where there is a cache: what it had
+  std::optional<importers::MeshReport> mesh_report;  // of a cleaned CAD file
+  std::optional<compiler::HiddenReport> hidden;      // if geometry could be removed
+  WorkCounts work;                                   // with a cache: its statistics
 };
 
-// The extension in lower case, with its point. Empty: none.
+// Returns the extension in lower case, with its point. Empty: none.
 std::string extension_of(const std::filesystem::path& path);
 
-// Whether a file is one for the importers, by its extension.
+// Returns true if a file is one for the importers, by its extension.
 bool is_cad(const std::filesystem::path& path);
 
-// Reports E0202 for a file that is_cad() and the readers of .pan and .pxn do not know, with a
-// converter where its format has a name.
+// Reports E0202 for a file that is_cad() and the readers of .pan and .pxn do not recognise, with a
+// converter for a known format.
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the
@@ -103,8 +102,8 @@ void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log
 // in memory, to the same bytes as `panwright compile` and `import` write.
 //
 //   returns  a model that is checked()
-// Fails: E0001, E0202; .pan: E01…, E4…; else E01…, E1…, E2…, E3…, E6…. Where a text or CAD file can
-// be read in part, that part is returned, and the log has errors.
+// Fails: E0001, E0202; .pan: E01…, E4…; else E01…, E1…, E2…, E3…, E6…. For a partly readable text
+// or CAD file, that part is returned, and the log has errors.
 Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& options,
                              DiagnosticLog& log, const Job& job = {}, OpenReport* report = nullptr);
 
@@ -112,22 +111,22 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
 
 // Reads a pxn or CAD file. Of the latter, instances may be pruned unless keep_hidden.
 //
-// Fails: E0001, E01…, E1…, E6…; E0201 for an unknown value of a CAD option. A scene is returned
-// whenever something could be read; the log says whether all of it could. Reports N1405 for options
-// that have no effect on the file.
+// Fails: E0001, E01…, E1…, E6…; E0201 for an unknown value of a CAD option. Returns the readable
+// part; errors in the log mark it as incomplete. Reports N1405 for options without effect on the
+// file.
 Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
 
-// Reads a CAD file, puts it in its place and cleans it.
+// Reads a CAD file, places it and cleans it.
 Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,
                                      DiagnosticLog& log, const Job& job = {},
                                      OpenReport* report = nullptr);
 
-// Removes hidden geometry of the instances that are prunable.
+// Removes hidden geometry of prunable instances.
 //
-//   returns  whether there was any such instance
-// Fails: E0001, with the scene as it was.
+//   returns  true if there was any
+// Fails: E0001, leaving the scene unchanged.
 Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log,
                    const Job& job = {}, OpenReport* report = nullptr);
 
@@ -141,7 +140,7 @@ struct WriteOptions {
   std::string origin;        // import options that the inputs do not record
 };
 
-// Prunes a scene and writes it as a pan file: there it is whole, or not at all.
+// Prunes a scene and writes it atomically as a pan file.
 //
 // Fails: E0001, E0103, E2003, E2010.
 Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& options,

@@ -1,4 +1,4 @@
-// Numbers as a command line or a views file has them, with and without units.
+// Numbers of a command line or a views file, with and without units.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +8,21 @@
 
 namespace panwright::workspace {
 
-// Numbers separated by blanks or commas; nothing when the text is something else or the number of
-// numbers is not `count`.
+// Parses numbers separated by blanks or commas; nothing for other texts or another count than
+// `count`.
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count);
-// The same of lengths, each as parse_length() takes it. Metres.
+// Parses lengths, each as of parse_length(). Metres.
 std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count);
 
-// An angle in radians: a bare number is degrees; deg, rad, mrad, urad, arcmin and arcsec may follow
-// it.
+// Parses an angle to radians: a bare number is degrees; deg, rad, mrad, urad, arcmin and arcsec may
+// follow it.
 std::optional<double> parse_angle(std::string_view text);
 
-// A length in metres: a bare number is metres; m, mm, cm, dm, km, um, in and ft may follow it.
+// Parses a length to metres: a bare number is metres; m, mm, cm, dm, km, um, in and ft may follow
+// it.
 std::optional<double> parse_length(std::string_view text);
 
-// A share: "0.1%" or "0.001".
+// Parses a share: "0.1%" or "0.001".
 std::optional<double> parse_share(std::string_view text);
 
 }  // namespace panwright::workspace

@@ -1,4 +1,4 @@
-// Views as text → images, one call after the other: what `render --views` does.
+// Session of rendering views given as text, one call after the other, as in `render --views`.
 #pragma once
 
 #include <list>
@@ -14,15 +14,15 @@
 
 namespace panwright::workspace {
 
-// Keeps models, contexts and what was uploaded from call to call: the models of the last four
-// sets of targets and parameters.
+// Session that keeps models, contexts and uploads between calls: the models of the last four sets
+// of targets and parameters.
 class ViewSession {
  public:
-  // open: its parameters are those of the views.
+  // open: its parameters are replaced by those of the views.
   ViewSession(OpenOptions open, preview::ContextKind context)
       : open_(std::move(open)), context_(context) {}
 
-  // Renders views, in order. All views are checked as far as their models are not needed, then
+  // Renders views, in order. First checks all views as far as possible without their models, then
   // those of one model after the other.
   //
   //   listener  Written::view is the index in `views`
@@ -32,10 +32,10 @@ class ViewSession {
   Result<std::size_t> run(std::span<const ViewText> views, const RunListener& listener,
                           DiagnosticLog& log, const Job& job = {});
 
-  // Files as records have them, where they are not those that are opened.
+  // Sets the files to record, if they differ from the opened ones.
   void set_recorded_files(std::vector<std::string> files) { recorded_ = std::move(files); }
 
-  // The world of a view: opened, or known. Null: failed, and reported.
+  // Returns the world of a view: opened, or cached. Null: failed, and reported.
   const world::World* world(const ViewText& view, const RunListener& listener, DiagnosticLog& log,
                             const Job& job = {});
 
@@ -52,7 +52,7 @@ class ViewSession {
   OpenOptions open_;
   preview::ContextKind context_;
   std::vector<std::string> recorded_;
-  std::list<Opened> worlds_;  // the last used first
+  std::list<Opened> worlds_;  // most recently used first
   Runner runner_;
 };
 

@@ -16,26 +16,26 @@
 
 namespace panwright::workspace {
 
-// A file and the name of its target.
+// File and the name of its target.
 struct TargetFile {
   std::string name;
   std::filesystem::path file;
 };
 
-// "NAME=FILE", or "FILE", whose name without folder and extension is the target's. A file that is
-// there under the whole text is taken as it is, '=' and all.
+// Parses "NAME=FILE", or "FILE", whose name without folder and extension is the target's. An
+// existing file of the whole text takes precedence, '=' included.
 TargetFile target_file(std::string_view text);
 
-// Opens files as the targets of a world, in order, each at the origin. A file that is given several
-// times is opened once, and its model shared.
+// Opens files as the targets of a world, in order, each at the origin. Repeated files are opened
+// once and share their model.
 //
-// Fails: E5009 for two targets of one name, before anything is opened; E5010; E5030 for none; what
-// open() fails with.
+// Fails: E5009 for two targets of one name, before anything is opened; E5010; E5030 for none; the
+// codes of open().
 Result<world::World> open_world(std::span<const TargetFile> targets, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
 
-// A bounding sphere, world axes, metres.
+// Bounding sphere, world axes, metres.
 struct BoundingSphere {
   Vec3 centre{0};
   double radius = 1;
@@ -44,10 +44,10 @@ struct BoundingSphere {
 // Bounding spheres of targets, each computed once for the state of its nodes.
 class BoundingSpheres {
  public:
-  // About the centre of the bounds of a target as it is posed; of a target of which nothing is
-  // visible, of radius 1 about its origin. Cost: O(vertices) the first time.
+  // Returns the sphere about the centre of the bounds of a posed target; for a fully hidden one, of
+  // radius 1 about its origin. Cost: O(vertices) the first time.
   BoundingSphere of(const world::Instance& target);
-  // Around all visible targets; one alone: of(). Without any: about the origin.
+  // Returns the sphere around all visible targets; one alone: of(). Without any: about the origin.
   BoundingSphere of(const world::World& world);
 
  private:

@@ -1,4 +1,4 @@
-// From files to images: what the program, and any host of the library, shares.
+// Library interface from files to images, shared by the program and other hosts.
 //
 //   DiagnosticLog log;
 //   auto model = workspace::open("cubesat.pxn", {}, log);        // any file as a model

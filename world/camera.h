@@ -37,7 +37,7 @@ void set_field_of_view(Camera& camera, std::uint32_t width, std::uint32_t height
 void set_pixel_angle(Camera& camera, std::uint32_t width, std::uint32_t height, double ifov);
 void set_orthographic(Camera& camera, std::uint32_t width, std::uint32_t height, double width_m);
 
-// The world_from_camera rotation that looks from one point at another.
+// Returns the world_from_camera rotation that looks from one point at another.
 //
 //   up       world direction shown upwards in the image, any non-zero length; none: +z
 //   returns  unit quaternion; when up is within 1e-6 rad of the line of sight (either way), +y is
@@ -57,7 +57,7 @@ void place_in_frame(Camera& camera, const Mat4& world_from_node, const Vec3& ori
 // through the camera's position.
 geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel);
 
-// Where a world point falls on the image; nothing when it is not in front of the camera.
+// Projects a world point to the image; nothing when it is not in front of the camera.
 std::optional<Vec2> project(const Camera& camera, const Vec3& point);
 
 // The solid angle of any pixel, steradians, to a relative 1e-15 (7e-16 measured; of one that spans

@@ -17,18 +17,18 @@ struct Bounds {
   Vec3 max{0};
 };
 
-// One target, evaluated. All in the model's frame: the pose joins in where a camera does, so that
-// large translations of both cancel in double before the small ones of the nodes are added.
+// One target, evaluated. All in the model's frame: the pose is applied with the camera's, so that
+// their large translations cancel in double before small ones are added.
 struct EvaluatedInstance {
-  Stamp shape_stamp = 0;                   // of the state that this is evaluated from
+  Stamp shape_stamp = 0;                   // of the evaluated state
   std::vector<Mat4> model_from_nodes;      // one per node of the model
-  std::vector<std::uint8_t> node_visible;  // 0 or 1, what is above a node included
-  // Of the boxes of all visible meshes: not tight. None: nothing is visible.
+  std::vector<std::uint8_t> node_visible;  // 0 or 1, ancestors included
+  // Union of the boxes of all visible meshes: not tight. None: nothing is visible.
   std::optional<Bounds> bounds;
 };
 
-// One target that is evaluated again and again: only nodes below a joint or a node that changed are
-// worked out anew. The same bits as evaluated().
+// Incremental evaluation of one target: recomputes only nodes below a joint or node that changed.
+// The same bits as evaluated().
 class InstanceEvaluation {
  public:
   // Cost: O(nodes + meshes placed) comparisons, and a matrix for each node that moved.
@@ -53,7 +53,7 @@ class InstanceEvaluation {
   EvaluatedInstance result_;
 };
 
-// The evaluated state of one world, or of copies of it one after the other.
+// Evaluated state of one world, or of copies of it in turn.
 class Evaluation {
  public:
   // Brings everything up to date. Cost: O(targets), and for each whose shape stamp is new that of
@@ -72,11 +72,11 @@ class Evaluation {
   Stamp stamp_ = 0;
 };
 
-// One target by itself.
+// Evaluates one target.
 EvaluatedInstance evaluated(const Instance& instance);
 
-// The box of what is visible of a target in its model's frame, from its vertices as placed; nothing
-// when nothing is. Cost: O(vertices, meshes counted as often as they are placed).
+// Returns the tight box of a target's visible vertices in its model's frame; nothing when none is
+// visible. Cost: O(vertices, meshes counted as often as they are placed).
 std::optional<Bounds> exact_bounds(const Instance& instance);
 
 // Puts a camera into a named frame of a target.

@@ -1,5 +1,5 @@
-// The state that changes from frame to frame: poses of shared models, transforms of their nodes,
-// and the Sun. No OpenGL. The camera is separate: several may look at one world.
+// State that changes from frame to frame: poses of shared models, transforms of their nodes, and
+// the Sun. No OpenGL. The camera is separate: several may look at one world.
 #pragma once
 
 #include <atomic>
@@ -21,22 +21,21 @@
 
 namespace panwright::world {
 
-// Identifies a state. A stamp is given once in a process: equal stamps mean equal states, in this
-// world or in a copy of it. 0 is never given.
+// Identifier of a state, unique in a process: equal stamps mean equal states, in this world or in a
+// copy of it. 0 is never given.
 using Stamp = std::uint64_t;
 
-// A model that worlds, renderers and threads share. It never changes and lives as long as one of
-// them holds it.
+// Model shared by worlds, renderers and threads. It never changes and lives as long as one of them
+// holds it.
 using ModelPtr = std::shared_ptr<const pan::Model>;
 
-// The Sun, as one directional light from a disc.
-// of the Sun's angular radius at 1 AU: the nominal solar radius (IAU 2015 B3) over the astronomical
-// unit (IAU 2012 B2)
+// Sine of the Sun's angular radius at 1 AU: the nominal solar radius (IAU 2015 B3) over the
+// astronomical unit (IAU 2012 B2).
 inline constexpr double kSunSineAtOneAu = 695700e3 / 149597870700.0;
 
 struct Sun {
   Vec3 direction{0, 0, 1};  // world, from the origin to the Sun, any non-zero length
-  double distance = 1;      // AU, > 0; sets the disc's angular size, the irradiance stands as given
+  double distance = 1;      // AU, > 0; sets the disc's angular size, not the irradiance
   std::optional<Vec3> irradiance;  // W/m² per band on a plane that faces it; none: 1, radiance in
                                    // 1/sr
   double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1
@@ -52,15 +51,15 @@ struct NodeTransform {
   bool operator==(const NodeTransform&) const = default;
 };
 
-// The state of a node of one instance that differs from its model.
+// State of a node of one instance that differs from its model.
 struct NodeState {
   std::uint32_t node = 0;                  // index in the model
   std::optional<NodeTransform> transform;  // parent_from_node; none: the model's
-  bool visible = true;                     // false: hides it and what is below it
+  bool visible = true;                     // false: hides the node and its descendants
   bool operator==(const NodeState&) const = default;
 };
 
-// The values of a joint of one instance that differ from its model.
+// Values of a joint of one instance that differ from its model.
 struct JointState {
   std::uint32_t joint = 0;         // index in the model
   geometry::JointValues values{};  // radians, metres, factors; limits apply when evaluated
@@ -75,18 +74,17 @@ class Instance {
   const ModelPtr& model() const { return model_; }
   const Pose& pose() const { return pose_; }  // world_from_model
   bool visible() const { return visible_; }
-  // Those that differ from the model, ascending by node.
+  // States that differ from the model, ascending by node.
   std::span<const NodeState> node_states() const { return node_states_; }
   const NodeState* node_state(std::uint32_t node) const;  // null: as in the model
 
-  // The same of joints, ascending by joint.
+  // States of joints that differ from the model, ascending by joint.
   std::span<const JointState> joint_states() const { return joint_states_; }
   const JointState* joint_state(std::uint32_t joint) const;  // null: as in the model
-  // The values that all joints take: within limits, followers after what they follow.
+  // Returns the values of all joints: within limits, followers resolved.
   std::vector<geometry::JointValues> joint_values() const;
 
-  // Changes with the model, the node and joint states and visible(), but not with the pose: with
-  // what lies where in the model's frame.
+  // Changes with the model, the node and joint states and visible(), but not with the pose.
   Stamp shape_stamp() const { return shape_stamp_; }
   Stamp pose_stamp() const { return pose_stamp_; }
 
@@ -103,11 +101,8 @@ class Instance {
 };
 
 // Any number of targets under one Sun. Copies are cheap (models are shared) and independent; equal
-// stamps in copies mean equal states. A setter that is given what is there already changes no
-// stamp. Distinct worlds may be used on distinct threads; one world is like a vector: many readers,
-// or one writer.
-//
-// Lamps, planets and stars will stand beside the Sun.
+// stamps in copies mean equal states. Setting an equal value changes no stamp. Distinct worlds may
+// be used on distinct threads; one world allows many readers or one writer.
 class World {
  public:
   // Adds a target at the origin, or at `pose`.
@@ -138,7 +133,7 @@ class World {
   void set_node_transform(std::size_t index, std::uint32_t node,
                           const std::optional<NodeTransform>& parent_from_node);
   void set_node_visible(std::size_t index, std::uint32_t node, bool visible);
-  // nullopt: as in the model. Followers take what they follow: their own values have no effect.
+  // nullopt: as in the model. Followers ignore their own values.
   // Expects: also a joint of the model, factors that are not 0.
   void set_joint(std::size_t index, std::uint32_t joint,
                  const std::optional<geometry::JointValues>& values, bool aimed = false);

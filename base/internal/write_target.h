@@ -1,4 +1,4 @@
-// Where what is written to a path ends up. Private to base.
+// Final target of writes to a path. Private to base.
 #pragma once
 
 #include <filesystem>

@@ -12,11 +12,9 @@
 
 namespace panwright::compiler::internal {
 
-// Adds the levels of sheets: their meshes, and which instance they stand for. Where the budget says
-// what a pixel sees at the nearest, levels that are finer than it are left out of the file, and the
-// instance starts with what is left, unless the budget's flux is below what levels may be off.
-// Instances with decals, or that are stretched differently along
-// their axes, keep the finest mesh alone.
+// Adds the levels of sheets: meshes and their instances. If the budget gives the footprint of the
+// nearest pixel, finer levels are left out, unless the budget's flux is below the error of levels.
+// Instances with decals or uneven scale keep the finest mesh alone.
 //
 //   mesh_of_job  index in out.meshes; beyond them: none
 //   place        of the scene's instances in out.instances; beyond them: none

@@ -20,7 +20,7 @@ struct MeshJob {
   bool textured = false;
   scene::Mapping mapping = scene::Mapping::texcoords;
   Mat4 texture_from_shape{1};
-  bool boxed = false;  // a mesh without texture coordinates that gets those of its bounds
+  bool boxed = false;  // a mesh without texture coordinates, which takes those of its bounds
   const scene::Instance* user = nullptr;  // the first one
   double max_error = 0;                   // metres in the shape's frame, > 0: the smallest
   pan::layout::ToleranceReason reason = pan::layout::ToleranceReason::tolerance;
@@ -37,8 +37,8 @@ struct Plan {
   double smallest = 0;                // tolerance in the world, metres; 0: all counts are explicit
 };
 
-// Instances of equal shapes with equal needs of texture share a job, whatever their tolerances: the
-// smallest wins, seen in the shape's own frame.
+// Returns the jobs of a scene. Instances of equal shapes with equal texture mappings share a job at
+// the smallest tolerance in the shape's frame.
 //
 // Cost: O(instances + bytes of the shapes).
 //   allotment  of the budget to the instances
@@ -47,11 +47,10 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
 
 geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options);
 
-// Gives jobs whose circular edges meet in the world as many segments as the most that one of them
-// needs, so that their vertices meet too. CircularEdges meet that have centre, axis and radius in
-// common to 1e-6 of the radius. Where they are turned against each other up to an eighth more
-// segments are tried; where none fits, and where an ellipse was made of a circular edge, they are
-// left alone.
+// Gives jobs whose circular edges meet in the world as many segments as the largest need among
+// them, so that their vertices meet too. CircularEdges meet if centre, axis and radius agree to
+// 1e-6 of the radius. If they are turned against each other, up to an eighth more segments are
+// tried. They are left alone if none fits, or if an edge became an ellipse.
 //
 // Cost: O(instances) expected, whatever their number at one place.
 void share_circular_edges(const std::vector<Mat4>& world, const scene::Scene& scene, Plan& plan);

@@ -1,4 +1,4 @@
-// Meshes of exact shapes, kept between runs.
+// Cache of meshes of exact shapes between runs.
 #pragma once
 
 #include <functional>
@@ -12,26 +12,26 @@
 
 namespace panwright::compiler::internal {
 
-// Whether a mesh takes longer to make than to read: one of a thousand triangles or more that is
-// not given as triangles.
+// Returns true if a mesh takes longer to make than to read: a thousand triangles or more, not given
+// as triangles.
 bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tessellation);
 
-// Of all that the mesh of a job follows from.
+// Returns the hash of all inputs of a job's mesh.
 Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation);
 
-// A mesh without its name, as `make` packs it, or the same from a cache.
+// Returns a mesh without its name, packed by `make` or from the cache.
 //
 //   cache  null: none
 std::optional<pan::PackedMesh> kept_or_packed(
     const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
     const std::function<std::optional<pan::PackedMesh>()>& make);
 
-// The same before it is packed: decals lie on this.
+// Returns the same before packing, as decals need it.
 std::optional<geometry::Mesh> kept_or_made(
     const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
     const std::function<std::optional<geometry::Mesh>()>& make);
 
-// As bytes and back. The reader fails where it is no mesh that pan::write() takes.
+// Serialisation to bytes and back. The reader fails on a mesh that pan::write() would refuse.
 void write(const pan::PackedMesh& mesh, ByteWriter& to);
 pan::PackedMesh read_packed(ByteReader& from);
 

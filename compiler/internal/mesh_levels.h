@@ -9,14 +9,13 @@
 namespace panwright::compiler::internal {
 
 // Adds levels of detail (geometry/mesh/levels.h) to the instances of meshes of 512 triangles and
-// more that have none yet and no decals. A level is for pixels of which the bound of its error is a
-// quarter at most, or what the budget's `pixels` says. Open borders that lie on one of another
-// instance, to 1e-6 of the model, stay as they are: no crack opens there. Where the budget says
-// what the nearest pixel sees, levels are left out that something coarser serves as well; the mesh
-// itself stays, for the reference engine traces it.
+// more that have none yet and no decals. A level serves pixels of which its error bound is at most
+// a quarter, or the budget's `pixels`. Open borders that meet those of another instance, to 1e-6 of
+// the model, stay unchanged: no crack opens. If the budget gives the footprint of the nearest
+// pixel, levels finer than needed are left out. The mesh itself stays for the reference engine.
 //
-//   out    with meshes, instances and decals, as written by now
-//   cache  of levels that were made before; null: none
+//   out    with meshes, instances and decals, as written so far
+//   cache  of earlier levels; null: none
 //
 // Cost: 10 to 200 µs a triangle.
 void add_mesh_levels(const scene::Scene& scene, const WorkCache* cache, pan::Contents& out,

@@ -1,4 +1,4 @@
-// Taking parts out of a scene.
+// Removal of parts from a scene.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 
 namespace panwright::compiler::internal {
 
-// Some triangles of a mesh, and the vertices that they use, in their order. The mesh's error, and
-// whether it counts as closed, stay.
+// Returns some triangles of a mesh, and the vertices that they use, in their order. The mesh's
+// error and closed mark stay.
 //
-//   keep  T: whether a triangle stays
+//   keep  T: true for each triangle that stays
 geometry::MeshShape some_triangles(const geometry::Mesh& mesh, const std::vector<char>& keep);
 
-// Removes instances, then the shapes and the foils that nobody uses. Nodes stay.
+// Removes instances, then unused shapes and foils. Nodes stay.
 //
 //   keep     one per instance
-//   Expects  that no decal lies on what goes
+//   Expects  no decal on removed instances
 void keep_instances(scene::Scene& scene, const std::vector<char>& keep);
 
 }  // namespace panwright::compiler::internal

@@ -1,4 +1,4 @@
-// Where meshes meet those of others: what is simplified or rounded has to leave that alone.
+// Borders shared by meshes of different instances, which simplification and rounding must not move.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace panwright::compiler::internal {
 
-// A mesh, whatever holds it, which must outlive this.
+// View of a mesh, which must outlive it.
 struct Surface {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
@@ -24,21 +24,21 @@ struct Surface {
 Surface surface_of(const geometry::Mesh& mesh);
 Surface surface_of(const pan::PackedMesh& mesh);
 
-// Of each vertex, the first one at its position.
+// Returns for each vertex the first one at its position.
 std::vector<std::uint32_t> first_at_place(const Surface& mesh);
 
-// A mesh in the place of an instance: its own, or that of a level of it.
+// A mesh placed by an instance: its own, or one of its levels.
 struct PlacedSurface {
   std::uint32_t mesh = 0;
   std::uint32_t instance = 0;
 };
 
-// Which vertices are compared.
+// Vertices to compare.
 enum class Compared { borders, all };
 
-// Of each mesh V: whether a vertex is on an open border that lies on one of another instance, to
-// 1e-6 of the model's diagonal or a few times that; of all: whether a vertex lies on one of another
-// instance. Nothing: more than 16 million vertices to compare, instances counted.
+// Marks for each mesh (V) the vertices on an open border shared with another instance, to some 1e-6
+// of the model's diagonal; with `all`, the vertices on those of another instance. Nothing: more
+// than 16 million vertices to compare, instances counted.
 //
 //   world  world_from_mesh of each instance
 // Cost: O(V log V) of the meshes, O(placed vertices).

@@ -1,4 +1,4 @@
-// Warnings of sizes that tell of a unit mistaken.
+// Warnings about sizes that suggest a wrong unit.
 #pragma once
 
 #include "base/diagnostic.h"
@@ -7,11 +7,11 @@
 
 namespace panwright::compiler::internal {
 
-// Reports a model of more than 200 m or less than 5 cm (W2022), and parts, which are instances, of
-// which one is more than 1e5 times as large as another (W2023, in the place of W2022). Sizes are
-// the largest extents along the axes of the world.
+// Reports a model of more than 200 m or less than 5 cm (W2022), or instances whose sizes differ by
+// more than 1e5 (W2023, instead of W2022). Sizes are the largest extents along the axes of the
+// world.
 //
-// What is one sphere, ellipsoid or mesh alone may be a celestial body and is never wrong.
+// A single sphere, ellipsoid or mesh may be a celestial body and is never reported.
 //
 //   contents  of `scene`: meshes and instances
 //

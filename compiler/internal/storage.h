@@ -1,4 +1,4 @@
-// Storage of meshes in few bits.
+// Quantised storage of meshes.
 #pragma once
 
 #include <span>
@@ -15,8 +15,8 @@ namespace panwright::compiler::internal {
 inline constexpr double kStorageShare = 0.25;
 
 // Moves the vertices of all meshes to grids of form.bits, or of as many more as a mesh's tolerance
-// asks for; floats stay where 24 do not do. Vertices that lie on those of other instances stay
-// where they are: no crack opens. Errors of meshes and levels grow by what moved.
+// needs; floats stay if 24 do not suffice. Vertices shared with other instances stay: no crack
+// opens. Errors of meshes and levels grow by the displacement.
 //
 //   tolerances  of instances, in the frame of their meshes, metres; empty: there is no budget
 // Cost: O(vertices log vertices).
@@ -24,7 +24,7 @@ void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
                  std::span<const double> tolerances, pan::Contents& out, StorageReport& report,
                  const Job& job);
 
-// Makes the streams, of meshes as they are by now.
+// Encodes the present meshes as streams.
 void encode_meshes(const pan::StorageForm& form, pan::Contents& out, StorageReport& report,
                    const Job& job);
 

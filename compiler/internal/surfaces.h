@@ -1,4 +1,5 @@
-// What a scene's shapes look like from afar, before they are made: surfaces, extents, reflectances.
+// Surfaces, extents and reflectances of a scene's shapes before tessellation, for estimates from
+// afar.
 #pragma once
 
 #include <vector>
@@ -10,11 +11,11 @@
 
 namespace panwright::compiler::internal {
 
-// One mesh for each shape: its own, else a coarse one, within a fiftieth of its radius of
-// curvature; null where none can be made.
+// Returns one mesh for each shape: its own, else a coarse one within a fiftieth of its radius of
+// curvature; null if it fails.
 std::vector<geometry::MeshShape> coarse_surfaces(const scene::Scene& scene, const Job& job);
 
-// Half-open boxes are empty: low > high.
+// Axis-aligned box; empty if low > high.
 struct Extent {
   Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
   void add(const Vec3& p) {
@@ -24,38 +25,38 @@ struct Extent {
   bool empty() const { return !(low.x <= high.x); }
 };
 
-// A box of a mesh's frame as it stands in the world.
+// A box of a mesh's frame, placed in the world.
 struct PlacedBox {
   Vec3 edges[3];
-  // The largest area that the box shows in any direction, m².
+  // Returns the largest projected area of the box in any direction, m².
   double largest_projection() const;
-  // The largest area of any direction's, less the longest edge: what the box is across, metres.
+  // Returns the diagonal of the box across its longest edge, metres.
   double width() const;
   double diagonal() const;
 };
 PlacedBox placed(const Extent& extent, const Mat4& world_from_mesh);
 
-// The share of an even light that a material sends back, mean of the channels, with the mean of its
-// albedo map or texture; one per instance. What maps of other kinds change is left out.
+// Returns the share of uniform light that a material reflects, mean of the channels, with the mean
+// of its albedo map or texture; one per instance. Maps of other kinds are ignored.
 std::vector<double> reflectances(const scene::Scene& scene, const Job& job);
 
-// The area that a model shows, times the reflectance of what is in front, m²: of the directions of
-// a sphere, the least and the largest of 32. Surfaces are seen from both sides. By depth buffers of
-// 192 × 192, so that it is good to some percent.
+// Projected areas of a model times the reflectance in front, m²: the least and the largest of 32
+// directions of a sphere. Surfaces are visible from both sides. By depth buffers of 192 × 192, so
+// good to some percent.
 //
 //   surfaces, world, reflectance  one per instance; null surfaces show nothing
 // Cost: about 2 µs a triangle.
-inline constexpr double kLeastShown = 0.1;  // of the most: less in a direction counts as so much
+inline constexpr double kLeastShown = 0.1;  // of the largest: lower bound of a direction's area
 struct ShownArea {
   double least = 0;
   double largest = 0;
   double mean = 0;  // without the reflectance
   double mean_reflectance = 0;
-  Vec3 middle{0};  // world: the mean place of what is shown, by reflectance
-  // Of each surface, its mean share of what the model shows in a direction; of directions in which
-  // it shows less than a tenth of the most, of that tenth.
+  Vec3 middle{0};  // world: mean of the visible points, weighted by reflectance
+  // Mean share of each surface in the area shown by the model; in directions that show less than a
+  // tenth of the most, relative to that tenth.
   std::vector<double> shares;
-  double pixel = 0;  // m²: what is smaller may be missed
+  double pixel = 0;  // m²: smaller areas may be missed
 };
 ShownArea shown_area(const std::vector<geometry::MeshShape>& surfaces,
                      const std::vector<Mat4>& world, const std::vector<double>& reflectance,

@@ -1,4 +1,4 @@
-// What a search for visible triangles found, kept between runs. Private to compiler.
+// Cache of searches for visible triangles between runs. Private to compiler.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,21 @@
 
 namespace panwright::compiler::internal {
 
-// Grows with every change of what visibility_of() finds. The test VisibilityCache.KnowsItsVersion
-// finds out.
+// Version of the results of visibility_of(), checked by the test VisibilityCache.KnowsItsVersion.
 inline constexpr std::uint32_t kVisibilityVersion = 1;
 
-// Of all that visibility_of() follows from.
+// Returns the hash of all inputs of visibility_of().
 Hash128 visibility_key(const VisibilityModel& model, const VisibilityOptions& options);
 
-// A result as bytes, and back. Nothing: they are of another model.
+// Converts a result to bytes, and back. Nothing: they are of another model.
 std::vector<std::byte> visibility_bytes(const Visibility& found);
 std::optional<Visibility> visibility_from(std::span<const std::byte> bytes,
                                           const VisibilityModel& model);
 
-// visibility_of(), or the same from a cache: what takes many rays is kept there.
+// Calls visibility_of(), or returns the same from a cache, which keeps results of many rays.
 //
 //   cache  null: none
-//   *known  set: whether the cache had it
+//   *known  set to true on a cache hit
 // Throws Cancelled.
 Visibility cached_visibility_of(const VisibilityModel& model, const VisibilityOptions& options,
                                 const FileCache* cache, bool* known, const Job& job);

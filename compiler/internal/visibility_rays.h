@@ -1,4 +1,4 @@
-// Rays from the triangles of a model outwards. Private to compiler.
+// Rays from the triangles of a model to the outside. Private to compiler.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace panwright::compiler::internal {
 
-// of the model's radius: surfaces closer than that fight for the same depth in a depth buffer
+// of the model's radius: closer surfaces share a depth in a depth buffer
 inline constexpr double kDepthSlack = 1e-5;
 
 // Numbers of the unique positions: for each position, equal ones alike, from 0; and their count.
@@ -23,7 +23,7 @@ std::pair<std::vector<std::uint32_t>, std::uint32_t> unique_positions(
 // Two unit vectors perpendicular to a unit vector and to each other.
 std::array<Vec3, 2> perpendiculars(const Vec3& direction);
 
-// Where a ray from a triangle ends.
+// First hit of a ray.
 struct Meeting {
   std::uint32_t triangle = 0;
   std::uint32_t side = 0;  // 0: the front, to which its corners turn counter-clockwise
@@ -35,7 +35,7 @@ class VisibilityRays {
  public:
   VisibilityRays(const VisibilityModel& model, const VisibilityOptions& options, const Job& job);
 
-  // Builds the search tree. False: nothing to see.
+  // Builds the search tree. False: no triangles.
   bool prepare();
 
   std::uint32_t triangles() const { return first_.back(); }
@@ -49,19 +49,20 @@ class VisibilityRays {
   Vec3 normal(std::uint32_t triangle) const;  // unit, or 0 without area
   double area(std::uint32_t triangle) const;
 
-  // Of a ray from a point of a triangle. The triangle itself, what is transparent, and what lies in
-  // the same surface to slack() do not stop it.
+  // Returns true if a ray from a point of a triangle leads outside. Ignores the triangle itself,
+  // transparent parts, and surfaces within slack() of the same one.
   bool escapes(std::uint32_t triangle, const Vec3& point, const Vec3& direction) const;
   std::optional<Meeting> meets(std::uint32_t triangle, const Vec3& point,
                                const Vec3& direction) const;
-  // Whether rays beside one that escapes do too: one that rounding let through a seam is alone.
+  // Returns true if rays beside an escaping one escape too; a lone one slipped through a seam by
+  // rounding.
   bool is_open(std::uint32_t triangle, const Vec3& point, const Vec3& direction) const;
-  // What a ray from outside meets first; transparent surfaces in front of that are passed.
+  // Returns the first hit of a ray from outside, ignoring transparent surfaces.
   std::optional<Meeting> first_from_outside(const Vec3& point, const Vec3& inwards) const;
 
   // ---- neighbours
 
-  // Lists neighbours in the parts that are marked.
+  // Lists neighbours in the marked parts.
   void list_neighbours(const std::vector<char>& parts);
   // Calls body(t) for triangles with a corner in common, some more than once. None in other parts
   // than those listed.

@@ -11,7 +11,7 @@
 
 namespace panwright::compiler::internal {
 
-// Even over directions; a and b are random in (0, 1).
+// Returns a uniform direction; a and b are random in (0, 1).
 inline Vec3 on_sphere(double a, double b) {
   const double z = 2 * a - 1;
   const double across = std::sqrt(std::max(0.0, 1 - z * z));
@@ -19,10 +19,10 @@ inline Vec3 on_sphere(double a, double b) {
   return {across * turn.cos, across * turn.sin, z};
 }
 
-// Of 1.
+// Returns the fractional part.
 inline double part(double x) { return x - std::floor(x); }
 
-// A direction within a cone about d; a and b are random.
+// Returns a direction within a cone about d; a and b are random.
 inline Vec3 in_cone(const Vec3& d, double angle, std::uint32_t a, std::uint32_t b) {
   const auto [right, up] = perpendiculars(d);
   const double r = angle * std::sqrt(in_unit(a));
@@ -30,7 +30,7 @@ inline Vec3 in_cone(const Vec3& d, double angle, std::uint32_t a, std::uint32_t 
   return glm::normalize(d + r * turn.cos * right + r * turn.sin * up);
 }
 
-// Cosine-distributed about a normal; anywhere where there is none.
+// Returns a cosine-distributed direction about a normal; a uniform one without a normal.
 inline Vec3 cosine(const Vec3& normal, std::uint32_t a, std::uint32_t b) {
   const Vec3 random = on_sphere(in_unit(a), in_unit(b));
   const Vec3 sum = normal + random;
@@ -38,7 +38,7 @@ inline Vec3 cosine(const Vec3& normal, std::uint32_t a, std::uint32_t b) {
   return length > 1e-9 ? sum / length : random;
 }
 
-// Corners, edges and insides in turn.
+// Returns points at corners, edges and insides in turn.
 inline Vec3 point_of(const std::array<Vec3, 3>& corners, std::uint32_t number,
                      const std::array<std::uint32_t, 4>& random) {
   constexpr double kInset = 1e-3;

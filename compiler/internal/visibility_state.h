@@ -1,5 +1,4 @@
-// What is known of the triangles of a model, and rounds of rays that tell more. Private to
-// compiler.
+// Visibility of a model's triangles, and rounds of rays that determine it. Private to compiler.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +10,10 @@
 
 namespace panwright::compiler::internal {
 
-// What is known of a triangle of a mesh, or of a part.
+// Visibility of a triangle of a mesh, or of a part.
 enum class State : char { unknown, seen, kept, hidden_alone };
 
-// A ray that leads outside.
+// A ray that escapes.
 struct Find {
   std::uint32_t triangle;
   std::uint32_t side;
@@ -22,14 +21,14 @@ struct Find {
   Vec3 direction;
 };
 
-// Rays of a chunk of triangles.
+// Results of a chunk of triangles.
 struct Harvest {
   std::uint64_t rays = 0;
   std::vector<Find> finds;
   std::vector<std::size_t> exposed;  // sides
 };
 
-// Triangles of the world are decided for their meshes and parts: w is a number of VisibilityRays.
+// Visibility of triangles for their meshes and parts: w is a number of VisibilityRays.
 class VisibilityState {
  public:
   VisibilityState(const VisibilityModel& model, const VisibilityOptions& options, const Job& job);
@@ -38,9 +37,9 @@ class VisibilityState {
 
  protected:
   enum class Which { all, enclosed, exposed };
-  static constexpr std::size_t kChunk = 128;  // items that a thread takes at once
+  static constexpr std::size_t kChunk = 128;  // items taken by a thread at once
 
-  // Of its mesh.
+  // Returns the index in its mesh.
   std::uint32_t index_of(std::uint32_t w) const {
     const std::uint32_t p = rays_.part_of(w);
     return mesh_first_[model_.parts[p].mesh] + (w - rays_.first_of(p));
@@ -48,21 +47,23 @@ class VisibilityState {
   bool is_seen(std::uint32_t w) const {
     return side_seen_[2 * std::size_t{w}] || side_seen_[2 * std::size_t{w} + 1];
   }
-  // Whether it matters if it is seen: what is seen elsewhere, of a part that is seen, does not.
+  // Returns true if the result matters: not if the triangle is visible elsewhere and its part
+  // visible.
   bool is_undecided(std::uint32_t w) const {
     const State triangle = triangles_[index_of(w)];
     return triangle == State::unknown ||
            (triangle != State::hidden_alone && parts_[rays_.part_of(w)] == State::unknown);
   }
   void keep(std::uint32_t w);
-  // In order. Those that face a visible side stay where they are too many to be sure of.
+  // Returns the undecided triangles in order. Those that face a visible side are kept if too many
+  // to decide.
   std::vector<std::uint32_t> undecided(Which which);
   std::uint64_t rays_left() const { return max_rays_ - std::min(max_rays_, cast_); }
-  // What there are no rays for stays.
+  // Truncates the items to the rays left; the others stay.
   void fit(std::vector<std::uint32_t>& items, std::uint64_t each);
 
-  // Calls body(i, harvest) for i in [0, count) and notes what was found. What bodies read does not
-  // change meanwhile. Returns the finds of triangles not seen before.
+  // Calls body(i, harvest) for i in [0, count) and records the results. Data read by bodies does
+  // not change meanwhile. Returns the finds of newly visible triangles.
   template <class Body>
   std::vector<Find> round(std::size_t count, const Body& body) {
     std::vector<Harvest> parts((count + kChunk - 1) / kChunk);
@@ -93,7 +94,7 @@ class VisibilityState {
   std::vector<Vec3> directions_;                      // of meshes: of a ray that escaped
   std::vector<State> parts_;                          // P
   std::vector<char> exposed_;                         // of the world: faces a visible side
-  std::vector<char> near_exposed_;                    // of the world: rays that met such, to a few
+  std::vector<char> near_exposed_;  // of the world: rays hit such a triangle, to a few
   std::vector<char> side_seen_;                       // two for each of the world
   std::vector<char> side_exposed_;                    // the same: faces a visible side
   bool keep_exposed_ = false;
@@ -105,7 +106,7 @@ class VisibilityState {
   std::uint32_t done_ = 0;  // rays of each triangle that is undecided
 
  private:
-  // Returns whether the triangle was not seen before.
+  // Returns true if the triangle was not visible before.
   bool mark(const Find& find);
 };
 

@@ -8,21 +8,20 @@
 
 namespace panwright::exporters {
 
-// Shares of cells, grid lines and gaps over a surface; they add up to 1. One without cells is all
-// cell.
+// Shares of cells, grid lines and gaps over a surface; they add up to 1. Without cells, all cell.
 class CellPattern {
  public:
   CellPattern() = default;
-  // drawn: as a texture, where the pattern repeats with the texture coordinates; else by the mean.
+  // drawn: as a texture, if the pattern repeats with the texture coordinates; else by the mean.
   // Cost of a texture: O(texels), at most 2048² of them.
   CellPattern(const materials::Cells& cells, bool drawn);
 
   bool drawn() const { return !rgba_.empty(); }
   const Vec3& mean() const { return mean_; }
   BakeSource source() const { return {rgba_, width_, height_, false}; }  // shares as RGB
-  // Of a texel of the source, 0 to 1; the mean where it is not drawn.
+  // Returns the shares of a texel of the source, 0 to 1; the mean if it is not drawn.
   Vec3 shares(const Vec4& texel) const;
-  // Of the parts that stand by themselves: each alone, or the mean.
+  // Returns the shares of the separate parts: each alone, or the mean.
   std::vector<Vec3> parts() const;
 
  private:

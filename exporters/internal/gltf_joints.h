@@ -1,4 +1,4 @@
-// Joints as AGI_articulations: the vendor extension of glTF for spacecraft that move.
+// Joints as AGI_articulations, the vendor extension of glTF for spacecraft articulation.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,12 +10,12 @@
 
 namespace panwright::exporters {
 
-// The stages of a joint on a node whose z stands along its axis, or of one that needs no such node.
+// Stages of a joint on a node whose z is along its axis, or of one that needs no such node.
 struct ArticulatedJoint {
   Quat node_from_axis{1, 0, 0,
-                      0};  // turns z to the axis; the identity where an axis of the node is it
+                      0};  // turns z to the axis; the identity if it is an axis of the node
   nlohmann::ordered_json articulation;  // null: fixed
-  bool coupled = false;                 // it followed another joint, which is lost
+  bool coupled = false;                 // followed another joint, which is lost
 };
 
 // Angles in degrees, about and along axes of the node. Values begin with those given; joints

@@ -1,4 +1,4 @@
-// Our materials as glTF's. Private to exporters.
+// Conversion of materials to glTF. Private to exporters.
 #pragma once
 
 #include <map>
@@ -12,36 +12,36 @@
 
 namespace panwright::exporters {
 
-// What glTF does not keep of one or more materials.
+// Losses of one or more materials in glTF.
 struct Loss {
   std::size_t materials = 0;
   double share = 0;   // of the light of the worst of them, see changed_share()
   std::string worst;  // its name
 };
 
-// Which faces of a surface are drawn with a material: all of them; the front's, as nobody sees the
-// others; or those of one side, as the other has its own.
+// Faces drawn with a material: both; the front, as the back is invisible; or one side, as the other
+// has its own.
 enum class Faces : std::uint8_t { both, front, one_side };
 
-// Writes the materials that the surfaces of a pan ask for, each once.
+// Writer of the materials used by a pan's surfaces, each once.
 class MaterialWriter {
  public:
   // Both outlive the writer.
   MaterialWriter(const pan::Model& model, const Job& job)
       : model_(model), job_(job), textures_(model, job) {}
 
-  // The place, in the file, of a material.
+  // Returns the index of a material in the file.
   //
   //   material       of the pan
   //   texture        of the instance, over the diffuse colour; −1: none
-  //   has_texcoords  whether the mesh has texture coordinates
+  //   has_texcoords  true if the mesh has texture coordinates
   //   faces          that are drawn
   std::size_t place(std::size_t material, std::int32_t texture, bool has_texcoords, Faces faces);
 
-  // Whether colours of vertices change what a material reflects: a metal without diffuse light has
-  // its own colour.
+  // Returns true if vertex colours change the material's reflectance: a metal without diffuse light
+  // has its own colour.
   bool takes_colors(std::size_t place) const { return takes_colors_[place]; }
-  // Notes that a mesh with colours has this material.
+  // Records that a mesh with colours has this material.
   void note_colors(std::size_t place);
 
   const nlohmann::ordered_json& json() const { return json_; }
@@ -59,7 +59,7 @@ class MaterialWriter {
   std::set<std::string> extensions_;
   std::map<std::string, Loss> losses_;
   std::vector<bool> takes_colors_;
-  std::vector<bool> mixes_colors_;  // reflects light that vertex colours leave alone here
+  std::vector<bool> mixes_colors_;  // reflects light that vertex colours do not change
   std::map<std::tuple<std::size_t, std::int32_t, bool, bool>, std::size_t> places_;
 };
 

@@ -5,17 +5,17 @@
 
 namespace panwright::exporters {
 
-// What a metallic-roughness material makes of them.
+// Metallic-roughness mixture for them.
 struct Mixture {
   Vec3 base{0};
   double metallic = 0;
-  double error = 0;  // the largest difference of a channel of what comes of it
+  double error = 0;  // largest difference of a channel from the mixture's result
 };
 
-// The mixture of a dielectric and a metal whose diffuse albedo and reflectance at normal incidence
-// come nearest to the two. glTF makes of base colour b and metallic part s the diffuse albedo
-// b·(1 − s)·(1 − d) and the reflectance d·(1 − s) + b·s, d the dielectric's: three channels
-// of both have six numbers for its four, and exact are those that came from such a mixture.
+// Returns the mixture of a dielectric and a metal nearest to a diffuse albedo and a reflectance at
+// normal incidence. glTF makes of base colour b and metallic part s the diffuse albedo b·(1 − s)·(1
+// − d) and the reflectance d·(1 − s) + b·s, d the dielectric's: six numbers for its four, so only
+// colours of such a mixture are exact.
 //
 //   diffuse, reflectance  0 to 1
 //   dielectric            d, 0 to 0.5

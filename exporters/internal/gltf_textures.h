@@ -1,4 +1,4 @@
-// The textures of an exported file. Private to exporters.
+// Textures of an exported file. Private to exporters.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace panwright::exporters {
 
-// Collects textures, each once, and packs them as PNG.
+// Pool of textures, each once, packed as PNG.
 class TexturePool {
  public:
   struct Packed {
@@ -19,24 +19,25 @@ class TexturePool {
     std::string png;
   };
 
-  // What RGB stands for in the file: colours are sRGB codes there, numbers are not.
+  // Encoding of RGB in the file: colours are sRGB codes, numbers are linear.
   enum class Channel : std::uint8_t { color, number };
 
   // Both outlive the pool.
   TexturePool(const pan::Model& model, const Job& job) : model_(model), job_(job) {}
 
-  // The place, in the file, of a texture of the pan as it is. Codes are changed where the pan's
-  // mean something else.
+  // Returns the index of a pan's texture in the file. Codes are converted if the pan's encoding
+  // differs.
   std::size_t copied(std::int32_t texture, Channel channel);
 
-  // The place of a computed texture. rgba: as of Baked. Equal bytes of one name share a place.
+  // Returns the index of a computed texture. rgba: as of Baked. Equal bytes of one name share an
+  // index.
   std::size_t added(std::string name, std::uint32_t width, std::uint32_t height,
                     std::vector<std::uint8_t> rgba);
 
   // A texture of the pan; −1: one that is 1 everywhere.
   BakeSource source(std::int32_t texture) const;
 
-  // All textures, in the order of their places. Cost: O(texels).
+  // Returns all textures, in the order of their indices. Cost: O(texels).
   std::vector<Packed> packed() const;
 
  private:
@@ -57,7 +58,7 @@ class TexturePool {
   std::map<std::pair<std::int32_t, Channel>, std::size_t> copies_;
 };
 
-// The texel of a texture at (u, v), 0 to 1, v downwards; RGBA decoded, 0 to 1.
+// Returns the nearest texel of a texture at (u, v), 0 to 1, v downwards; RGBA decoded, 0 to 1.
 Vec4 nearest_texel(const BakeSource& source, double u, double v);
 
 }  // namespace panwright::exporters

@@ -7,7 +7,7 @@
 
 namespace panwright::geometry {
 
-// The items of key k are items[start[k], start[k + 1]), in ascending order.
+// Compressed rows (CSR): the items of key k are items[start[k], start[k + 1]), in ascending order.
 struct CompressedRows {
   std::vector<std::uint32_t> start;  // keys + 1
   std::vector<std::uint32_t> items;

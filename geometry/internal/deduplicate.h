@@ -31,14 +31,14 @@ struct Hashed {
   std::uint32_t hash;
 };
 
-// One table over items in ascending order. False: too many collisions.
+// Fills one table with items in ascending order. False: too many collisions.
 template <class Equal>
 bool fill_table(const Hashed* items, std::size_t count, std::vector<std::uint32_t>& table,
                 std::uint32_t* first, const Equal& equal) {
   constexpr std::uint32_t kEmpty = 0xffffffffu;
   const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count * 2));
   table.assign(slots, kEmpty);
-  // a sound table needs about 1.5 probes for each item; one that was attacked needs all of them
+  // a sound table needs about 1.5 probes for each item; one under attack needs all of them
   std::uint64_t probes_left = 32 * static_cast<std::uint64_t>(count) + 1024;
   for (std::size_t i = 0; i < count; ++i) {
     std::size_t slot = items[i].hash & (slots - 1);
@@ -55,7 +55,7 @@ bool fill_table(const Hashed* items, std::size_t count, std::vector<std::uint32_
 
 }  // namespace internal
 
-// For each of `count` items the first one that is equal to it, or nothing where too many hashes
+// Returns for each of `count` items the first one equal to it, or nothing if too many hashes
 // collide. hash(i) and equal(a, b) are called from any thread.
 //
 // Items are distributed by hash into buckets that fit a cache; each keeps the order of items.

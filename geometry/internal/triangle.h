@@ -5,7 +5,7 @@
 
 namespace panwright::geometry {
 
-// 2·area / longest edge² below this: the corners lie on one line as far as single precision knows.
+// 2·area / longest edge² below this: the corners are collinear in single precision.
 inline constexpr double kDegenerateRatio = 1e-7;
 
 struct TriangleMeasure {
@@ -18,8 +18,8 @@ struct TriangleMeasure {
 };
 TriangleMeasure measure(const Vec3& a, const Vec3& b, const Vec3& c);
 
-// The point of triangle abc nearest to the origin. Ericson, "Real-Time Collision Detection", 2005,
-// 5.1.5.
+// Returns the point of triangle abc nearest to the origin. Ericson, "Real-Time Collision
+// Detection", 2005, 5.1.5.
 Vec3 nearest_to_origin(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace panwright::geometry

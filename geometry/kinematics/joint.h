@@ -1,4 +1,4 @@
-// Joints: what they move, by how much, and which values point them at something.
+// Joints: their motions, and the values that point them at a target.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 
 namespace panwright::geometry {
 
-// The order is that of the pan file.
+// Kind of a joint, in the order of the pan file.
 enum class JointKind : std::uint8_t {
   fixed,       // no value
   revolute,    // 1: radians about the axis, between limits
-  continuous,  // 1: radians about the axis, without limits and as many turns as one likes
+  continuous,  // 1: radians about the axis, without limits, any number of turns
   prismatic,   // 1: metres along the axis
   ball,        // 3: radians about the fixed x, then y, then z: R = Rz·Ry·Rx
   general,     // 9: scale x y z, then rotation as of a ball, then translation x y z: T·R·S
-  scale,       // 1: the factor of those of x, y and z along which the axis has a part
+  scale,       // 1: the factor along x, y or z, for those where the axis has a component
 };
 inline constexpr std::size_t kJointKinds = 7;
 inline constexpr std::size_t kMaxJointValues = 9;
@@ -30,10 +30,10 @@ inline constexpr std::size_t kMaxJointValues = 9;
 using JointValues = std::array<double, kMaxJointValues>;
 
 std::size_t value_count(JointKind kind);
-// "revolute"…
+// Returns "revolute"…
 std::string_view kind_name(JointKind kind);
 std::optional<JointKind> kind_named(std::string_view name);
-// Values at which nothing moves: 0, and 1 for factors.
+// Returns the values at rest: 0, and 1 for factors.
 JointValues rest_values(JointKind kind);
 
 enum class JointUnit : std::uint8_t { radians, metres, factor };
@@ -46,37 +46,36 @@ struct Joint {
   bool limited = false;  // by lower and upper
   JointValues lower{};
   JointValues upper{};
-  // Follows another joint: value = multiplier·(value of that one) + offset. −1: none.
+  // Index of the joint to follow: value = multiplier·(value of that one) + offset. −1: none.
   std::int32_t mimic = -1;
   double multiplier = 1;
   double offset = 0;
 };
 
-// Whether one can follow another: joints of one value each.
+// Returns true if a joint can follow another: both of one value.
 bool can_mimic(const Joint& joint);
 
-// The matrix by which a joint moves what is at its node, in the node's frame: I at rest_values().
-// A rotation is Rodrigues' formula, with 1 − cos q = 2 sin²(q/2): orthogonal to 4e-16, and q and
-// −q are inverse to each other as exactly. Both from the sine and cosine of half the angle.
+// Returns the matrix of a joint's motion in its node's frame: I at rest_values(). A rotation is
+// Rodrigues' formula, with 1 − cos q = 2 sin²(q/2): orthogonal to 4e-16, and q and −q are inverse
+// to the same accuracy. Both from the sine and cosine of half the angle.
 //
 // Expects: a unit axis, finite values.
 Mat4 motion(const Joint& joint, const JointValues& values);
 
-// a·b of two affine matrices, with the bits of the full product.
+// Returns a·b of two affine matrices, with the bits of the full product.
 Mat4 affine_product(const Mat4& a, const Mat4& b);
 
-// An angle in (−π, π], from one of at most 2^53 radians, as exact as the angle was given.
+// Returns an angle in (−π, π], from one of at most 2^53 radians, as exact as the given one.
 double wrapped_angle(double angle);
 
-// The values that a joint takes for those asked for: between its limits.
+// Returns the values of a joint clamped to its limits.
 JointValues clamped(const Joint& joint, const JointValues& values);
 
-// Joints of one model, with the order in which those that follow others are worked out.
+// Joints of one model, in an order in which leaders precede followers.
 class JointSet {
  public:
-  // nullopt: a joint that follows itself, through others or not; one that follows a joint that is
-  // not there; or can_mimic() of one of the two does not hold. `wrong`, when given, is the first
-  // joint of which that is so.
+  // Returns nullopt for a joint that follows itself, directly or through others, one that follows a
+  // missing joint, or a pair without can_mimic(). `wrong`, when given, is the first such joint.
   static std::optional<JointSet> of(std::vector<Joint> joints, std::size_t* wrong = nullptr);
 
   JointSet() = default;
@@ -84,8 +83,8 @@ class JointSet {
   std::size_t size() const { return joints_.size(); }
   const Joint& operator[](std::size_t index) const { return joints_[index]; }
 
-  // The values that joints take: clamped, then those that follow others from what these have
-  // taken, clamped as well. In place: values of followers are not read.
+  // Clamps the values in place, then computes those of followers, clamped as well; given values of
+  // followers are not read.
   //
   // Expects: as many values as joints. Cost: O(joints).
   void resolve(std::span<JointValues> values) const;
@@ -97,21 +96,20 @@ class JointSet {
 
 // ---- pointing
 
-// The value of a joint about an axis that turns a direction closest to a target: the largest
-// cos(angle) between R(axis, q)·v and the target that the limits allow. Closed form: 1e-15 of the
-// angle. Where no angle is better than another (v or the target along the axis), `now`, within the
-// limits.
+// Closest pointing of a joint about an axis: the largest cos(angle) between R(axis, q)·v and the
+// target that the limits allow. Closed form: 1e-15 of the angle. If no angle is better than another
+// (v or the target along the axis), `now`, within the limits.
 //
-//   axis, v, target  any length above 0, all in the frame of the joint's node at rest
+// axis, v, target  any length above 0, all in the frame of the joint's node at rest
 struct Pointing {
   JointValues values{};
-  double error = 0;  // radians between what points and the target
+  double error = 0;  // radians between the pointing direction and the target
 };
 Pointing point_one(const Joint& joint, const Vec3& v, const Vec3& target, double now);
 
-// The same of two joints, the outer one first: R(outer, a)·M·R(inner, b)·v. Closed form
-// (Paden and Kahan's second subproblem) where both angles are within their limits; of its two
-// solutions the one that is nearer to what the joints have now. Else the best on the limits.
+// The same of two joints, the outer one first: R(outer, a)·M·R(inner, b)·v. Closed form (Paden and
+// Kahan's second subproblem) where both angles are within their limits; of its two solutions, the
+// nearer to the joints' present values. Else the best on the limits.
 //
 //   outer_from_inner  the rotation between the two at rest
 //   target            in the outer joint's frame

@@ -1,4 +1,4 @@
-// Meshes in keys and entries of caches (base/work_cache.h).
+// Serialisation of meshes for keys and entries of caches (base/work_cache.h).
 #pragma once
 
 #include "base/bytes.h"
@@ -6,12 +6,12 @@
 
 namespace panwright::geometry {
 
-// All that a mesh holds.
+// Adds all contents of a mesh.
 void add_to_key(const Mesh& mesh, KeyHasher& key);
 void write(const Mesh& mesh, ByteWriter& to);
 
-// A mesh as write() had it. The reader fails where lists are neither empty nor as long as the
-// positions, an index is out of range or a number is not finite.
+// Reads a mesh of write(). Fails on lists neither empty nor as long as the positions, indices out
+// of range, and numbers that are not finite.
 Mesh read_mesh(ByteReader& from);
 
 }  // namespace panwright::geometry

@@ -1,4 +1,4 @@
-// Mesh checks.
+// Checks of meshes.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct MeshReport {
 // Cost: O(V + T log(triangles at a vertex)) expected.
 MeshReport check(const Mesh& mesh);
 
-// Fills in whether the mesh is closed, as check() sees it.
+// Sets the mesh's closed mark, by the rules of check().
 void set_closed(Mesh& mesh);
 
 }  // namespace panwright::geometry

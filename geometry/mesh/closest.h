@@ -1,4 +1,4 @@
-// The point of a mesh nearest to another.
+// Nearest point of a mesh to another point.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct SurfacePoint {
   double distance;   // metres
 };
 
-// The point of a mesh nearest to a point, on a face, a side or a corner; of equally near triangles
-// the first. The normal is the facet's where the mesh has none or they cancel.
+// Returns the point of a mesh nearest to a point, on a face, a side or a corner; of equally near
+// triangles the first. The normal is the facet's if the mesh has none or they cancel.
 //
 //   returns  nothing for a mesh without a triangle of finite positions
 //

@@ -1,4 +1,4 @@
-// How far two meshes are apart, with bounds that hold everywhere.
+// Distances of two meshes, with bounds that hold everywhere.
 #pragma once
 
 #include <limits>
@@ -9,9 +9,9 @@
 
 namespace panwright::geometry {
 
-// What is known of a distance: it lies between the two, ends included.
+// Bounds of a distance, ends included.
 struct DistanceInterval {
-  double low = 0;   // metres: at a point that was looked at
+  double low = 0;   // metres: at a sampled point
   double high = 0;  // metres: no point is further off
 };
 
@@ -19,17 +19,17 @@ struct DistanceOptions {
   // Bounds are narrowed until high ≤ (1 + relative) · low or low + absolute, but for rounding.
   double relative = 0.1;
   double absolute = 0;  // metres
-  // Nearest points that are looked for at most, for each triangle of both meshes, and 1024 more for
-  // each 4096 of them. Where they don't suffice, bounds stay apart.
+  // Limit of nearest-point searches: this many for each triangle of both meshes, and 1024 more for
+  // each 4096 of them. Beyond it bounds stay apart.
   double searches = 64;
-  // Metres: the distance is of no interest where it is more. low is then any point's that is off so
-  // far, high infinite.
+  // Metres: early exit for larger distances. low is then the distance of some such point, high
+  // infinite.
   double give_up = std::numeric_limits<double>::infinity();
 };
 
 class SurfaceSearch;
 
-// A mesh that is prepared for measuring, which must outlive it.
+// Mesh prepared for measuring, which must outlive it.
 //
 // Expects: indices in range, finite positions within ±1e100. Cost: 260 bytes a triangle.
 class MeasuredMesh {
@@ -47,45 +47,43 @@ class MeasuredMesh {
 };
 
 // The two-sided Hausdorff distance: the largest distance of a point of one surface from the other
-// surface. Triangles without area count as the segments and points that they are; it doesn't matter
-// how triangles hang together.
+// surface. Triangles without area count as segments or points; connectivity does not matter.
 //
-// Branch and bound: triangles of each mesh are cut at midpoints and where the triangle of the
-// other mesh next to a corner ends, until no piece can be further off than the interval says. A
-// piece is at most as far from the other surface as its corners are from any one triangle of it,
-// since the distance from a convex set is convex; and at most as far as its corners, plus the
-// radius of the circle around it, since the distance is 1-Lipschitz.
+// Branch and bound: triangles of each mesh are cut until no piece can exceed the interval, at
+// midpoints and at the ends of the other mesh's nearby triangles. Two bounds of a piece: its
+// corners' distances from any one triangle of the other surface, since the distance from a convex
+// set is convex; and its corners' distances plus the radius of its circumcircle, since the distance
+// is 1-Lipschitz.
 //
-//   returns  low: right to rounding, 32 ulps of the largest coordinate. high: with those added
-//            both infinite where one mesh has no triangles, 0 where neither has
+//   returns  low: right to rounding, 32 ulps of the largest coordinate. high: with those added both
+//            infinite if one mesh has no triangles, 0 if neither has
 //
-// Equal for any number of threads. Under rigid motion both ends stay the same to rounding, but
-// where several triangles are equally near: there rounding decides how pieces are cut, and the
-// interval may become another one around the same distance. Cost: O((T + searches) log T),
-// expected.
+// Equal for any number of threads. Rigid motion keeps both ends to rounding, unless several
+// triangles are equally near: then rounding decides the cuts, and the interval may change around
+// the same distance. Cost: O((T + searches) log T), expected.
 DistanceInterval hausdorff_distance(const MeasuredMesh& a, const MeasuredMesh& b,
                                     const DistanceOptions& options = {}, const Job& job = {});
 
-// One side of it: from points of a mesh to the other.
+// Returns the one-sided distance, from points of a mesh to the other.
 DistanceInterval distance_from(const MeasuredMesh& from, const MeasuredMesh& to,
                                const DistanceOptions& options = {}, const Job& job = {});
 
-// How much the normals of a mesh and of what stands for it differ.
+// Difference of the normals of a mesh and of its replacement.
 struct NormalError {
   double rms = 0;      // radians, by area
-  double largest = 0;  // radians, of what was looked at
+  double largest = 0;  // radians, of the samples
 };
 
-// Shading normals, of facets where there are none: in the middle of the mesh's triangles (of 32768
-// spread evenly, where there are more) against those of the other one at the nearest point of the
-// facets within `reach` (metres) that look to the same side, for the two sides of a sheet are near
-// each other; at the nearest of all where there is none.
+// Compares shading normals, or facet normals without them, in the middle of the mesh's triangles
+// (of 32768 spread evenly, if there are more). The counterpart is the nearest point within `reach`
+// (metres) on facets that look to the same side; else the nearest of all. The two sides of a sheet
+// are near each other.
 NormalError normal_error(const MeasuredMesh& mesh, const MeasuredMesh& other, double reach,
                          const Job& job = {});
 
-// The largest difference that the projected areas of two meshes have, over 64 directions spread
-// over the half sphere, as a share of the first one's largest. Projected area counts every surface
-// that a line meets, halved: of a closed convex mesh it is that of the silhouette, of others more.
+// Returns the largest difference of the projected areas of two meshes, over 64 directions of the
+// half sphere, as a share of the first one's largest. Projected area counts every surface along a
+// line, halved: the silhouette of a closed convex mesh, more for others.
 double projected_area_error(const Mesh& mesh, const Mesh& other, const Job& job = {});
 
 }  // namespace panwright::geometry

@@ -22,21 +22,22 @@ struct Faces {
   std::vector<double> areas;          // m²
   std::vector<std::array<std::uint32_t, 3>>
       neighbours;                  // across the edge from corner k; or kNoNeighbour
-  std::vector<bool> non_manifold;  // touches an edge that is
+  std::vector<bool> non_manifold;  // touches a non-manifold edge
   std::size_t without_area = 0;
 };
 
-//   weld    metres between vertices that are one; 0: 1e-6 of the diagonal of what is chosen
+//   weld    metres within which vertices are welded; 0: 1e-6 of the diagonal of the chosen
+//           triangles
 //
 // Expects: finite positions, indices in range, `chosen` ascending and not empty. Cost: O(T log T).
 Faces chosen_faces(const Mesh& mesh, std::span<const std::uint32_t> chosen, double weld);
 
 using FaceGroup = std::vector<std::uint32_t>;  // indices of Faces::triangles, ascending
 
-// Faces of `among` that are connected over edges whose normals' cosine is `least` or more.
+// Returns faces of `among` connected over edges whose normals' cosine is `least` or more.
 std::vector<FaceGroup> connected(const Faces& faces, const FaceGroup& among, double least);
 
-// The connected flat parts of a group that hold `share` of its area or more.
+// Returns the connected flat parts of a group with `share` of its area or more.
 std::vector<FaceGroup> flat_parts(const Faces& faces, const FaceGroup& group, double share,
                                   double tolerance);
 

@@ -10,7 +10,7 @@
 
 namespace panwright::geometry {
 
-// Where the directions of a face's coordinates come from.
+// Source of a face's coordinates.
 enum class FaceLayout : std::uint8_t {
   none,       // it has none
   file,       // its texture coordinates, which are unsheared and lie along its longest border edge
@@ -21,9 +21,8 @@ struct FlatFace {
   FaceLayout layout = FaceLayout::none;
   double area = 0;  // m²
   // Coordinates of a point p, metres: (u·p + origin.x, v·p + origin.y). u and v are perpendicular
-  // unit vectors along the face and its longest border edge. rectangle: they run from 0 to the
-  // sides, right-handed from outside, u along the longer side. file: u, v and the point 0, 0 as the
-  // file has them.
+  // unit vectors along the face and its longest border edge. rectangle: from 0 to the sides,
+  // right-handed from outside, u along the longer side. file: u, v and the point 0, 0 of the file.
   Vec3 u{0};
   Vec3 v{0};
   Vec2 origin{0};
@@ -36,13 +35,13 @@ struct FlatFaces {
   std::vector<FlatFace> faces;         // largest triangle first
 };
 
-// Limits of what counts as flat, straight, unsheared and aligned.
+// Limits of flat, straight, unsheared and aligned faces.
 struct FlatFaceLimits {
   double cos_flat = 0.99984769515639124;  // cos 1°: normals of a face against its largest triangle
   double sin_flat = 0.017452406437283512;  // sin 1°: bends of an edge; coordinates against edges
   double flat = 1e-4;      // of the diagonal of the bounds: distance from a face's plane
   double stretch = 1.01;   // of coordinates: largest stretch / smallest
-  double residual = 0.01;  // of √area: distance of coordinates from the affine map that fits
+  double residual = 0.01;  // of √area: distance of coordinates from the fitted affine map
   double border = 5e-3;    // of the shorter side: distance of a border from its rectangle
 };
 

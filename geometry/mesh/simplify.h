@@ -1,4 +1,4 @@
-// Meshes with fewer triangles.
+// Simplification of meshes.
 #pragma once
 
 #include <cstdint>
@@ -8,36 +8,36 @@
 
 namespace panwright::geometry {
 
-// Simplifies a mesh in steps, each from the one before. Vertices are some of the mesh's, where they
-// were, with their texture coordinates and colours; of the normals that the mesh has at a place the
-// one is taken that is nearest to the facet's.
-// Triangles stay together where they did, by position: a seam of texture coordinates or colours
-// moves as one.
+// Simplifier of a mesh in steps, each from the one before. Vertices are some of the mesh's,
+// unmoved, with their texture coordinates and colours; of the normals at a position, the nearest to
+// the facet's. Triangles stay connected by position: a seam of texture coordinates or colours moves
+// as one.
 //
 // Edges collapse by the sum of squared distances from planes (Garland, Heckbert, "Surface
-// simplification using quadric error metrics", 1997): meshopt_simplify. Its measure of error is
-// no bound (hausdorff_distance() is). It works in single precision on coordinates about the centre
-// of the bounds, divided by their largest side: what it makes of a mesh may change with its version
-// and under rotation.
+// simplification using quadric error metrics", 1997): meshopt_simplify. Its measure of error is no
+// bound (hausdorff_distance() is). It works in single precision on coordinates about the centre of
+// the bounds, divided by their largest side: its result may change with its version and under
+// rotation.
 class Simplifier {
  public:
-  // lock_border  edges of one triangle stay as they are: another mesh may go on there
+  // lock_border  edges of one triangle stay as they are, for a neighbouring mesh
   // Expects: indices in range, finite numbers within ±1e100, 3*T < 2^32. The mesh must outlive it.
   Simplifier(const Mesh& mesh, bool lock_border);
   ~Simplifier();
   Simplifier(Simplifier&&) noexcept;
   Simplifier& operator=(Simplifier&&) noexcept;
 
-  // Triangles that are left; at first those of the mesh whose corners are apart.
+  // Returns the number of triangles left; at first those with distinct corners.
   std::size_t triangles() const;
-  // The largest side of the mesh's bounds, metres.
+  // Returns the largest side of the mesh's bounds, metres.
   double size() const;
 
   // Collapses edges while there are more triangles than `target`, and each costs up to `error`
   // (metres, by its own measure). Returns the largest cost.
   double step(std::size_t target, double error);
 
-  // What is left. closed as check() sees it, error 0. Cost: O(V + T log T) of the whole mesh.
+  // Returns the simplified mesh. closed as of check(), error 0. Cost: O(V + T log T) of the whole
+  // mesh.
   Mesh mesh() const;
 
  private:

@@ -1,4 +1,4 @@
-// Triangle strips, and normals of meshes that have none.
+// Triangle strips, and computed normals of meshes.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,8 @@
 
 namespace panwright::geometry {
 
-// Appends the triangles of a strip: the first is (0,1,2), winding alternates. Triangles that
-// repeat an index are left out; they still count for the alternation. Returns how many were left
-// out.
+// Appends the triangles of a strip: the first is (0,1,2), winding alternates. Triangles that repeat
+// an index are left out but count for the alternation. Returns the number left out.
 std::uint64_t append_strip(std::span<const std::uint32_t> strip, std::vector<Triangle>& triangles);
 
 // Gives a mesh unit normals by angle-weighted averaging over neighbours (Thürmer and Wüthrich,
@@ -22,7 +21,7 @@ std::uint64_t append_strip(std::span<const std::uint32_t> strip, std::vector<Tri
 //
 //   mesh  normals are replaced; the first group of facets that uses a vertex keeps it, others get
 //         copies behind the last vertex, in order of first use; triangles keep their order. A
-//         vertex without any facet that has area gets (0, 0, 1).
+//         vertex with only degenerate facets gets (0, 0, 1).
 //
 // Expects: indices in range; V + 3*T < 2^32. Cost: O(V + T log(triangles at a vertex)) expected.
 void compute_normals(Mesh& mesh, double crease_angle);

@@ -1,4 +1,4 @@
-// Axis-aligned boxes that rays are tested against, in double.
+// Tree of axis-aligned boxes for rays, in double.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace panwright::geometry {
 
-// An axis-aligned box; as made, without any point.
+// Axis-aligned box; default: empty.
 struct AxisBox {
   Vec3 low{std::numeric_limits<double>::infinity()};
   Vec3 high{-std::numeric_limits<double>::infinity()};
@@ -31,7 +31,7 @@ struct AxisBox {
     low -= by;
     high += by;
   }
-  // Whether another box comes within a distance along every axis; an empty one never does.
+  // Returns true if another box comes within a distance along every axis; an empty one never does.
   bool meets(const AxisBox& other, double within = 0) const {
     for (int k = 0; k < 3; ++k)
       if (!(low[k] <= other.high[k] + within && other.low[k] <= high[k] + within)) return false;
@@ -39,25 +39,24 @@ struct AxisBox {
   }
 };
 
-// A tree over boxes, halved by number along the longest side of their centres. Whoever makes the
-// boxes widens them by what rounding is worth: the slabs here are not.
+// Tree over boxes, halved by number along the longest side of their centres. Callers widen boxes by
+// the rounding error: the slabs here are not widened.
 //
 // Cost: about 130 bytes a box; O(log boxes) a ray, expected.
 class BoxTree {
  public:
-  // Empty boxes are left out; the others keep their indices.
+  // Builds the tree. Empty boxes are left out; the others keep their indices.
   void build(std::vector<AxisBox> boxes);
 
-  // Calls visit(index) for every box that a ray enters at a distance in [from, to], the near ones
-  // first where that is cheap to know, until it returns true.
+  // Calls visit(index) for every box that a ray enters at a distance in [from, to], roughly from
+  // near to far, until it returns true.
   //
-  //   to  may shrink while visit() runs: what begins further off is then left out
+  //   to  may shrink while visit() runs: boxes beyond are then skipped
   template <class Visit>
   void search(const Vec3& origin, const Vec3& direction, double from, const double& to,
               Visit&& visit) const;
 
-  // Calls visit(index) for every box that a point is at most so far from, the near ones first where
-  // that is cheap to know.
+  // Calls visit(index) for every box within a distance of a point, roughly from near to far.
   //
   //   squared  m²: of the distance; may shrink while visit() runs
   template <class Visit>
@@ -75,7 +74,7 @@ class BoxTree {
 
   void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
 
-  // Distance at which a ray enters a box; infinity: not within [from, to].
+  // Returns the distance at which a ray enters a box; infinity: not within [from, to].
   static double entry(const AxisBox& box, const Vec3& origin, const Vec3& inverse, double from,
                       double to) {
     for (int axis = 0; axis < 3; ++axis) {

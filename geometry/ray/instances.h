@@ -1,4 +1,4 @@
-// Ray casting among placements of shared meshes, exact at any distance.
+// Ray casting among instances of shared meshes, exact at any distance.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ struct InstanceHit {
   std::uint32_t instance = 0;  // as returned by add()
   std::uint32_t triangle = 0;  // in the mesh
   Vec2 barycentric{0};         // weights of the second and third corner, in the triangle
-  bool front = true;           // its outside is seen: counter-clockwise in the mesh's frame
+  bool front = true;           // hit from outside: counter-clockwise in the mesh's frame
 };
 
-// Which hits count: all, or those that `counts` accepts. It is called for instances added with it
-// only, from any thread, not in the order of distance, and maybe more than once for one hit.
+// Filter of hits: all, or those accepted by `counts`. Called only for instances added with it, from
+// any thread, not in the order of distance, perhaps repeatedly for one hit.
 struct HitFilter {
   bool (*counts)(const void* data, const InstanceHit& hit) = nullptr;
   const void* data = nullptr;
@@ -39,13 +39,13 @@ SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triang
 
 // Meshes that are stored once and placed many times.
 //
-// A ray goes into each mesh's own frame in double and is moved next to the mesh; there it is
-// decided in double, outlines inside. So neither the distance of a ray's origin nor other instances
-// costs precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to
-// the rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads
-// away from it never hits it. No ray slips between triangles of one mesh that share an edge or a
-// corner, by position. Triangles that are seen edge on, or have no area, are not hit. At equal
-// distances the lower instance, then the lower triangle is given.
+// A ray is transformed into each mesh's frame and moved next to the mesh, then tested in double,
+// outlines included. So neither the distance of its origin nor other instances cost precision: a
+// hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to the rounding of
+// the origin's coordinates. A ray that leads away from a triangle never hits it. No ray slips
+// between triangles of one mesh that share an edge or a corner, by position. Edge-on triangles and
+// those without area are not hit. At equal distances the lower instance, then the lower triangle
+// wins.
 //
 // Cost: about 80 bytes a triangle of a mesh and 400 an instance; O(log instances + log T) a ray,
 // expected. Embree 3 within a mesh; among them a tree of boxes in double.
@@ -59,12 +59,12 @@ class InstanceCaster {
   // Copies a mesh. Returns 0, 1, 2…
   // Expects: indices in range; positions finite and within ±1e100.
   std::uint32_t add_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles);
-  // Shares a mesh, which is not built again. Expects: not null.
+  // Shares a mesh without rebuilding it. Expects: not null.
   std::uint32_t add_mesh(SearchMesh mesh);
 
   // Places a mesh; world_from_mesh may mirror, stretch and flatten. Returns 0, 1, 2…
   //
-  //   asked    whether filters are called for its hits
+  //   asked    true: filters are called for its hits
   //   Expects  finite world positions, within ±1e100; before build()
   std::uint32_t add(std::uint32_t mesh, const Mat4& world_from_mesh, bool asked);
 
@@ -72,10 +72,10 @@ class InstanceCaster {
   // called again then.
   void build(const Job& job = {});
 
-  // The nearest hit that counts within the ray's range, both ends included.
+  // Returns the nearest accepted hit within the ray's range, both ends included.
   // Expects: a unit direction.
   std::optional<InstanceHit> closest(const Ray& ray, const HitFilter& filter = {}) const;
-  // Whether closest() has a hit, sooner.
+  // Returns true if closest() has a hit, faster.
   bool any(const Ray& ray, const HitFilter& filter = {}) const;
 
  private:

@@ -1,4 +1,4 @@
-// Rays.
+// Ray.
 #pragma once
 
 #include "base/math.h"

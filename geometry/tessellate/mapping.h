@@ -11,11 +11,10 @@ namespace panwright::geometry {
 //   mesh               texcoords are replaced; vertices are added, never moved or renumbered
 //   texture_from_mesh  affine
 //
-// A triangle takes the smallest arc that holds its corners; where that crosses the meridian u = 0,
-// the corners east of it get vertices of their own, with u + 1. A vertex on
-// the axis has no longitude: each triangle gets its own, with the mean u of the other corners.
-// Added vertices stand behind the others in order of first use. Expects: indices in range.
-// Cost: O(V + T).
+// A triangle takes the smallest arc that holds its corners; if it crosses the meridian u = 0, the
+// corners east of it get vertices of their own, with u + 1. A vertex on the axis has no longitude:
+// each triangle gets its own, with the mean u of the other corners. Added vertices stand behind the
+// others in order of first use. Expects: indices in range. Cost: O(V + T).
 void apply_sphere_mapping(Mesh& mesh, const Mat4& texture_from_mesh);
 
 // Gives a mesh texture coordinates as a Box has them, over the bounds of the mesh: each triangle

@@ -1,4 +1,4 @@
-// Exact shapes, as the author gave them.
+// Exact shapes, as authored.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace panwright::geometry {
 
-// All shapes stand about the origin, their axis on z unless it says otherwise; lengths in metres,
-// angles in radians. Plain data: problem_of() says what is wrong with one. Those with texture
-// coordinates by parameter say which; (0, 0) is the texture's bottom left, and u runs eastward,
-// counter-clockwise seen from +z, so that textures are not mirrored from outside.
+// All shapes stand about the origin, their axis on z unless stated otherwise; lengths in metres,
+// angles in radians. Plain data, validated by problem_of(). Shapes with texture coordinates by
+// parameter name them; (0, 0) is the texture's bottom left, and u runs eastward, counter-clockwise
+// seen from +z, so that textures are not mirrored from outside.
 
 // Angles about the z axis, from the first to the last, counter-clockwise from +x.
 struct Sector {
@@ -28,19 +28,19 @@ struct Sector {
   bool operator==(const Sector&) const = default;
 };
 
-// Explicit tessellation; 0: as many as the allowed error needs. Given counts are obeyed exactly,
-// and vertices then stand on the shape.
+// Explicit tessellation; 0: by the allowed error. Given counts are obeyed exactly, and vertices
+// then stand on the shape.
 struct Counts {
   std::uint32_t around = 0;  // segments about the axis, over the sector; ≥ 3 for a whole turn
   std::uint32_t along = 0;   // segments along a curved profile
   bool operator==(const Counts&) const = default;
 };
 
-// Which ends of a shape along z are covered by a flat face.
+// Ends of a shape along z covered by a flat face.
 enum class Caps : std::uint8_t { both, none, bottom, top };
 
-// Explicit tessellation of a sphere: rings latitude bands from pole to pole, quads segments around
-// the axis, the first meridian at +x. 2·quads·(rings−1) triangles.
+// Explicit tessellation of a sphere: latitude bands from pole to pole, and segments around the
+// axis, the first meridian at +x. 2·quads·(rings−1) triangles.
 struct SphereCounts {
   std::uint32_t rings;  // ≥ 2
   std::uint32_t quads;  // ≥ 3
@@ -51,7 +51,7 @@ struct SphereCounts {
 // open surface then. u = longitude over the sector, v = latitude from lowest to highest.
 struct Sphere {
   double radius = 1;                   // > 0
-  std::optional<SphereCounts> counts;  // none: as many as the allowed error needs
+  std::optional<SphereCounts> counts;  // none: by the allowed error
   double latitude_min = -kPi / 2;      // −π/2 ≤ min < max ≤ π/2
   double latitude_max = kPi / 2;
   Sector sector = {};
@@ -61,18 +61,17 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-// u, v as for the sphere, by the parameters of x = a cos v cos u, y = b cos v sin u, z = c sin v.
+// Ellipsoid. u, v as for the sphere: x = a cos v cos u, y = b cos v sin u, z = c sin v.
 struct Ellipsoid {
   Vec3 radii{1};  // each > 0
   Counts counts = {};
   bool operator==(const Ellipsoid&) const = default;
 };
 
-// A block; bevelled edges are flat at 45 degrees, rounded ones arcs of that radius with spherical
+// Block; bevelled edges are flat at 45 degrees, rounded ones arcs of that radius with spherical
 // corners. Each face has its own unit square of texture, seen upright from outside: for the faces
 // ±x and ±y with +z up, for ±z with +y up. Bevels continue the larger face they meet, of equals
-// that of the first axis. The flat parts of faces are exact, whatever the error allowed to round
-// ones.
+// that of the first axis. Flat parts of faces are exact, whatever the allowed error.
 struct Box {
   Vec3 size{1};        // each > 0
   double bevel = 0;    // 0 ≤ bevel ≤ half of the smallest size
@@ -80,9 +79,9 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-// From z = −height/2 to height/2. u = angle over the sector, v = height; caps: as a Disc, each seen
-// from outside with +y up. A sector with both caps is closed by two flat walls through the axis:
-// u from the axis, v = height, seen from outside.
+// Cylinder from z = −height/2 to height/2. u = angle over the sector, v = height; caps: as a Disc,
+// each seen from outside with +y up. A sector with both caps is closed by two flat walls through
+// the axis: u from the axis, v = height, seen from outside.
 struct Cylinder {
   double radius = 1;  // > 0
   double height = 1;  // > 0
@@ -143,12 +142,11 @@ struct Plane {
 };
 
 // A pipe of circular section along a path. Corners of a polyline are mitred; a spline passes
-// through its points (centripetal Catmull-Rom, straight on beyond its ends) and must not bend
-// sharper than the radius. u = angle about the path, v = length along it. Frames do not turn about
-// the path. Angle 0 at its begin is along the axis x, y or z that is furthest from the path there,
-// the first of equals (a pipe along z begins at +x); what frames of a closed path have turned when
-// they come back is spread over its length, whole segments excepted. Caps: as a Disc, seen from
-// outside.
+// through its points (centripetal Catmull-Rom, straight on beyond its ends) with no radius of
+// curvature below the pipe's radius. u = angle about the path, v = length along it. Frames do not
+// turn about the path. Angle 0 at its begin is along the axis x, y or z that is furthest from the
+// path there, the first of equals (a pipe along z begins at +x); the twist of a closed path's
+// frames is spread over its length, except whole segments. Caps: as a Disc, seen from outside.
 struct Tube {
   std::vector<Vec3> path;   // 2 or more, neighbours apart; closed: 3 or more
   double radius = 0.01;     // > 0
@@ -199,7 +197,7 @@ struct Polygons {
   bool operator==(const Polygons&) const = default;
 };
 
-// The sharpness from which on creases and corners stay sharp at every level.
+// Sharpness from which on creases and corners stay sharp at every level.
 inline constexpr double kInfinitelySharp = 10;
 
 // The limit surface of a cage under Catmull-Clark subdivision ("Recursively generated B-spline
@@ -214,18 +212,18 @@ struct Subdiv {
     std::vector<std::uint32_t> texcoords;  // one for each corner, each < the texcoords; or empty
     bool operator==(const Face&) const = default;
   };
-  // Over so many levels a crease is subdivided as a curve of its own, with a fraction at the last.
+  // Crease: subdivided as a curve of its own over `sharpness` levels, with a fraction at the last.
   struct Crease {
     std::vector<std::uint32_t> path;      // 2 or more: each with the next an edge of the cage
     double sharpness = kInfinitelySharp;  // 0 to kInfinitelySharp; kept in single precision
     bool operator==(const Crease&) const = default;
   };
   struct Corner {
-    std::vector<std::uint32_t> vertices;  // stay where they are, over so many levels
+    std::vector<std::uint32_t> vertices;  // fixed, over `sharpness` levels
     double sharpness = kInfinitelySharp;
     bool operator==(const Corner&) const = default;
   };
-  std::vector<Vec3> positions;  // V; those that no face uses do nothing
+  std::vector<Vec3> positions;  // V; unused ones have no effect
   std::vector<Vec2> texcoords;
   std::vector<Face> faces;  // 1 or more
   std::vector<Crease> creases;
@@ -243,38 +241,37 @@ using MeshShape = std::shared_ptr<const Mesh>;
 using Shape = std::variant<Sphere, MeshShape, Ellipsoid, Box, Cylinder, Cone, Disc, Torus, Dish,
                            Plane, Tube, Lathe, Extrude, Polygons, Subdiv>;
 
-// "sphere", "mesh", "box"…: the name of its element in the language.
+// Returns the name of a shape's element in the language: "sphere", "mesh", "box"….
 std::string_view kind_name(const Shape& shape);
 
-// What is wrong with a shape, and with which of its parts.
+// Problem of a shape, and the part that has it.
 struct ShapeProblem {
   Code code;  // E2001, E2002, E2010 to E2018, E2026, E2027; W2006, W2007, W2009, W2019, W2028
   std::string message;    // one lower-case sentence
   std::string_view part;  // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
-  std::size_t item = 0;   // of a list: which point, hole, face, crease or corner
-  std::size_t sub_item = 0;  // of a hole or crease: which point
+  std::size_t item = 0;   // index in a list: of a point, hole, face, crease or corner
+  std::size_t sub_item = 0;  // index of a point in a hole or crease
 };
 
-// The first thing that is wrong with a shape by the rules above, or nothing. Meshes are not
-// examined. Exact where it decides: a crossing is a crossing, a touch of an outline with itself
-// too.
+// Returns the first problem of a shape by the rules above, or nothing. Meshes are not examined.
+// Decisions are exact, for crossings and for touches of an outline with itself.
 //
 // Cost: O(points log points) for outlines, else O(points).
 std::optional<ShapeProblem> problem_of(const Shape& shape);
 
-// What is rarely meant in a shape that has no problem: parts so thin that their triangles have no
-// area (as in MeshReport), closed polygons and lathes that are inside out, faces that look
-// opposite ways, profiles that run through themselves (of splines, 16 chords for each piece). Each
-// kind once. Meshes are not examined.
+// Returns warnings of a shape without problems: parts so thin that their triangles have no area (as
+// in MeshReport), inverted closed polygons and lathes; faces that look opposite ways; profiles that
+// run through themselves (of splines, 16 chords for each piece). Each kind once. Meshes are not
+// examined.
 //
 // Cost: O(points log points), of profiles that go to and fro O(points²), up to 20 million pairs.
 std::vector<ShapeProblem> shape_warnings_of(const Shape& shape);
 
-// Whether the surface has no border, by its parameters. A mesh: as it says.
+// Returns true if the surface has no border, by its parameters. A mesh: its closed mark.
 bool is_closed(const Shape& shape);
 
-// How a cage bends: the area of its faces, m², and its total mean curvature, m: half of the length
-// of each edge times the angle, 0 to π, by which the faces there turn; borders count nothing.
+// Bending of a cage: the area of its faces, m², and its total mean curvature, m: half of the length
+// of each edge times the angle, 0 to π, between its faces; borders count nothing.
 //
 // Expects: no problem_of(shape). Cost: O(corners log corners).
 struct CageTurn {
@@ -283,7 +280,7 @@ struct CageTurn {
 };
 CageTurn turn_of(const Subdiv& shape);
 
-// Equal shapes have equal hashes; 128 bits make others differ.
+// Returns a 128-bit hash; equal shapes have equal ones.
 Hash128 hash_of(const Shape& shape);
 
 }  // namespace panwright::geometry

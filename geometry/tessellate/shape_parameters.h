@@ -1,5 +1,4 @@
-// The parameters of shapes by the names that the language gives them: one list for whoever reads,
-// writes or hashes them.
+// Parameters of shapes by their names in the language: one list for readers, writers and hashes.
 #pragma once
 
 #include <concepts>
@@ -12,11 +11,10 @@ namespace panwright::geometry {
 template <class S, class T>
 concept AnyOf = std::same_as<std::remove_const_t<S>, T>;
 
-// Calls visit(name, members…) for each parameter of a shape, in the order in which files are
-// written: with one or more doubles, or a Vec3, in metres and radians; with a bool or Caps, which
-// is the index of its word; with a std::uint32_t, a count, 0 where there is none; with a list of
-// points or of faces. Members of a const shape are const. A parameter may be one that the language
-// does not have for the shape, as `rings` of a cylinder.
+// Calls visit(name, members…) for each parameter of a shape, in the order of written files: with
+// one or more doubles, or a Vec3, in metres and radians; with a bool or Caps, which is the index of
+// its word; with a std::uint32_t, a count, 0 if absent; with a list of points or of faces. Members
+// of a const shape are const. Some parameters are not in the language, as `rings` of a cylinder.
 template <AnyOf<Sphere> S, class Visit>
 void visit_parameters(S& s, Visit&& visit) {
   SphereCounts counts = s.counts.value_or(SphereCounts{0, 0});

@@ -14,7 +14,7 @@ struct DataUri {
 
 bool is_data_uri(std::string_view uri);
 
-// What a data URI holds; nothing when it is not well formed. Expects: is_data_uri(uri).
+// Decodes a data URI; nothing if malformed. Expects: is_data_uri(uri).
 std::optional<DataUri> data_of(std::string_view uri);
 
 }  // namespace panwright::importers::gltf

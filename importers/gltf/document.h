@@ -1,4 +1,4 @@
-// A glTF file while it is read: its JSON, buffers, views and accessors. Private to importers/gltf.
+// glTF file in memory: its JSON, buffers, views and accessors. Private to importers/gltf.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct Buffer {
   std::uint64_t declared = 0;
 };
 
-// A run of a buffer. Compressed ones hold what was decoded.
+// Range of a buffer. Compressed ones hold the decoded bytes.
 struct View {
   std::span<const std::byte> bytes;
   std::shared_ptr<std::vector<std::byte>> decoded;
@@ -43,7 +43,7 @@ struct Sparse {
   std::uint64_t value_offset = 0;
 };
 
-// Numbers of a view, all of them within it when sound.
+// Numbers of a view, all of them within it when valid.
 struct Accessor {
   int component = 5126;  // GL's number: 5120 byte … 5126 float
   int width = 1;         // numbers of an element
@@ -61,7 +61,7 @@ struct Accessor {
   bool is_float() const { return component == 5126; }
 };
 
-std::size_t component_bytes(int component);  // 0: there is no such type
+std::size_t component_bytes(int component);  // 0: no such type
 
 struct Document {
   Document(Files& store, const InputFile& input, const Options& wishes, DiagnosticLog& diagnostics)
@@ -98,20 +98,20 @@ struct Document {
     report(code, at->offset, object, std::move(message), std::move(hint));
   }
 
-  // The value that a JSON pointer names, or the last one on the way that is still there.
+  // Returns the value at a JSON pointer, or the last existing one on the way.
   const Json& nearest(std::string_view object) const;
 
-  // Counts bytes that are about to be allocated. False, once reported as E6002: over the limit.
+  // Counts bytes before allocation. False, once reported as E6002: over the limit.
   bool charge(std::uint64_t bytes, const std::string& object);
 };
 
-// "/meshes/3".
+// Returns "/meshes/3".
 std::string pointer(std::string_view collection, std::size_t index);
 
 // ---- the passes, in this order
 
-// Schema of glTF 2.0 and of the extensions that are read: types, ranges, references. What does not
-// hold is reported and taken out of the tree, or marked as broken, so that the rest can be read.
+// Schema of glTF 2.0 and of the extensions that are read: types, ranges, references. Invalid values
+// are reported and removed from the tree, or marked as broken, so that the rest can be read.
 // Reports E6204, E6205, W6215.
 void check_schema(Document& document);
 

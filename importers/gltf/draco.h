@@ -13,7 +13,7 @@
 
 namespace panwright::importers::gltf {
 
-// What the head of a Draco stream promises, read without decoding anything.
+// Head of a Draco stream, read without decoding.
 struct DracoHead {
   bool mesh = false;  // or a cloud of points
   std::uint64_t faces = 0;
@@ -21,25 +21,25 @@ struct DracoHead {
 };
 std::optional<DracoHead> draco_head(std::span<const std::byte> bytes);
 
-// How the numbers of an attribute are read.
+// Decoding of an attribute's numbers.
 struct DracoAttribute {
   std::uint32_t id = 0;       // Draco's unique one
   double scale = 1;           // of normalised integers
   bool clamped = false;       // at −1
   double* numbers = nullptr;  // width · points, filled in
-  std::size_t width = 3;      // numbers of an element there; attributes that have fewer leave 0
+  std::size_t width = 3;      // numbers of an element; missing ones stay 0
 };
 
-// A decoded stream. The library's own types stay in the one file that includes it.
+// A decoded stream. The library's own types stay in one source file.
 class DracoMesh {
  public:
-  // Decodes; nothing when the stream is damaged, and a message then.
+  // Decodes; nothing, with a message, for a damaged stream.
   static std::optional<DracoMesh> decoded(std::span<const std::byte> bytes, std::string& problem);
 
   std::uint64_t points() const;
   std::uint64_t faces() const;
   std::vector<geometry::Triangle> triangles() const;
-  // False: there is no such attribute.
+  // Reads an attribute. False: there is none.
   bool read(const DracoAttribute& attribute) const;
 
  private:

@@ -13,7 +13,7 @@ struct Json {
   enum class Kind : std::uint8_t { null, boolean, number, string, array, object };
 
   Kind kind = Kind::null;
-  bool broken = false;  // the schema pass could not make sense of it
+  bool broken = false;  // invalid by the schema
   bool integral = false;
   std::uint32_t offset = 0;  // of the value's last byte; of the first of arrays and objects
   double number = 0;         // booleans: 0 or 1
@@ -22,10 +22,10 @@ struct Json {
   std::vector<std::string> keys;  // of an object: as many as items, no two the same
 
   bool is(Kind k) const { return kind == k; }
-  const Json* find(std::string_view key) const;  // null: not there, or no object
+  const Json* find(std::string_view key) const;  // null: missing, or no object
   Json* find(std::string_view key);
   void erase(std::string_view key);
-  // Elements of the array of that name; none when it is not there.
+  // Returns the elements of the array of that name; none if missing.
   const std::vector<Json>& list(std::string_view key) const;
 };
 
@@ -36,8 +36,8 @@ struct JsonProblem {
 
 struct ParsedJson {
   Json root;
-  std::vector<JsonProblem> repeated;   // keys that stand twice in one object; the last one counts
-  std::optional<JsonProblem> problem;  // none: all went well
+  std::vector<JsonProblem> repeated;   // keys repeated in one object; the last one counts
+  std::optional<JsonProblem> problem;  // none: valid
 };
 
 // Parses JSON, at most `depth` deep and `values` long. Cost: O(bytes).

@@ -1,4 +1,4 @@
-// Meshes: what is wrong with them, and their triangles. Private to importers/gltf.
+// Checks and triangles of meshes. Private to importers/gltf.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -10,11 +10,11 @@
 
 namespace panwright::importers::gltf {
 
-// Attributes, counts, formats, targets and material of every primitive. What cannot be read is
-// taken out of the tree. Reports E6206, E6207, E6211, W6212, W6215, W6009.
+// Checks attributes, counts, formats, targets and material of every primitive. Removes unreadable
+// ones from the tree. Reports E6206, E6207, E6211, W6212, W6215, W6009.
 void check_meshes(Document& document);
 
-// Which texture coordinates a surface gets: a set, under KHR_texture_transform.
+// Texture coordinates of a surface: a set, under KHR_texture_transform.
 struct TexcoordChoice {
   int set = -1;  // −1: none
   Vec2 offset{0};
@@ -23,7 +23,7 @@ struct TexcoordChoice {
   bool operator==(const TexcoordChoice&) const = default;
 };
 
-// What follows joints: the weights of each vertex, in sets of four.
+// Skin: the weights of each vertex, in sets of four.
 struct SkinWeights {
   std::vector<Vec4> joints;   // V·sets
   std::vector<Vec4> weights;  // V·sets
@@ -37,13 +37,13 @@ struct Surface {
   bool skipped = false;  // points or lines
 };
 
-// The triangles of one primitive, morphed by the weights. Empty when it cannot be read, which is
+// Reads the triangles of one primitive, morphed by the weights. Empty if unreadable, which is
 // reported: E6207, E6210, E6002.
 Surface surface_of(Document& document, const tinygltf::Primitive& primitive,
                    const std::vector<double>& weights, const TexcoordChoice& texcoords,
                    const std::string& object);
 
-// The names of a primitive's data: primitives with equal keys have the same triangles.
+// Returns a key of a primitive's data: primitives with equal keys have the same triangles.
 std::string surface_key(const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                         const TexcoordChoice& texcoords);
 

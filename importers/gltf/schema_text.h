@@ -3,9 +3,9 @@
 
 namespace panwright::importers::gltf {
 
-// A line is a type of object and its properties, `name=kind`, `name!=kind` where it must be there:
+// Schema. A line is a type of object and its properties, `name=kind`, `name!=kind` if required:
 //   id.X, ids.X, map.X   an index into the array X of the root; several; several by name
-//   int(a,b) num(a,b)    within bounds, the last of which may be missing; num(>a): above a
+//   int(a,b) num(a,b)    within bounds, the last optional; num(>a): above a
 //   nums:N(a,b)          N numbers; nums: any number of them; bounds: the same, or none
 //   enum(…) word(…)      one of these; others are a deviation, not an error
 //   obj.T list.T         an object of type T; one or more of them

@@ -12,8 +12,8 @@ class SkinPoser {
  public:
   SkinPoser(Document& document, const tinygltf::Model& model);
 
-  // The mesh where the joints hold it, in the frame of the scene's root. Vertices without weights
-  // stay where they are. Missing normals are computed. Reports E6207, W6212.
+  // Returns the mesh posed by its joints, in the frame of the scene's root. Vertices without
+  // weights do not move. Missing normals are computed. Reports E6207, W6212.
   geometry::MeshShape posed(int skin, const geometry::Mesh& mesh, const SkinWeights& weights);
 
  private:

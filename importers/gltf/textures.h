@@ -14,7 +14,7 @@
 
 namespace panwright::importers::gltf {
 
-// What a surface takes from a texture.
+// Use of a texture by a surface.
 enum class TextureUse : std::uint8_t { color, normal, roughness };
 
 // A metal whose colour or metallic part comes from textures; glTF's textures, −1: none.
@@ -23,7 +23,7 @@ struct MetalRecipe {
   int metal = -1;  // metallic part, in blue
   Vec3 factor{1};  // of the colour
   double metallic = 1;
-  Vec3 dielectric{0.04};  // reflectance of what is no metal
+  Vec3 dielectric{0.04};  // reflectance of dielectric parts
 };
 
 // A surface whose specular colour comes from a texture; glTF's textures, −1: none.
@@ -34,44 +34,44 @@ struct GlossRecipe {
   double glossiness = 1;
 };
 
-// The scene's textures that stand for a recipe; kNone: none is needed.
+// Computed textures of a recipe; kNone: none is needed.
 struct RecipeTextures {
   std::int32_t albedo = scene::kNone;  // without factors of the diffuse colour
   std::int32_t reflectance = scene::kNone;
   std::int32_t roughness = scene::kNone;  // the slope itself
 };
 
-// Reads textures when they are asked for, each once.
+// Reader of textures on demand, each once.
 class TextureReader {
  public:
   TextureReader(Document& document, const tinygltf::Model& model, scene::Scene& scene)
       : document_(document), model_(model), scene_(scene) {}
 
-  // The scene's texture for a glTF texture; kNone where it cannot be read, which is reported once.
+  // Returns the scene's texture for a glTF texture; kNone if unreadable, which is reported once.
   std::int32_t texture(int index, TextureUse use);
 
-  // The mean of a texture's channels, each 0 to 1, colour decoded from sRGB or not; 1 without a
-  // texture.
+  // Returns the mean of a texture's channels, each 0 to 1, with or without decoding of sRGB colour;
+  // 1 without a texture.
   Vec4 mean(int index, bool srgb);
 
-  // Whether a texture says the same everywhere in one channel; true without a texture.
+  // Returns true if a texture is constant in one channel; true without a texture.
   bool is_even(int index, int channel);
 
-  // Whether a texture's sampler repeats it along u and v.
+  // Returns true along u and v if a texture's sampler repeats.
   std::array<bool, 2> repeats(int index) const;
 
-  // Computed textures, once for equal recipes. None where textures are missing, or together over
-  // the limit of texture bytes.
+  // Computes textures, once for equal recipes. None if textures are missing, or over the limit of
+  // texture bytes.
   std::optional<RecipeTextures> metal(const MetalRecipe& recipe);
   std::optional<RecipeTextures> gloss(const GlossRecipe& recipe);
 
-  // The scene's texture for normals whose slopes are multiplied by a factor.
+  // Returns the texture of normals with slopes multiplied by a factor.
   std::optional<std::int32_t> normals(int index, double scale);
-  // The one for diffuse colours below a coat of ours, factor included.
+  // Returns the texture of diffuse colours below a coat of ours, factor included.
   std::optional<std::int32_t> below_coat(int index, const Vec3& factor,
                                          const materials::DiffuseCurve& curve);
 
-  // The mean of a texture of the scene, decoded.
+  // Returns the mean of a texture of the scene, decoded.
   Vec4 mean_of(std::int32_t texture) const;
 
  private:
@@ -91,7 +91,7 @@ class TextureReader {
   std::map<std::size_t, std::string> names_;
   std::map<std::pair<std::size_t, TextureUse>, std::int32_t> textures_;
   std::map<std::vector<double>, std::optional<RecipeTextures>> made_;  // by their recipes
-  std::uint64_t decoded_ = 0;  // bytes, those of computed textures as well
+  std::uint64_t decoded_ = 0;  // bytes, computed textures included
 };
 
 }  // namespace panwright::importers::gltf

@@ -1,4 +1,4 @@
-// Files packed by gzip, told by their first bytes.
+// Unpacking of gzip files, recognised by their first bytes.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 namespace panwright::importers::internal {
 
 struct Unpacked {
-  SharedText bytes;     // what could be unpacked; null: nothing
-  std::string problem;  // empty: all went well
+  SharedText bytes;     // the unpacked part; null: nothing
+  std::string problem;  // empty: success
 };
 
-// The contents of a gzip file, all its members, checksums and lengths verified; of one that is
-// packed again, up to three times, the innermost; other bytes as they are. A file cut short gives
-// what could be read, and a problem that names the byte.
+// Unpacks all members of a gzip file, checksums and lengths verified, nested up to three times;
+// returns other bytes unchanged. A truncated file gives its readable part, and a problem that names
+// the byte.
 Unpacked unpacked(SharedText bytes, std::uint64_t max_bytes);
 
 }  // namespace panwright::importers::internal

@@ -1,5 +1,5 @@
-// What the readers of images share: limits of size, room for pixels, and leaving a C library that
-// stops by longjmp. Private to importers.
+// Base of the image readers: limits of size, room for pixels, and exits by longjmp from a C
+// library. Private to importers.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ class ImageReader {
   ImageReader& operator=(const ImageReader&) = delete;
 
  protected:
-  // kind: of the file, for messages. What is given outlives this.
+  // kind: of the file, for messages. The arguments must outlive this.
   ImageReader(const char* kind, std::span<const std::byte> bytes, std::uint64_t max_bytes,
               DecodedImage& out)
       : bytes_(bytes), max_bytes_(max_bytes), out_(out), kind_(kind) {}
@@ -29,15 +29,15 @@ class ImageReader {
   ImageProblem check_size(std::uint64_t width, std::uint64_t height) const {
     return check_image_size(width, height, max_bytes_);
   }
-  // Black pixels without alpha. Expects: a size that check_size() takes.
+  // Allocates black pixels without alpha. Expects: a size that passes check_size().
   void make_room(std::uint64_t width, std::uint64_t height) {
     out_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
     out_.rgba.assign(4 * width * height, 0);
   }
   std::uint8_t* row(std::size_t y) { return out_.rgba.data() + std::size_t{4} * out_.width * y; }
 
-  // Runs calls of a library; false when it stopped in one, by stop(). note: it leaves by longjmp,
-  // which passes over these frames only: nothing in `calls` may own anything
+  // Runs calls of a library; false when it stopped in one, by stop(). note: it leaves by longjmp
+  // through these frames only: nothing in `calls` may own resources
   template <typename Calls>
   [[gnu::noinline]] bool guarded(const Calls& calls) {
     if (setjmp(jump_)) return false;
@@ -50,7 +50,7 @@ class ImageReader {
     return {Code::E3001,
             fmt::format("the {} is cut short: it ends at byte {}", kind_, bytes_.size())};
   }
-  // what: in the words of the library.
+  // what: the library's message.
   ImageProblem damaged(const char* where, std::size_t at, const char* what) const {
     return {Code::E3001, fmt::format("the {} is damaged {} byte {} ({})", kind_, where, at, what)};
   }

@@ -1,4 +1,4 @@
-// Files that a model of another format is made of. Private to importers.
+// Component files of a model in another format. Private to importers.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace panwright::importers {
 
-// Reads a file that was found already, as import_from() does; one that consists of other models
-// itself is refused (E6001). Its own input comes first among those of the scene.
+// Reads a file found earlier, as import_from() does; refuses one that itself consists of other
+// models (E6001). Its own input comes first among those of the scene.
 Result<Imported> import_part(Files& files, const std::string& path, SharedText bytes,
                              const Options& options, DiagnosticLog& log, SourceSpan included_at,
                              const Job& job);

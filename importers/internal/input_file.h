@@ -1,4 +1,4 @@
-// A file that is being imported. Private to importers.
+// File being imported. Private to importers.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 namespace panwright::importers {
 
 struct InputFile {
-  std::string path;  // as Files knows it
-  std::string name;  // as the user would type it
+  std::string path;  // as in Files
+  std::string name;  // for messages
   SharedText bytes;  // unpacked
   SourceSpan included_at;
   Job job{};  // of the reading; readers poll it

@@ -12,16 +12,16 @@
 
 namespace panwright::importers {
 
-// A mesh as a robot description names it.
+// Mesh named by a robot description.
 struct MeshFile {
   std::string name;  // as written
   Vec3 scale{1};
   SourceSpan where;
 };
 
-// What covers a surface that brings no material of its own.
+// Material of a surface without its own.
 struct Cover {
-  std::int32_t material = scene::kNone;  // none: what the mesh's file says, or grey
+  std::int32_t material = scene::kNone;  // none: the mesh file's, or grey
   std::int32_t texture = scene::kNone;
 };
 
@@ -30,12 +30,12 @@ class MeshParts {
   MeshParts(meshes::ReaderContext& context, meshes::Assembly& assembly)
       : c_(context), assembly_(assembly) {}
 
-  // Puts what a file holds below a node: its axes are those of the node, its unit the metre unless
-  // it says another one. A file is read once. Reports E6010 where it is not there, W6221 where it
-  // has materials of its own or no texture coordinates.
+  // Attaches the contents of a file below a node, in its axes; unit: the metre unless the file
+  // gives another. A file is read once. Reports E6010 for a missing file, W6221 if it has materials
+  // of its own or no texture coordinates.
   void attach(const MeshFile& mesh, std::int32_t node, const Cover& cover);
 
-  // Files that were read, in order of first use.
+  // Returns the read files, in order of first use.
   std::vector<scene::Input> take_inputs() { return std::move(inputs_); }
 
  private:
@@ -43,12 +43,12 @@ class MeshParts {
     std::vector<scene::Node> nodes;
     std::vector<scene::Instance> instances;  // shapes, materials, textures: of the whole scene
     std::vector<scene::Joint> joints;
-    std::vector<char> bare;       // of each instance: the file says nothing of its material
+    std::vector<char> bare;       // of each instance: the file gives no material
     std::vector<char> texcoords;  // of each instance
   };
 
-  // The file of a name, within the folder; package://NAME/… is NAME/… or … in the folder of the
-  // model or one above it.
+  // Finds the file of a name within the folder; package://NAME/… is NAME/… or … in the folder of
+  // the model or one above it.
   std::optional<std::string> found(const MeshFile& mesh, SharedText& bytes);
   const Part* part(const MeshFile& mesh);
   Part taken(Imported& imported);

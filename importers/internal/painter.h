@@ -20,7 +20,7 @@ struct Paint {
   bool has_content() const { return rgba || !texture.empty(); }
 };
 
-// Makes each paint a material of the scene when it is first asked for.
+// Painter: makes each paint a material of the scene on first use.
 class Painter {
  public:
   // The paints outlive this.
@@ -28,7 +28,7 @@ class Painter {
           meshes::Assembly& assembly)
       : paints_(paints), c_(context), assembly_(assembly) {}
 
-  // Of a paint's index; none for −1. Reports W6004, W6005, W6008.
+  // Returns the cover of a paint's index; none for −1. Reports W6004, W6005, W6008.
   Cover cover_of(std::int32_t paint);
 
  private:

@@ -1,4 +1,4 @@
-// A node under any regular matrix. Private to importers.
+// Nodes under any regular matrix. Private to importers.
 #pragma once
 
 #include "scene/scene.h"
@@ -7,7 +7,7 @@ namespace panwright::importers {
 
 // Adds a node with the transform `parts`; a shear needs a second one below it, "NAME_shear".
 //
-//   returns  the node that what stands there belongs to: the last one added
+//   returns  the last added node, for contents
 std::int32_t add_placed(std::vector<scene::Node>& nodes, scene::Node node,
                         const scene::Decomposed& parts);
 

@@ -1,4 +1,4 @@
-// What a pan can hold. Private to importers.
+// Restriction of scenes to the contents of a pan. Private to importers.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,15 @@
 
 namespace panwright::importers {
 
-// Takes instances out of a scene, and the decals on them.
+// Removes instances from a scene, with their decals.
 //
-//   returns  where each instance has gone; scene::kNone for those that were taken out
+//   returns  the new index of each instance; scene::kNone for removed ones
 std::vector<std::int32_t> remove_instances(
     scene::Scene& scene, const std::function<bool(const scene::Instance&)>& unwanted);
 
-// Makes of what a reader found what a pan can hold: meshes of fewer than three vertices or without
-// triangles go, numbers beyond single precision and bytes that no name may have are replaced.
-// Reports W6009, W6012 for the file `name`.
+// Makes a read scene storable: removes meshes of fewer than three vertices or without triangles,
+// and replaces numbers beyond single precision and invalid bytes in names. Reports W6009, W6012 for
+// the file `name`.
 void make_storable(scene::Scene& scene, const std::string& name, DiagnosticLog& log);
 
 }  // namespace panwright::importers

@@ -1,4 +1,4 @@
-// The tree of an XML text whose elements and attributes know their places.
+// Tree of an XML text with places of elements and attributes.
 #pragma once
 
 #include <initializer_list>
@@ -11,31 +11,31 @@
 
 namespace panwright::importers {
 
-// Whether the first element of a text has this name.
+// Returns true if the first element of a text has this name.
 bool first_element_is(std::string_view text, std::string_view name);
 
 class XmlText {
  public:
-  // Reports E6220 where the text is not well-formed; what stands before the place is read. False
-  // where the text is over the limit of memory (E6002).
+  // Parses the text. Reports E6220 if it is not well-formed, and keeps the part before. False over
+  // the limit of memory (E6002).
   bool parse(meshes::ReaderContext& context);
 
   pugi::xml_node top() const { return document_.document_element(); }
 
-  // Reads another text into the tree: what stands in its first element comes to stand where
-  // `element` does, which goes. Reports E6220 at its place where the text is not well-formed, and
-  // what stands before is read, or where its first element has none of the names; E6002.
+  // Reads another text into the tree: the contents of its first element replace `element`. Reports
+  // E6220 if the text is not well-formed, keeping the part before, or if its first element has none
+  // of the names; E6002.
   //
   //   path, bytes  of the other text; it is included at `where`
   //   names        that its first element may have
-  //   returns      the first that came, or what stood behind `element`; null: nothing
+  //   returns      the first inserted node, or the one after `element`; null: nothing
   pugi::xml_node include(pugi::xml_node element, const std::string& path, const SharedText& bytes,
                          SourceSpan where, std::initializer_list<std::string_view> names);
   SourceSpan at(const pugi::xml_node& element) const;         // its name
   SourceSpan at(const pugi::xml_attribute& attribute) const;  // its value
 
  private:
-  // A text of the tree: its names and values are parts of memory that is as long.
+  // Text of the tree: its names and values are parts of memory of that length.
   struct Piece {
     const char* begin;
     std::size_t size;

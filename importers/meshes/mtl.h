@@ -12,7 +12,7 @@
 
 namespace panwright::importers::meshes {
 
-// A texture that a material names.
+// Texture named by a material.
 struct MtlTexture {
   std::string name;  // empty: none
   SourceSpan where;  // in the library
@@ -21,7 +21,7 @@ struct MtlTexture {
 
 struct MtlMaterial {
   std::string name;
-  std::string library;                              // path, as Files knows it
+  std::string library;                              // path, as in Files
   std::optional<Vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
   std::optional<double> shine;                      // Ns
   std::optional<double> opacity;                    // d, or 1 − Tr
@@ -32,21 +32,21 @@ struct MtlMaterial {
   std::vector<std::string> lost;
 };
 
-// The materials that an OBJ file may use.
+// Material libraries of an OBJ file.
 class MtlLibraries {
  public:
   MtlLibraries(ReaderContext& context, Assembly& assembly) : s_(context), assembly_(assembly) {}
 
-  // Reads what a line "mtllib" names: one file whose name may hold blanks, or several.
+  // Reads the libraries of a line "mtllib": one file whose name may hold blanks, or several.
   void read(std::string_view names, SourceSpan where);
 
-  // The number of a name; one that no library has gets a material of its own, with W6502.
+  // Returns the number of a name; an unknown one gets a material of its own, with W6502.
   std::int32_t number_of(std::string_view name, SourceSpan where);
 
-  // The scene's material for a number; −1: for none.
+  // Returns the scene's material for a number; −1: for none.
   //
   //   coloured   the vertices have colours
-  //   texcoords  textures can be laid on
+  //   texcoords  textures can be mapped
   std::int32_t scene_material(std::int32_t number, bool colored, bool texcoords);
 
  private:
@@ -57,11 +57,11 @@ class MtlLibraries {
   Assembly& assembly_;
   std::vector<MtlMaterial> materials_;
   std::map<std::string, std::int32_t, std::less<>> numbers_;
-  std::set<std::string, std::less<>> lines_;      // after "mtllib", that were read
+  std::set<std::string, std::less<>> lines_;      // after "mtllib", already read
   std::set<std::string, std::less<>> libraries_;  // asked for
   std::map<std::pair<std::int32_t, bool>, std::int32_t> made_;
   std::size_t unknown_ = 0;
-  bool any_missing_ = false;  // a library: then an unknown name is no surprise
+  bool any_missing_ = false;  // a library: unknown names are then expected
 };
 
 }  // namespace panwright::importers::meshes

@@ -1,4 +1,4 @@
-// Faces of an OBJ file → meshes. Private to importers/meshes.
+// Meshes from the faces of an OBJ file. Private to importers/meshes.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@ struct ObjCorner {
 };
 
 struct ObjFace {
-  std::uint32_t end = 0;    // of its corners; they begin where those of the face before it end
+  std::uint32_t end = 0;    // of its corners; they begin at the end of the previous face's
   std::uint32_t where = 0;  // byte of the file
 };
 
-// Smoothing of faces whose corners have no normals: the number of a group, or by crease angle. "s
-// off" is that as well: Blender writes it by default, and facets are rarely meant.
+// Smoothing of faces whose corners have no normals: the number of a group, or by crease angle. Also
+// for "s off", which Blender writes by default, and which rarely means facets.
 inline constexpr std::int64_t kByCrease = 0;
 
 struct ObjLists {
-  std::vector<Vec3> points;     // not finite: no place
+  std::vector<Vec3> points;     // not finite: invalid
   std::vector<Vec3> colors;     // linear; as many as points, or none
   std::vector<Vec2> texcoords;  // (0,0) the image's bottom left
   std::vector<Vec3> normals;
@@ -33,7 +33,7 @@ struct ObjLists {
   std::vector<ObjFace> faces;
 };
 
-// Makes the mesh of one part after another; keeps its lists between them.
+// Maker of the meshes of successive parts, which keeps its lists between them.
 class ObjMesher {
  public:
   ObjMesher(ReaderContext& context, ObjLists& lists);
@@ -44,8 +44,8 @@ class ObjMesher {
     std::int64_t smoothing = kByCrease;
   };
   // Vertices are distinct (v, vt, vn, smoothing). Faces of one smoothing group share normals
-  // whatever their angle, those of different ones none. After the last part the faces go from the
-  // lists. Reports E6501, W6502.
+  // whatever their angle, those of different ones none. After the last part the lists of faces are
+  // cleared. Reports E6501, W6502.
   geometry::Mesh mesh_of(const std::vector<Range>& ranges, bool last);
 
  private:

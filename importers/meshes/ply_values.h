@@ -1,4 +1,4 @@
-// The header of a PLY file, and its numbers one after another. Private to importers/meshes.
+// Header and values of a PLY file. Private to importers/meshes.
 //
 // Format: G. Turk, "The PLY polygon file format", 1994.
 #pragma once
@@ -27,7 +27,7 @@ struct PlyElement {
   std::string name;
   std::uint64_t count = 0;  // as announced
   std::vector<PlyProperty> properties;
-  // The fewest bytes that one takes in the file.
+  // Returns the smallest size in the file, bytes.
   std::uint64_t least_bytes(bool text) const;
 };
 
@@ -38,29 +38,29 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::string texture;      // of "comment TextureFile"
   std::string_view body;    // of the file's bytes
-  std::string_view credit;  // a line of the program that wrote it, without "comment"
+  std::string_view credit;  // name of the writing program, without "comment"
   std::string problem;      // one lower-case sentence; empty: none
-  std::string_view place;   // of the file's bytes: what the problem is about
+  std::string_view place;   // of the file's bytes: place of the problem
 };
 
-// Stops at the first problem: without the header nothing of the body can be found.
+// Parses the header, up to the first problem: without the header the body cannot be read.
 PlyHeader ply_header_of(std::string_view bytes);
 
-// Reads the body, one number after another.
+// Reader of the body, one number after another.
 class PlyValues {
  public:
-  enum class Got : std::uint8_t { number, word, end };  // word: it is no number
+  enum class Got : std::uint8_t { number, word, end };  // word: not a number
 
   PlyValues(std::string_view body, PlyOrder order) : body_(body), order_(order) {}
 
   Got next(PlyType type, double& number);
-  // Passes over that many bytes; false where there are not so many.
+  // Skips bytes; false if there are fewer.
   bool skip(std::uint64_t bytes);
-  // Of a text: to the end of the line.
+  // Skips to the end of a text line.
   void skip_line();
 
   std::uint64_t left() const { return body_.size() - at_; }
-  std::size_t offset() const { return begin_; }  // in the body, of what was read last
+  std::size_t offset() const { return begin_; }  // in the body, of the last value read
   std::string_view last() const { return body_.substr(begin_, at_ - begin_); }
 
  private:

@@ -1,5 +1,5 @@
-// One reading of a file: its problems, and the scene that comes of it. Private to importers: for
-// mesh files and robot descriptions.
+// Context of reading a file: its problems, and the resulting scene. Private to importers: for mesh
+// files and robot descriptions.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ namespace panwright::importers::meshes {
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
-// What the reading uses, and what is wrong with the file. Each kind of problem is told once, at its
-// first place, with how often it comes.
+// Inputs of a reading, and problems of the file. Each kind of problem is reported once, at its
+// first place, with its count.
 class ReaderContext {
  public:
-  // text: places are lines and columns; else the message has to say the byte
+  // text: places are lines and columns; else messages must give the byte
   ReaderContext(Files& files, const InputFile& file, const Options& options, bool text,
                 DiagnosticLog& log);
 
@@ -33,7 +33,7 @@ class ReaderContext {
   const Options& options;
   DiagnosticLog& log;
   std::vector<scene::Input> inputs;  // files beside the model
-  bool full = false;                 // a limit is reached: E6002 is told, and nothing is added
+  bool full = false;                 // a limit is reached: E6002 is reported, and nothing is added
 
   SourceSpan at(std::size_t begin, std::size_t end) const;
   SourceSpan at(std::string_view part) const;  // of the file's bytes; elsewhere: the whole file
@@ -49,22 +49,22 @@ class ReaderContext {
       ++troubles_[place->second].more;
   }
   void limit(const std::string& message, SourceSpan where);  // E6002
-  // Counted towards Limits::memory; false past it.
+  // Counts bytes towards Limits::memory; false past it.
   bool charge(std::uint64_t bytes);
 
-  // What of the file's bytes stands before `offset` is read no more, and its memory goes back.
+  // Releases the memory of the file's bytes before `offset`, which are no longer read.
   void served(std::size_t offset);
 
   void skipped(const std::string& what, std::uint64_t count = 1) { add(skipped_, what, count); }
   void lost(const std::string& what) { add(lost_, what, 1); }
 
-  // Reads a file that the model names, from the folder of `including`. Reports W6004, W6005.
+  // Reads a file named by the model, from the folder of `including`. Reports W6004, W6005.
   bool read_named(std::string_view name, const std::string& including, SourceSpan where,
                   std::string& path, SharedText& bytes);
-  // The same, without a word where it is not there.
+  // The same, without a report for a missing file.
   bool has_named(std::string_view name, const std::string& including) const;
 
-  // Puts what was collected into the log: troubles, N6007, W6008.
+  // Reports the collected problems: troubles, N6007, W6008.
   void tell();
 
  private:
@@ -75,7 +75,7 @@ class ReaderContext {
     std::uint64_t more;
   };
   using Counts = std::map<std::string, std::uint64_t>;
-  // A file may name more things than anyone reads: those past the first are counted together.
+  // Limits distinct entries: those past the first are counted together.
   static void add(Counts& counts, const std::string& what, std::uint64_t count);
 
   FileId source_;
@@ -88,10 +88,10 @@ class ReaderContext {
   std::size_t served_ = 0;
 };
 
-// Whether a place can be a vertex.
+// Returns true if a place can be a vertex.
 bool is_usable(const Vec3& p);
 
-// Cuts faces of any size.
+// Cutter of faces of any size.
 class FaceCutter {
  public:
   // Appends the triangles of a face of three corners or more. Expects: indices in range.
@@ -104,14 +104,14 @@ class FaceCutter {
   std::vector<geometry::Triangle> cut_;
 };
 
-// Takes out vertices that no triangle uses; others keep their order.
+// Removes unused vertices; others keep their order.
 void drop_unused(geometry::Mesh& mesh);
 
-// Makes normals of the file unit vectors; one without length or not finite becomes that of its
-// faces. A mesh without normals gets them by crease angle.
+// Normalises the file's normals; one without length or not finite becomes that of its faces. A mesh
+// without normals gets them by crease angle.
 void finish_normals(geometry::Mesh& mesh, double crease_angle);
 
-// Vertices by their exact place.
+// Welder of vertices at exactly equal positions.
 class Welder {
  public:
   std::uint32_t vertex(const Vec3& p, std::vector<Vec3>& positions);
@@ -123,31 +123,31 @@ class Welder {
   std::size_t used_ = 0;
 };
 
-// The scene of a mesh file.
+// Scene of a mesh file, under construction.
 class Assembly {
  public:
   Assembly(ReaderContext& context, Format format);
 
-  // A node; without a name it is called by its kind and number. kNone past the limit.
+  // Adds a node, unnamed ones by kind and number. kNone past the limit.
   std::int32_t add_node(std::int32_t parent, std::string_view name, std::string_view kind,
                         SourceSpan where);
-  // Whether so many triangles more are within the limit; E6002 else.
+  // Returns true if further triangles are within the limit; else E6002.
   bool has_room_for(std::uint64_t triangles, SourceSpan where);
   void add_part(std::int32_t node, geometry::Mesh mesh, std::int32_t material, SourceSpan where);
   std::int32_t add_material(materials::Material material, CadMaterial cad);
-  // What a surface without one gets; white where its vertices have colours.
+  // Returns the default material; white if the vertices have colours.
   std::int32_t plain_material(bool colored);
 
-  // A texture, read once for each way of decoding; kNone where it cannot be used: W6004, W6005.
+  // Reads a texture, once for each way of decoding; kNone if unusable: W6004, W6005.
   std::int32_t texture(std::string_view name, const std::string& including, bool linear,
                        SourceSpan where);
 
   scene::Source source_of(SourceSpan where);
 
-  // What has been made so far, for what the functions above do not make.
+  // The result so far, for additions beyond the functions above.
   Imported& out() { return out_; }
 
-  // Tells all problems. Fails: E6501 where there is no triangle.
+  // Reports all problems and returns the result. Fails: E6501 without any triangle.
   Result<Imported> finished();
 
  private:

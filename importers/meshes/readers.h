@@ -1,4 +1,4 @@
-// The three formats. Private to importers/meshes.
+// Readers of the three mesh formats. Private to importers/meshes.
 #pragma once
 
 #include "importers/import.h"
@@ -6,16 +6,16 @@
 
 namespace panwright::importers::meshes {
 
-// Wavefront OBJ with MTL. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
+// Reads Wavefront OBJ with MTL. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
 Result<Imported> read_obj(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 
-// STL: binary where 84 + 50·n bytes say so, whatever the header begins with. Reports E6002, E6501,
-// W6502.
+// Reads STL: binary if its size is 84 + 50·n bytes, whatever the header begins with. Reports E6002,
+// E6501, W6502.
 Result<Imported> read_stl(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 
-// PLY of any byte order. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
+// Reads PLY of any byte order. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
 Result<Imported> read_ply(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 

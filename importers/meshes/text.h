@@ -11,7 +11,7 @@ namespace panwright::importers::meshes {
 
 inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// Takes the next word off the front of a text; empty where there is none.
+// Takes the next word off the front of a text; empty at the end.
 inline std::string_view next_word(std::string_view& rest) {
   std::size_t begin = 0;
   while (begin < rest.size() && is_blank(rest[begin])) ++begin;
@@ -45,7 +45,7 @@ class Lines {
 
   Lines(std::string_view text, char end) : rest_(text), end_(end) {}
 
-  // What has not been read yet.
+  // Returns the unread rest.
   std::string_view rest() const { return rest_; }
 
   bool next(std::string_view& line) {
@@ -57,8 +57,8 @@ class Lines {
     return true;
   }
 
-  // The same, with lines that end in a backslash joined to the next by a blank. A joined line
-  // lies in `scratch`, and no place in the file can be told of its parts.
+  // The same, joining lines that end in a backslash to the next by a blank. A joined line lies in
+  // `scratch`, without places in the file.
   bool next_joined(std::string_view& line, std::string_view& first, std::string& scratch) {
     if (!next(line)) return false;
     first = line;

@@ -1,4 +1,4 @@
-// VRML 97 and VRML 1.0 → scene. Private to importers.
+// Reader of VRML 97 and VRML 1.0. Private to importers.
 #pragma once
 
 #include "importers/import.h"
@@ -6,7 +6,7 @@
 
 namespace panwright::importers::vrml {
 
-// Reads an unpacked file with all that it names.
+// Reads an unpacked file with all files that it names.
 //
 // Fails: E6002, E6101.
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,

@@ -1,4 +1,4 @@
-// The parts of fit(). Private to materials.
+// Parts of fit(). Private to materials.
 #pragma once
 
 #include <array>
@@ -11,33 +11,33 @@ namespace panwright::materials {
 // Microfacets that lose less than this share of the light are not compensated.
 inline constexpr double kWorthCompensation = 0.01;
 
-// fits.albedo_deficit and fits.compensation_scale of beckmann and ggx where compensation asks for
-// them; fits.error where it grows.
+// Fits fits.albedo_deficit and fits.compensation_scale of beckmann and ggx if compensation requires
+// them, and raises fits.error.
 void fit_microfacets(Material& material);
 
-// fits.coat_return, and for a rough coat fits.albedo_deficit unless fit_microfacets() filled it.
-// Needs what fit_hapke() and fit_microfacets() give.
+// Fits fits.coat_return, and for a rough coat fits.albedo_deficit unless fit_microfacets() did.
+// Needs the results of fit_hapke() and fit_microfacets().
 void fit_coat(Material& material);
 
-// 2∫ f loss μ dμ of a fitted material, f what its smooth coat passes: see microfacet_albedo_deficit
-// in materials/formulas/microfacets.glsl.
+// Returns 2∫ f loss μ dμ of a fitted material, f the transmittance of its smooth coat: see
+// microfacet_albedo_deficit in materials/formulas/microfacets.glsl.
 double mean_albedo_deficit(const Material& material);
 
-// What the outer surface of a rough coat reflects of light from a direction, and what comes out
-// again of the light that microfacets below it reflect, once. nodes: see microfacet_albedo().
+// Returns the reflectance of a rough coat's outer surface, plus the light transmitted after one
+// reflection by the microfacets below. nodes: see microfacet_albedo().
 //
 // Expects: to_viewer above the horizon; the coat rough; the material one of microfacets, without
 // tint
 double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes);
 double coated_microfacets_albedo(const Material& material, const Vec3& to_viewer, int nodes);
 
-// ∫ f(μ) dμ from 0 to 1, of functions that are smooth in √μ.
+// Returns ∫ f(μ) dμ from 0 to 1, of functions that are smooth in √μ.
 Vec3 mean_over_cosines(const std::function<Vec3(double)>& f);
 
-// The albedo of the diffuse BRDF under an even sky, by itself: weight 1, no coat. RGB.
+// Returns the albedo of the diffuse BRDF alone under a uniform sky: weight 1, no coat. RGB.
 Vec3 mean_diffuse_albedo(const Material& material);
 
-// material.fits.hapke_h and, where it grows, fits.error.
+// Fits material.fits.hapke_h, and raises fits.error.
 void fit_hapke(Material& material);
 
 }  // namespace panwright::materials

@@ -1,4 +1,4 @@
-// The files of formulas as GLSL, embedded at build time. Private to materials.
+// Formula files as GLSL, embedded at build time. Private to materials.
 #pragma once
 
 namespace panwright::materials {

@@ -1,5 +1,5 @@
-// Every formula in C++, inline, as f32 and as f64. Private to materials; tests and benches call
-// single formulas through it, everybody else materials/brdf.h.
+// Every formula in C++, inline, as f32 and as f64. Private to materials; only tests and benches
+// call single formulas, all others use materials/brdf.h.
 #pragma once
 
 #include <bit>

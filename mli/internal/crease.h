@@ -1,4 +1,4 @@
-// The lengths of ridges.
+// Lengths of ridges.
 #pragma once
 
 #include <array>
@@ -8,15 +8,15 @@
 
 namespace panwright::mli {
 
-// The length of a ridge by four random words, metres.
+// Returns the length of a ridge by four random words, metres.
 double ridge_length(const Crease& crease, const std::array<std::uint32_t, 4>& words);
 
-// How far beyond the edges of a sheet the middles of ridges lie, metres: the longest half.
+// Returns the largest distance of the middles of ridges beyond the edges of a sheet, metres: half
+// the longest.
 double crease_margin(const Crease& crease);
 
-// How many ridges lie over a point, on average, for each ridge per square metre: the mean area of
-// their outlines, square metres. (What the limit of 20 lengths takes from the log-normal ones
-// counts.)
+// Returns the mean number of ridges over a point, per ridge per square metre: the mean area of
+// their outlines, square metres. (Log-normal lengths are cut at 20 lengths.)
 double crease_overlap(const Crease& crease);
 
 }  // namespace panwright::mli

@@ -1,4 +1,4 @@
-// A group of faces, draped finely or coarsely.
+// Draping of a group of faces, finely or coarsely.
 #pragma once
 
 #include <vector>
@@ -12,26 +12,26 @@
 
 namespace panwright::mli {
 
-// Where blankets of one detail go: the finest ones', or a level's.
+// Target of blankets of one detail: the finest ones, or a level.
 struct Cloth {
   geometry::Mesh mesh;
-  std::vector<Vec3> roots, below;  // of its positions: the places on the faces, unit normals there
-  std::vector<Cover> covers;       // of its triangles
-  double longest = 0;              // metres: no edge on the faces is longer
+  std::vector<Vec3> roots, below;  // per position: the places on the faces, unit normals there
+  std::vector<Cover> covers;       // per triangle
+  double longest = 0;              // metres: longest edge on the faces
 };
 
 class Draper {
  public:
-  // corners: of all faces that wear blankets; owner: the group's there
+  // corners: of all faces with blankets; owner: the group's index there
   Draper(const Faces& faces, const WrapOptions& options, const Corners& corners,
          std::uint32_t owner, const Job& job)
       : faces_(faces), options_(options), corners_(corners), owner_(owner), job_(job) {}
 
-  // False: more triangles than `left`.
+  // Adds a group. False: more triangles than `left`.
   bool add(const Group& members, const Surface& surface, const Sheet& sheet, double left,
            WrapGroup& group, Cloth& cloth) const;
-  // The same group again, with longer edges than the sheet's cells: heights are those of the finest
-  // blanket at its vertices, and so are the normals.
+  // Adds the same group with longer edges than the sheet's cells; heights and normals are those of
+  // the finest blanket at its vertices.
   bool add_level(const Group& members, const Surface& surface, const Sheet& sheet, double left,
                  const WrapGroup& group, Cloth& level) const;
 

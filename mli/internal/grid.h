@@ -1,4 +1,4 @@
-// The heights that operations work on.
+// Heights during the operations of a recipe.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Grid {
   }
 };
 
-inline constexpr std::size_t kBand = 64;  // rows that one thread takes at a time
+inline constexpr std::size_t kBand = 64;  // rows taken by a thread at once
 
 // Calls body(first, end) for bands of rows.
 template <class Body>
@@ -40,7 +40,7 @@ void for_bands(const Grid& grid, const Job& job, const Body& body) {
       [&](std::size_t band) { body(band * kBand, std::min(grid.rows, (band + 1) * kBand)); }, job);
 }
 
-// 3t² − 2t³, t held to [0, 1].
+// Returns 3t² − 2t³, t clamped to [0, 1].
 inline double smooth_step(double t) {
   t = std::min(1.0, std::max(0.0, t));
   return t * t * (3 - 2 * t);

@@ -1,4 +1,4 @@
-// Connected faces of a mesh: those of geometry, by short names.
+// Connected faces of a mesh, by short names for those of geometry.
 #pragma once
 
 #include "geometry/mesh/face_groups.h"

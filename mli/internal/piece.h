@@ -1,4 +1,4 @@
-// The triangles of a group, cut finer.
+// Triangles of a group, subdivided.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ Piece piece_of(const Faces& faces, const Group& group);
 // Halves every edge above `longest`, in rounds; false: more triangles than the limit.
 bool refine(Piece& piece, double longest, double limit, const Job& job);
 
-// The edges of one triangle each, as it goes around, in order of triangles.
+// Returns the edges of one triangle each, in its direction, in order of triangles.
 Edges border_of(const Piece& piece);
 
-// How far places are from a border.
+// Distances of places from a border.
 class BorderDistance {
  public:
-  // reach: metres; what is farther is as far. longest: of the border's edges.
+  // reach: metres; larger distances are clamped to it. longest: of the border's edges.
   BorderDistance(const Piece& piece, const Edges& border, double reach, double longest);
   double at(const Vec3& place) const;
 
@@ -42,15 +42,15 @@ class BorderDistance {
   std::map<Cell, std::vector<std::array<Vec3, 2>>> cells_;  // edges, by their middles
 };
 
-// A new point on an edge: low + part · (high − low).
+// New point on an edge: low + part · (high − low).
 struct Cut {
   std::uint32_t low, high;
   double part;
 };
 
-// Cuts triangles along the line where the points' distances are `width`, and moves it to points
-// that are next to it. distances: of new points too, then. Returns for each triangle whether it
-// lies within. cuts: what the new points are, in order, where somebody asks.
+// Cuts triangles along the line at distance `width`, moving points next to it onto it. distances:
+// extended by the new points. Returns for each triangle true if it lies within. cuts: the new
+// points, in order, on request.
 std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width,
                          std::vector<Cut>* cuts = nullptr);
 

@@ -1,4 +1,4 @@
-// How the normals of foil lean against the surface below it.
+// Tilts of foil normals against the surface below.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace panwright::mli {
 
-// What light sees of slopes, as they are shaded: with normals linear between a triangle's vertices.
+// Spread of slopes as shaded: with normals linear between a triangle's vertices.
 struct TiltSpread {
   double variance = 0;  // both axes together
-  double level = 0;     // mean of exp(−|slope|²/variance): the share that lies about flat
-  double mirror = 0;    // of the ninth power of that: as narrow lobes see it
+  double level = 0;     // mean of exp(−|slope|²/variance): the nearly level share
+  double mirror = 0;    // mean of its ninth power: for narrow lobes
 };
 
-// The slopes of a mesh's normals against those of the surface below, and where they are seen.
+// Slopes of a mesh's normals against those of the surface below, with their visible areas.
 class Tilts {
  public:
   // below: unit normals of the surface, per vertex; triangles that stand on it (seams) are left out
   Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below);
 
   TiltSpread spread() const { return spread(TiltMap{}, true); }
-  // The map that brings the spread nearest to `wanted`. Two numbers are met by two: slopes between
-  // vertices far apart are less, and more often near 0, than those at them.
+  // Returns the map with the spread nearest to `wanted`, by two parameters for two targets. Slopes
+  // between distant vertices are smaller, and more often near 0, than those at them.
   TiltMap towards(const TiltSpread& wanted, TiltSpread& reached) const;
 
  private:
@@ -39,17 +39,17 @@ class Tilts {
   std::vector<Corner> corners_;  // per vertex
   std::vector<geometry::Triangle> triangles_;
   std::vector<double> weights_;  // their areas, seen from above
-  double unit_ = 0;              // of TiltSpread::level: the variance of slopes as they are
+  double unit_ = 0;              // of TiltSpread::level: the variance of the original slopes
 };
 
-// Normals that lean otherwise, in place.
+// Tilts normals in place.
 void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap& map);
 
-// Of each triangle of a form's grid: whether it lies below the diagonal of its cell. Of a mesh
-// without normals, whose vertices are the grid's.
+// Returns for each triangle of a form's grid true if it lies below the diagonal of its cell. For a
+// mesh without normals, whose vertices are the grid's.
 std::vector<char> below_diagonals(const geometry::Mesh& mesh);
 
-// Gives each vertex two normals (TiltMap::apart). Both meshes with normals; `below` follows.
+// Gives each vertex two normals (TiltMap::apart). Both meshes have normals; `below` is extended.
 //   lower    below_diagonals()
 //   surface  the same triangles without heights
 void set_apart(geometry::Mesh& mesh, std::vector<Vec3>& below, const geometry::Mesh& surface,
@@ -60,11 +60,12 @@ struct Moments {
   double all = 0;     // variance over the mesh, both axes together
   double within = 0;  // in squares of a side: the mean variance about each square's own mean
 };
-// Of squares from the mesh's middle on, and of those half a side off.
+// Returns the moments over squares from the mesh's middle on, and over those shifted by half a
+// side.
 Moments moments_of(const geometry::Mesh& mesh, const Vec2& side);
 
-// Normals of a surface at the vertices of a mesh that compute_normals() gave copies to. surface:
-// the same triangles in the same order, with normals.
+// Returns normals of a surface at the vertices of a mesh with copies from compute_normals().
+// surface: the same triangles in the same order, with normals.
 std::vector<Vec3> normals_below(const geometry::Mesh& mesh, const geometry::Mesh& surface);
 
 }  // namespace panwright::mli

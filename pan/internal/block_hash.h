@@ -1,4 +1,4 @@
-// The checksum of sections and of the directory: a hash of the hashes of blocks.
+// Checksum of sections and of the directory: a hash of the hashes of blocks.
 #pragma once
 
 #include <cstddef>

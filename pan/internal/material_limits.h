@@ -11,11 +11,11 @@
 
 namespace panwright::pan {
 
-// The first problem of the parameters that a record uses, in words; none: all are valid. Its model
+// Returns the first problem of the parameters that a record uses; none: all are valid. Its model
 // numbers must be known.
 std::optional<std::string> material_limit_broken(const layout::Material& record);
 
-// The required features of a file with the record: those of BRDFs that format 1.0 lacks.
+// Returns the required features of a file with the record: those of BRDFs that format 1.0 lacks.
 std::uint64_t features_of(const layout::Material& record);
 
 // The fields of a record that hold the parameters of BRDFs.

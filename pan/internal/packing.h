@@ -1,5 +1,5 @@
-// Compressed sections (docs/pan-format.md, Compression): chunks of a hash block's length, each by
-// itself, so that several threads make and unpack them.
+// Compressed sections (docs/pan-format.md, Compression): independent chunks of a hash block's
+// length, packed and unpacked by several threads.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace panwright::pan::internal {
 
-// The bytes that a section takes in the file with its padding: as it is, and compressed.
+// Byte length of a section in the file with its padding: plain, and compressed.
 //
 // Expects: lengths that a file of real bytes can have, so that no sum overflows.
 std::uint64_t plain_stored_length(std::uint64_t raw_length);
 std::uint64_t packed_stored_length(std::uint64_t packed_length, std::uint64_t raw_length);
 
-// The bytes after which like ones follow: of an element, of three short indices, of a texel.
+// Returns the byte stride of a section's planes: of an element, of three short indices, of a texel.
 std::uint32_t plane_count(std::uint32_t kind, std::uint32_t stride);
 
 // Compresses a section: its chunks, then a word for each. The same bytes whatever the number of
@@ -30,7 +30,7 @@ std::uint32_t plane_count(std::uint32_t kind, std::uint32_t stride);
 // Cost: O(raw); memory for the result, and for a few chunks a thread.
 std::vector<std::byte> pack_section(std::span<const std::byte> raw, std::uint32_t planes);
 
-// What a compressed section consists of.
+// Chunks of a compressed section.
 class PackedChunks {
  public:
   // Nothing when the lengths of the chunks do not add up to the section.
@@ -48,8 +48,8 @@ class PackedChunks {
   // Decompresses one chunk to its offset in a section of raw_length bytes. Several threads may
   // decompress different chunks.
   //
-  // returns  whether the chunk is valid; else its bytes are undefined
-  // Cost: O(bytes of the chunk, packed and not), whatever they are.
+  // returns  true if the chunk is valid; else its bytes are undefined
+  // Cost: O(bytes of the chunk, packed and unpacked), for any bytes.
   bool unpack(std::size_t chunk, std::span<std::byte> section) const;
 
  private:

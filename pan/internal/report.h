@@ -20,7 +20,7 @@ using Problems = std::vector<Problem>;
 
 inline constexpr std::uint64_t kNoElement = ~0ull;
 
-// Invalid elements among many: the first index, and their number.
+// Invalid elements: the first index, and their number.
 struct Tally {
   std::uint64_t first = kNoElement;
   std::uint64_t count = 0;
@@ -34,7 +34,7 @@ struct Tally {
   }
 };
 
-// A string by its number, once the strings and the reference to it are known to be sound.
+// Returns a string by its number, once the strings and the reference to it are checked.
 inline std::string_view unchecked_string(const Model& model, std::uint32_t id) {
   const std::uint32_t* place = &model.string_offsets()[id];
   return {model.string_bytes().data() + place[0], place[1] - place[0]};
@@ -46,12 +46,12 @@ inline bool has_codec(const layout::DirectoryEntry& entry) {
   return entry.codec != static_cast<std::uint32_t>(layout::Codec::none);
 }
 
-// Whether it holds no bytes, but is made from mesh streams.
+// Returns true if the section holds no bytes and is derived from mesh streams.
 inline bool is_derived(const layout::DirectoryEntry& entry) {
   return entry.codec == static_cast<std::uint32_t>(layout::Codec::streams);
 }
 
-// Whether a section is one of the big arrays, which tables are checked before; unknown ones too.
+// Returns true for the big arrays, which tables are checked before; unknown sections too.
 inline bool is_array(std::uint32_t kind) {
   using layout::SectionKind;
   return !known(kind) || (kind >= static_cast<std::uint32_t>(SectionKind::positions) &&
@@ -61,8 +61,8 @@ inline bool is_array(std::uint32_t kind) {
 // A section and its byte range, for messages: "section 'nodes' (bytes 128 to 512)".
 std::string section_words(const layout::DirectoryEntry& entry);
 
-// Checks the records of all tables and the strings. When it finds nothing, the runs of every mesh
-// and texture lie within their arrays and every reference between tables holds.
+// Checks the records of all tables and the strings. Without problems, the runs of every mesh and
+// texture lie within their arrays and every reference between tables holds.
 Problems table_problems(const Model& model);
 
 // Hashes every section, checks its padding, and, with contents, the elements of the arrays that are
@@ -72,20 +72,20 @@ Problems table_problems(const Model& model);
 enum class Part { tables, arrays };
 Problems section_problems(const Model& model, Part part, bool contents, const Job& job);
 
-// Decompresses the compressed arrays and checks their elements. On a problem of a section it has
-// no contents.
+// Decompresses the compressed arrays and checks their elements. A section with a problem has no
+// contents.
 //
 // Expects: neither section_problems nor table_problems found anything.
 Problems unpack_arrays(Model& model, const Job& job);
 
-// Makes positions, normals and indices from the streams of meshes, and checks nothing of what comes
-// out. On a problem they have no contents.
+// Makes positions, normals and indices from the streams of meshes, unchecked. With a problem they
+// have no contents.
 //
 // Expects: neither section_problems nor table_problems found anything.
 Problems unpack_streams(Model& model, const Job& job);
 
-// Unpacks the compressed tables, and brings records of other sizes to the size that they have here.
-// On a problem of a section it has no contents.
+// Unpacks the compressed tables, and resizes records of other sizes. A section with a problem has
+// no contents.
 //
 // Expects: section_problems of the tables found nothing.
 Problems unpack_tables(Model& model, const Job& job);

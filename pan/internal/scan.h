@@ -11,21 +11,21 @@ namespace panwright::pan::internal {
 // float leaves 1.2e-7, normalising in float 5e-7.
 inline constexpr float kUnitTolerance = 1e-5f;
 
-// Whether n values each are below the limit.
+// Returns true if n values each are below the limit.
 bool all_below(const std::uint16_t* values, std::size_t n, std::uint32_t limit);
 bool all_below(const std::uint32_t* values, std::size_t n, std::uint32_t limit);
 
-// Whether n values are finite; and, with not_negative, at least 0.
+// Returns true if n values are finite; and, with not_negative, at least 0.
 bool all_finite(const float* values, std::size_t n);
 bool all_finite_not_negative(const float* values, std::size_t n);
 
-// Whether n vectors of three lie in a box with finite corners; NaN lies in none.
+// Returns true if n vectors of three lie in a box with finite corners; NaN lies in none.
 bool all_within(const float* vectors, std::size_t n, const float low[3], const float high[3]);
 
-// Whether n vectors of three have a squared length within kUnitTolerance of 1.
+// Returns true if n vectors of three have a squared length within kUnitTolerance of 1.
 bool all_unit(const float* vectors, std::size_t n);
 
-// Whether a text is UTF-8 (RFC 3629) without U+0000.
+// Returns true if a text is UTF-8 (RFC 3629) without U+0000.
 bool is_text(std::string_view bytes);
 
 }  // namespace panwright::pan::internal

@@ -1,4 +1,4 @@
-// Contents that a model holds in its own memory: decompressed, or in records of another size.
+// Contents held in a model's own memory: decompressed, or in records of another size.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace panwright::pan::internal {
 
 // Write access to a Model while it is checked.
 struct Unpacked {
-  // Memory for a section's contents, which the model hands out from now on; the same memory each
-  // time. No bytes: there is not enough.
+  // Allocates memory for a section's contents, which the model hands out from now on; the same
+  // memory each time. No bytes: out of memory.
   //
   // Expects: bytes > 0.
   static std::span<std::byte> make(Model& model, layout::SectionKind kind, std::uint64_t bytes);
@@ -24,8 +24,8 @@ struct Unpacked {
 // The chunks of a section of the model's file. Nothing: their lengths do not add up.
 std::optional<PackedChunks> chunks_of(const Model& model, const layout::DirectoryEntry& entry);
 
-// Copies records of one size to another: the tail of longer ones is dropped, what shorter ones
-// lack is 0 or its default. A field that a record holds in part is lacking.
+// Copies records of one size to another: drops the tail of longer ones, fills missing fields with 0
+// or their default. A field held in part is missing.
 //
 //   from, to   whole records, equally many
 //   defaults   those of the section's fields, by offset

@@ -1,4 +1,4 @@
-// From double to the uniform blocks of the shaders. Private to preview.
+// Conversion from double to the shaders' uniform blocks. Private to preview.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 
 namespace panwright::preview {
 
-// Columns one after the other: 16 numbers.
+// Copies columns one after the other: 16 numbers.
 inline void copy_floats(const Mat4& from, float* to) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row) *to++ = static_cast<float>(from[column][row]);
 }
 
-// Columns, each padded to 4: 12 numbers.
+// Copies columns, each padded to 4: 12 numbers.
 inline void copy_floats(const Mat3& from, float* to) {
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) *to++ = static_cast<float>(from[column][row]);
@@ -23,19 +23,19 @@ inline void copy_floats(const Mat3& from, float* to) {
   }
 }
 
-// Padded to 4.
+// Copies a vector, padded to 4.
 inline void copy_floats(const Vec3& from, float* to) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
   to[3] = 0;
 }
 
-// What is drawn of the triangles to come: those of some sides alone.
+// Restricts drawing to some sides of triangles.
 inline void cull(const GladGLContext& gl, Sides drawn) {
   drawn == Sides::both ? gl.Disable(GL_CULL_FACE) : gl.Enable(GL_CULL_FACE);
   gl.CullFace(drawn == Sides::back ? GL_FRONT : GL_BACK);
 }
 
-// How often an item's maps repeat, and which way their bumps lean: a back's own stand out of it.
+// Copies the repeat of an item's maps, and the sign of their bumps: a back's point out of it.
 inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
   for (int axis = 0; axis < 2; ++axis) {
     block.repeat[axis] = static_cast<float>(item.repeat[axis]);
@@ -43,7 +43,7 @@ inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
   }
 }
 
-// The bytes from one uniform block of a buffer to the next.
+// Returns the stride of uniform blocks in a buffer, bytes.
 inline std::size_t block_stride(const GladGLContext& gl, std::size_t block_bytes) {
   GLint alignment = 1;
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);

@@ -1,5 +1,5 @@
-// What is drawn, in which order, and where it stands for one view. Private to preview; nothing here
-// needs OpenGL.
+// Draw list of a model, in drawing order, and its placement for one view. Private to preview;
+// nothing here needs OpenGL.
 #pragma once
 
 #include <array>
@@ -17,23 +17,23 @@
 
 namespace panwright::preview {
 
-// Materials of one BRDF model that one program shades.
+// Materials of one BRDF model, shaded by one program.
 struct ShadingModel {
   materials::BrdfModel brdf;
-  // no lobe is narrow enough to show the Sun's disc, at 1 AU and beyond
+  // no lobe is narrow enough to resolve the Sun's disc, at 1 AU and beyond
   bool wide = false;
   auto operator<=>(const ShadingModel&) const = default;
 };
 
-// The shading models that a model has.
+// Shading models of a model.
 struct Families {
   std::vector<ShadingModel> all;           // sorted
   std::vector<std::uint32_t> of_material;  // into all, one per material
-  std::vector<std::uint32_t> materials;    // how many there are of each
+  std::vector<std::uint32_t> materials;    // number of materials of each
 };
 Families families_of(const pan::Model& model);
 
-// Which shader draws an instance, but for RenderOptions::flat.
+// Shader variant of an instance, except for RenderOptions::flat.
 struct Variant {
   std::uint32_t shading = 0;  // variant of the material
   bool textured = false;
@@ -46,8 +46,8 @@ struct Variant {
   bool cells = false;
   bool brushed = false;   // its light depends on the direction along u
   bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
-  // a narrow lobe on a mesh whose normals turn within triangles: where they turn by more than the
-  // lobe is wide from sample to sample, its mean is taken
+  // a narrow lobe on a mesh whose normals turn within triangles: its mean is taken if they turn by
+  // more than its width from sample to sample
   bool curved = false;
   auto operator<=>(const Variant&) const = default;
 };
@@ -57,8 +57,8 @@ enum class Sides : std::uint8_t { both, front, back };
 // One instance of the model, or one side of it.
 struct DrawItem {
   Variant variant;
-  // which faces are drawn: the front's alone where it is closed, without holes to see the others;
-  // a surface whose back has another material is drawn once for each
+  // drawn faces: only the front's if closed and without holes; a surface whose back has another
+  // material is drawn once for each
   Sides sides = Sides::both;
   bool mirrored = false;  // triangles are clockwise from outside, once placed
   std::int32_t texture = -1;
@@ -66,35 +66,35 @@ struct DrawItem {
   std::uint32_t mesh = 0;
   std::uint32_t instance = 0;
   Mat4 model_from_mesh{1};  // of float positions, the mesh's origin included
-  // cofactor matrix with the sign of the determinant, largest entry 1: takes outward normals to
+  // cofactor matrix with the sign of the determinant, largest entry 1: maps outward normals to
   // outward normals of any length
   Mat3 model_normal_from_mesh{1};
   Vec2 repeat{1};          // of the texture coordinates, for maps
   Vec3 diffuse{0};         // colour; of cells, times its weight
-  double lobe = 0;         // where the variant is curved: the squared slope of the narrowest lobe
-  materials::Cells cells;  // where the variant has them
+  double lobe = 0;         // for curved variants: the squared slope of the narrowest lobe
+  materials::Cells cells;  // for variants with cells
   Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};
   bool shown = true;  // its node is
-  // Levels of detail (pan::layout::Level): it is drawn where a pixel sees so much of it, metres in
-  // the model's frame: from this, to less than that.
+  // Levels of detail (pan::layout::Level): visible for pixel footprints from this to the next,
+  // metres in the model's frame.
   double detail = 0;  // in the mesh's own coordinates, of the level and of the one after it
   double next_detail = HUGE_VAL;
   double from = 0;
   double to = HUGE_VAL;
-  bool visible = true;  // shown, and of the level that is asked for
+  bool visible = true;  // shown, and of the chosen level
 
   void set_pixel(double metres) { visible = shown && from <= metres && metres < to; }
 };
 
-// What one draw takes: as many blocks as every context can bind.
+// Items of one draw: as many blocks as every context can bind.
 inline constexpr std::size_t kInstancesAtOnce = 32;
 
-// Whether two items differ in nothing but where they are.
+// Returns true if two items differ only in placement.
 bool is_drawn_alike(const DrawItem& a, const DrawItem& b);
 
-// How many neighbours of a list, from the first, one draw takes: those of one mesh and material, in
-// as many as programs see at once; 1 where there are too few to pay for programs of their own.
+// Returns the number of neighbours of a list, from the first, for one draw: those of one mesh and
+// material, up to the programs' limit; 1 if too few to pay for programs of their own.
 //
 //   item(i)  the i-th, a const DrawItem&
 template <class Item>
@@ -106,18 +106,17 @@ std::size_t drawn_at_once(std::size_t first, std::size_t end, const Item& item) 
   return last - first < kLeast ? 1 : last - first;
 }
 
-// All instances at all levels of detail, the finest visible, sorted so that neighbours share as
-// much state as possible: by variant, sides, texture, material, mesh, then as they stand in the
-// model.
+// Returns all instances at all levels of detail, the finest visible. Sorted to share state between
+// neighbours: by variant, sides, texture, material, mesh, then the model's order.
 std::vector<DrawItem> draw_list(const pan::Model& model);
 
-// The list as a target of a world stands: same order, other places and visibilities; visible are
-// the finest levels.
+// Returns the list placed for a target of a world: same order, other transforms and visibilities;
+// the finest levels are visible.
 std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
                              const world::EvaluatedInstance& at);
 
-// The geometric unit normals of a mesh's triangles in its own frame, by cross products in double of
-// the stored positions; 0 0 0 for triangles without area. 3*T
+// Returns the geometric unit normals of a mesh's triangles in its own frame, by cross products in
+// double of the stored positions; 0 0 0 for triangles without area. 3*T
 std::vector<float> triangle_normals(const pan::MeshView& mesh);
 
 }  // namespace panwright::preview

@@ -1,4 +1,4 @@
-// What the steps of one frame share. Private to preview.
+// Shared inputs of the steps of one frame. Private to preview.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct FrameScene {
   const TargetStates& states;
   const VisibleSet& visible;
   const ShadowMaps* shadows = nullptr;  // of the visible targets; null: none
-  double pixel = 1;  // of the image, in those of the camera: of imposters, texels
+  double pixel = 1;             // size in camera pixels: of the image, or of an imposter's texel
   std::uint32_t texels = 0;     // of an imposter, along its longer side; 0: of an image
   bool specular_filter = true;  // RenderOptions
 

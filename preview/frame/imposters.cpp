@@ -26,7 +26,7 @@ constexpr double kBoxOfDisc = 2;
 // Targets share an imposter unless one is so many times as large as the other.
 constexpr double kMuchLarger = 8;
 // What a disc's boundary leaves of its area, relative, times the radius in texels to 3/2
-// (reference: point lattices; measured by tests/preview/imposters_test.cpp).
+// (reference: point lattices; measured by tests/preview/texel_areas_test.cpp).
 constexpr double kDiscError = 0.29;
 // The fewest along a side where there are many.
 constexpr std::uint32_t kFewest = 32;

@@ -1,5 +1,5 @@
-// Small targets, drawn by themselves and finer than pixels. Private to preview; nothing here needs
-// OpenGL. docs/imposters.md says why, and how right it is.
+// Imposters: small targets, drawn separately and finer than pixels. Private to preview; nothing
+// here needs OpenGL. Reasons and accuracy: docs/imposters.md.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace panwright::preview {
 
-// A rectangle of the image plane, along the axes of imposters' cameras; tangents, orthographic
+// Rectangle of the image plane, along the axes of imposters' cameras; tangents, orthographic
 // cameras: metres.
 struct PlaneRect {
   Vec2 low{INFINITY};
@@ -30,34 +30,34 @@ struct PlaneRect {
   }
 };
 
-// Texels a pixel that an imposter has at least, but for smooth ones.
+// Fewest texels a pixel of an imposter, except smooth ones.
 inline constexpr double kImposterRate = 4;
 
-// Texels that all imposters of an image start with, at most.
+// Limit of initial texels of all imposters of an image.
 inline constexpr double kMostTexels = 1 << 23;
 
-// One or several targets that are drawn by themselves: what a rectangle of the image plane shows,
-// in texels. Its camera has the eye and the image plane of the image's camera and is turned in that
-// plane, so that edges along rows, columns and diagonals of the image cross the texels at slopes
-// that are far from simple fractions, where point samples measure areas best.
+// Rectangle of the image plane with one or several targets, drawn in texels. Its camera shares the
+// image camera's eye and image plane, rotated in that plane. Rows, columns and diagonals of the
+// image then cross the texels at slopes far from simple fractions, for which point samples measure
+// areas best.
 struct Imposter {
   std::vector<std::uint32_t> targets;  // into VisibleSet::targets, ascending
-  PlaneRect rect;                      // that holds them
+  PlaneRect rect;                      // bounds of the targets
   double extent = 0;                   // its longer side, pixels
   std::uint32_t texels = 0;            // along it
   double least_rate = kImposterRate;   // texels a pixel
-  // What shadow maps are to be right for, where more texels than it starts with are likely, so that
-  // its draws share one map; 0: its texels.
+  // Texels that size the shadow maps, if more texels than the initial ones are likely, so that its
+  // draws share one map; 0: its texels.
   std::uint32_t shadow_texels = 0;
-  // Whether no target that has no imposter may be seen in the rectangle.
+  // True if no target without an imposter may be visible in the rectangle.
   bool alone = true;
-  // Whether it is one only if its pixels are as right as is asked (pixel_error_of()).
+  // True if it is kept only when its pixels meet the requested error (pixel_error_of()).
   bool tried = false;
 
-  // as place_imposter() sets them
+  // set by place_imposter()
   world::Camera camera;  // its pixels are texels
   PlaneRect plane;       // of all texels
-  // where the corner of texel (0, 0) lies in the image, and the steps along its rows and columns,
+  // place of the corner of texel (0, 0) in the image, and the steps along its rows and columns,
   // pixels
   Vec2 origin{0};
   Vec2 along{0};
@@ -67,26 +67,25 @@ struct Imposter {
   double rate() const { return texels / extent; }
 };
 
-// Sets the camera and the texels' places.
+// Sets the camera and the positions of texels.
 void place_imposter(const world::Camera& camera, Imposter& imposter);
 
-// The texels along the side of a box that leave so much of the flux of what is round in it,
-// relative.
+// Returns the texels along the side of a box that leave a relative error of the flux of round
+// shapes in it.
 std::uint32_t texels_for(double flux_error);
 
-// Which targets become imposters, and how fine.
+// Choice of the targets that become imposters, and of their resolution.
 //
-// Targets whose rectangles overlap share an imposter, so that what hides what is told texel by
-// texel. One that is much smaller than the other has its own, which takes the place of the larger
-// one's texels. A target that reaches behind the camera has none. A larger target that overlaps
-// nothing is tried: the fluxes of glints and trusses are righter by texels than by samples that go
-// where the first ones saw something.
+// Targets whose rectangles overlap share an imposter, so that occlusion is resolved per texel. One
+// much smaller than the other has its own, which replaces the larger one's texels. A target that
+// reaches behind the camera has none. A larger target without overlaps is tried: texels give more
+// accurate fluxes of glints and trusses than adaptive samples.
 class ImposterFinder {
  public:
   // Returns them from the largest to the smallest, unplaced; they stay until the next call.
   //
   //   most_side  texels that a side may have, > 64
-  // Cost: O(n log n) of the visible targets, where few overlap.
+  // Cost: O(n log n) of the visible targets, if few overlap.
   std::span<Imposter> find(const world::Camera& camera, const VisibleSet& visible,
                            const RenderOptions& options, std::uint32_t most_side);
 
@@ -94,8 +93,8 @@ class ImposterFinder {
   bool merge_some(double pixels);
   void add_tried();
   std::vector<Imposter> imposters_;
-  std::vector<PlaneRect> others_;    // of targets that have none
-  std::vector<Imposter> too_large_;  // those of them that may be tried
+  std::vector<PlaneRect> others_;    // of targets without imposters
+  std::vector<Imposter> too_large_;  // candidates among them
 };
 
 }  // namespace panwright::preview

@@ -1,5 +1,5 @@
-// Which levels of detail a view shows, and in what parts. Private to preview; nothing here needs
-// OpenGL.
+// Choice of levels of detail for a view, and their shares in it. Private to preview; nothing here
+// needs OpenGL.
 #pragma once
 
 #include <cstddef>
@@ -11,40 +11,39 @@
 
 namespace panwright::preview {
 
-// A target with levels of detail as a camera sees it.
+// Target with levels of detail in a view.
 struct LeveledTarget {
   const world::Pose* pose = nullptr;
-  const world::Bounds* bounds = nullptr;       // model frame; null: nothing of it is visible
-  const std::vector<double>* steps = nullptr;  // TargetState::steps; null: it has no levels
+  const world::Bounds* bounds = nullptr;       // model frame; null: fully hidden
+  const std::vector<double>* steps = nullptr;  // TargetState::steps; null: no levels
 };
 
-// One choice of levels for all targets, and its part in the image.
+// A choice of levels for all targets, and its share in the image.
 struct LevelState {
   double weight = 1;           // they add up to 1
-  std::vector<double> pixels;  // metres that a pixel is taken to see of each target
+  std::vector<double> pixels;  // assumed pixel footprint on each target, metres
 };
 
-// What a pixel sees of a box at its nearest point, metres; 0: the camera is inside. Orthographic
-// cameras: the same everywhere.
+// Returns the pixel footprint at the nearest point of a box, metres; 0: the camera is inside.
+// Orthographic cameras: the same everywhere.
 double pixel_on(const world::Camera& camera, const world::Pose& pose, const world::Bounds& bounds);
 
-// Levels change where a pixel sees a power of two metres, all of a target at once. Over the upper
-// half of the octave before, the image is a mean of those with the levels of both, the share of the
-// coarser one growing from 0 to 1 with the logarithm of the range: where levels change, nothing
-// does. Several targets that fade take one state more each; beyond three, shares are rounded to
-// quarters.
+// Choice of levels without visible steps. Levels change at footprints of a power of two metres, all
+// of a target at once. Over the upper half of the octave before, the image is a mean of both
+// levels. The share of the coarser one grows from 0 to 1 with the logarithm of the range. Each
+// fading target takes one more state; beyond three, shares are rounded to quarters.
 class LevelStateFinder {
  public:
-  // pixel    in place of what the camera sees, without a fade
-  // returns  what stays until the next call, in the same memory; the finest state last
+  // pixel    replaces the camera's footprint, without a fade
+  // returns  valid until the next call, in the same memory; the finest state last
   std::span<const LevelState> find(const world::Camera& camera,
                                    std::span<const LeveledTarget> targets,
                                    const std::optional<double>& pixel);
 
  private:
-  // The levels of one target.
+  // Levels of one target.
   struct Choice {
-    double fine = 0, coarse = 0;  // metres that a pixel is taken to see
+    double fine = 0, coarse = 0;  // assumed pixel footprints, metres
     double share = 0;             // of the coarse ones
   };
   static Choice choice_of(double pixel, std::span<const double> steps);

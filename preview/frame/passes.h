@@ -1,4 +1,4 @@
-// The passes that make one tile of an image: geometry, decals, shading. Private to preview.
+// Passes of one tile of an image: geometry, decals, shading. Private to preview.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@
 
 namespace panwright::preview {
 
-// What a pass over the triangles draws.
+// Kind of a pass over the triangles.
 enum class Pass { geometry, flat_geometry, ids, bare };
 
-// One target on one tile.
+// Target on one tile.
 struct TileTarget {
   std::uint32_t visible = 0;         // into VisibleSet::targets
   std::vector<std::uint32_t> drawn;  // into its items, ascending
-  // what is shaded by one program: a BRDF model of materials of the model
+  // Materials shaded by one program: of one BRDF model.
   struct ShadingClass {
     std::uint32_t brdf_model = 0;
     std::uint32_t material = 0;  // the only one, if so
@@ -31,12 +31,12 @@ struct TileTarget {
   };
   std::vector<ShadingClass> classes;  // ascending by BRDF model
   std::size_t first_block = 0;        // in the buffer of blocks
-  Tile part;                          // of the tile that it may fall on
+  Tile part;                          // of the tile, conservative bounds of the target
 };
 
-// What falls on one tile. Found tile by tile in the same memory.
+// Targets on one tile. Found tile by tile in the same memory.
 struct TileScene {
-  Tile tile;                        // the part of it that anything may fall on
+  Tile tile;                        // conservative bounds of its contents
   std::vector<TileTarget> targets;  // those on it, as in VisibleSet
 
   void find(const FrameScene& scene, const Tile& whole);
@@ -47,7 +47,7 @@ struct TileScene {
 
 TileScene tile_scene(const FrameScene& scene, const Tile& tile);
 
-// Blocks of N×N samples, each of one pixel, that are shaded one behind the other, in rows.
+// Blocks of N×N samples, each of one pixel, shaded consecutively, in rows.
 struct Blocks {
   GLuint pixels = 0;  // buffer texture, one R32UI a block: x | y << 16
   std::uint32_t a_row = 0;
@@ -58,24 +58,23 @@ class Passes {
  public:
   explicit Passes(Device::Impl& device);
 
-  // Builds every program that a pass needs before its first draw. Fails: E5001.
+  // Builds every program of a pass before its first draw. Fails: E5001.
   bool prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log);
 
-  // One upload: the blocks of a tile and of all items on it. predicting: shading says what errors
-  // are predicted from (Sampling).
+  // Uploads the blocks of a tile and of all items on it. predicting: shading also writes the inputs
+  // of error prediction (Sampling).
   void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
               bool predicting = false);
 
   // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
   // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.
   //
-  //   clear  called in place of clearing: all at first, then the depth alone, before each group
+  //   clear  replaces clearing: all at first, then the depth alone, before each group
   bool draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
             const RenderTarget& target, const Job& job,
             const std::function<void(bool first)>& clear = {});
 
-  // Turns what is seen into radiance, target by target, the materials of one BRDF model after the
-  // other.
+  // Shades the visible surfaces, target by target, the materials of one BRDF model after the other.
   void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
              const RenderTarget& g_buffer, const RenderTarget& color, const Blocks& blocks = {});
 
@@ -96,7 +95,7 @@ class Passes {
   StreamBuffer stream_;          // a view block, then draw blocks
   std::size_t view_stride_ = 0;  // bytes
   std::size_t draw_stride_ = 0;  // bytes
-  std::size_t first_draw_ = 0;   // bytes in stream_, of those uploaded last
+  std::size_t first_draw_ = 0;   // bytes in stream_, of the last upload
   std::vector<std::byte> blocks_;
   std::vector<std::uint32_t> places_;  // of draw_decals()
   std::vector<GLuint> first_classes_;  // of shade()

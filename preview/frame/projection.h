@@ -1,4 +1,4 @@
-// From the camera's frame to clip space, tile by tile, and the depth range that a view needs.
+// Projection from the camera's frame to clip space, tile by tile, and the depth range of a view.
 // Private to preview; nothing here needs OpenGL.
 #pragma once
 
@@ -24,7 +24,7 @@ struct DepthRange {
   double far = 2;
 };
 
-// A box of a mesh, with what places it.
+// Box of a mesh, with its placement.
 struct PlacedBox {
   Mat4 camera_from_mesh{1};
   Vec3 low{0};   // mesh frame
@@ -33,18 +33,18 @@ struct PlacedBox {
 
 std::array<Vec3, 8> corners(const Vec3& low, const Vec3& high);
 
-// The camera's frame from the world, camera-relative: the translations are subtracted in double
-// before they are rotated.
+// Returns the camera's frame from the world, camera-relative: the translations are subtracted in
+// double before they are rotated.
 Mat4 camera_from(const world::Camera& camera, const Mat4& world_from_mesh);
 
-// The range that holds all boxes, or the part of them in front of the camera, a little widened: at
-// least by what float32 positions of the boxes' size leave open. A camera among the boxes gets a
-// near plane at 2^-30 of the far one, where reverse-Z float depth has the usual constant relative
-// resolution. No box in front: any valid range.
+// Returns the range of all boxes, or of their part in front of the camera, widened by the float32
+// rounding of their positions. A camera among the boxes gets a near plane at 2^-30 of the far one,
+// where reverse-Z float depth has the usual constant relative resolution. No box in front: any
+// valid range.
 DepthRange fitted_depth(world::Projection projection, std::span<const PlacedBox> boxes);
 
 // Rows x, y, z, w of clip space from the camera's frame for one tile. Window coordinates (0, 0)
-// fall on the tile's upper left corner and grow right and *down*, so that rows read back top first
+// fall on the tile's upper left corner and grow right and *down*. So rows are read back top first,
 // and counter-clockwise triangles are clockwise in the window. Depth is 1 at near, 0 at far:
 //   perspective  z_clip = near·(far − Z)/(far − near), w = Z
 // The constant far − Z of a far away mesh cancels here, in double, so that depth resolves the
@@ -54,16 +54,17 @@ struct ClipRows {
 };
 ClipRows clip_rows(const world::Camera& camera, const Tile& tile, const DepthRange& range);
 
-// The whole matrix. camera_from_mesh is taken apart so that far − Z is formed before the product.
+// Returns the whole matrix. camera_from_mesh is decomposed so that far − Z is formed before the
+// product.
 Mat4 clip_from_mesh(const world::Camera& camera, const Tile& tile, const DepthRange& range,
                     const Mat4& camera_from_mesh);
 
-// Whether some part of the box may fall on the tile, to within `margin` pixels around it, and in
-// front of the camera. May be true for a box just outside; never false for one that touches.
+// Returns true if some part of the box may fall on the tile, to within `margin` pixels around it,
+// and in front of the camera. May be true for a box just outside; never false for one that touches.
 bool may_touch(const world::Camera& camera, const Tile& tile, double margin, const PlacedBox& box);
 
-// The part of a tile that boxes may fall on, whole pixels with one to spare; the whole tile when a
-// box reaches behind the camera. A width or height of 0: none.
+// Returns the part of a tile that boxes may cover, in whole pixels with one to spare; the whole
+// tile when a box reaches behind the camera. A width or height of 0: none.
 Tile touched_part(const world::Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
                   std::span<const std::uint32_t> which);
 

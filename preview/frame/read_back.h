@@ -1,4 +1,4 @@
-// Pixels on their way from framebuffers into memory. Private to preview.
+// Transfer of pixels from framebuffers into memory. Private to preview.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace panwright::preview {
 
-// How one pixel is stored in a framebuffer and in memory.
+// Format of one pixel in a framebuffer and in memory.
 struct PixelFormat {
   GLenum internal = GL_RGBA32F;
   GLenum format = GL_RGBA;
@@ -20,17 +20,16 @@ struct PixelFormat {
   std::size_t bytes = 16;
 };
 
-// A ring of framebuffers of one color: while one is read, the next one is drawn. Nothing waits but
-// take().
+// A ring of framebuffers of one color: while one is read, the next one is drawn. Only take() waits.
 //
-// Where the context draws beside this thread's processor, pixels are copied into a buffer as soon
-// as they are drawn, and looked at once a fence has passed. A context in software copies on the
-// thread that asks, after all that it was told to draw: there the fence comes first, then the copy.
+// With a GPU, pixels are copied into a buffer as soon as they are drawn, and read once a fence has
+// passed. A software context copies on the calling thread, after all pending draws: there the fence
+// comes first, then the copy.
 class ReadBack {
  public:
   static constexpr std::size_t kSlots = 2;
 
-  // through_buffers: whether pixels go through a buffer of the context
+  // through_buffers: true: pixels go through a buffer of the context
   ReadBack(const GladGLContext& gl, const PixelFormat& format, bool through_buffers)
       : gl_(gl), format_(format), through_buffers_(through_buffers) {}
   ~ReadBack() { drop(); }
@@ -44,19 +43,19 @@ class ReadBack {
   std::size_t newest() const { return (first_ + used_ - 1) % kSlots; }
   std::size_t next() const { return (first_ + used_) % kSlots; }  // Expects: !full()
 
-  // What the next pixels are drawn into. Expects: !full().
+  // Target of the next pixels. Expects: !full().
   RenderTarget& target() { return slots_[next()].target; }
 
-  // The pixels [0, width) × [0, height) of target() are drawn, as far as this thread goes: takes
-  // the next slot. False: the context has no memory for them.
+  // Takes the next slot for the drawn pixels [0, width) × [0, height) of target(). False: the
+  // context has no memory for them.
   bool submit(std::uint32_t width, std::uint32_t height);
 
   enum class Wait { done, cancelled, failed };
-  // Waits for the oldest pixels, calls use with them, rows as they stand in the framebuffer, and
-  // frees the slot; where they did not come, it stays. Expects: !empty().
+  // Waits for the oldest pixels, calls use with them, rows as in the framebuffer, and frees the
+  // slot; on failure it stays. Expects: !empty().
   Wait take(const Job& job, const std::function<void(const void*)>& use);
 
-  // Forgets the newest pixels, or all. current: whether the context is.
+  // Forgets the newest pixels, or all. current: true if the context is.
   void drop_newest(bool current = true);
   void drop(bool current = true);
 
@@ -82,7 +81,7 @@ class ReadBack {
   std::vector<std::byte> memory_;  // of copies that need no buffer
 };
 
-// Waits until all that was told to the context so far is drawn, with polls of the job.
+// Waits until all pending draws of the context are done, with polls of the job.
 ReadBack::Wait wait_until_drawn(const GladGLContext& gl, const Job& job);
 
 }  // namespace panwright::preview

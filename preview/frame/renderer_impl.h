@@ -1,4 +1,4 @@
-// What a renderer holds. Private to preview.
+// State of a renderer. Private to preview.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace panwright::preview {
 
-// An image of the camera's size. Radiance and coverage are what was there before; the rest is
+// Resets an image to the camera's size. Radiance and coverage keep their old values; the rest is
 // background.
 void reset(Image& image, const world::Camera& camera, bool ground_truth);
 
@@ -34,28 +34,28 @@ struct Renderer::Impl {
   }
   ~Impl() { shared.context->make_current(); }  // the members delete their objects
 
-  // A view under way, and one that was, whose memory is used again.
+  // View under way, or a finished one, whose memory is reused.
   struct Frame {
     Image image;
     world::Camera camera;
     bool flat = false;
     std::vector<GroundTruthTarget> targets;
-    std::size_t tiles = 0;  // that were submitted and not taken
+    std::size_t tiles = 0;  // submitted and not collected
     SamplingReport report;
     const char* why_empty = nullptr;  // of W5006
-    // Where levels of detail fade: the weight of `image`, and the sum of the others, weighted.
+    // If levels of detail fade: the weight of `image`, and the weighted sum of the others.
     double weight = 1;
     std::vector<float> other_radiance, other_coverage;
     double psf_sigma = 0;
     std::vector<ImposterPatch> patches;  // of imposters
   };
-  // A part of an image on its way.
+  // Part of an image under way.
   struct TileUnderWay {
     std::size_t frame = 0;
     Tile whole;  // the rest of it is background
     Tile tile;
   };
-  // What is read of one kind, with the tile of each slot.
+  // Ring of one kind, with the tile of each slot.
   struct Ring {
     Ring(const GladGLContext& gl, const PixelFormat& format, bool through_buffers)
         : pixels(gl, format, through_buffers) {}
@@ -108,20 +108,20 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
-  SunDisc sun_disc;                    // of the image that is drawn
-  std::unique_ptr<Passes> passes;      // made when the context is current first
+  SunDisc sun_disc;                    // of the current image
+  std::unique_ptr<Passes> passes;      // made when the context is first current
   std::unique_ptr<Sampling> sampling;  // the same
   std::optional<Ring> radiance;        // the same
   std::optional<Ring> ids;             // triangles
-  RenderTarget g_buffer;               // what Layer names
-  RenderTarget color_target;           // radiance of samples, where pixels have several
+  RenderTarget g_buffer;               // layers as of Layer
+  RenderTarget color_target;           // radiance of samples, if pixels have several
   RenderTarget bare_target;            // of seconds_of_bare_draw
-  // one more than are under way, for images that are parts of one
+  // one more than are under way, for partial images
   static constexpr std::size_t kFrames = kMostInFlight + 1;
   std::array<Frame, kFrames> frames;
   std::size_t first_frame = 0;
   std::size_t used_frames = 0;
-  std::vector<Image> spare;  // at most as many as there are frames
+  std::vector<Image> spare;  // at most the number of frames
   SamplingReport report;     // of the image collected last
   Job job;                   // of the call under way
   // of one frame, kept for the next one
@@ -129,12 +129,12 @@ struct Renderer::Impl {
   std::vector<LeveledTarget> leveled;
   LevelStateFinder level_states;
   std::span<const LevelState> level_choices;      // of level_states
-  std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
+  std::vector<float> sum_radiance, sum_coverage;  // of partial images
   VisibleSetFinder visible_sets;
   ImposterFinder imposter_finder;
   Image other_texels;                // of targets without imposters
-  VisibleSetFinder drawn_sets;       // of what one draw shows, where targets are left out
-  std::vector<std::uint8_t> hidden;  // of the world's targets, which
+  VisibleSetFinder drawn_sets;       // of partial draws, without some targets
+  std::vector<std::uint8_t> hidden;  // of the world's targets: 1 to leave out
   TileScene on_tile;
 };
 

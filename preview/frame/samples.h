@@ -12,12 +12,12 @@
 
 namespace panwright::preview {
 
-// Tiles of at most side × side pixels, row by row, that cover the image: one after the other.
+// Iterator over tiles of at most side × side pixels, row by row, that cover the image.
 class Tiles {
  public:
   Tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side)
       : width_(width), height_(height), side_(side) {}
-  explicit operator bool() const { return y_ < height_; }  // whether there is one
+  explicit operator bool() const { return y_ < height_; }  // true until the end
   Tile operator*() const {
     return {x_, y_, std::min(side_, width_ - x_), std::min(side_, height_ - y_)};
   }
@@ -39,7 +39,7 @@ class Tiles {
 //   rgba  4*tile.height*tile.width linear, from the top left
 void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image);
 
-// A pixel of an image, in the order of rows.
+// Pixel of an image, in the order of rows.
 struct Pixel {
   std::uint32_t x = 0;
   std::uint32_t y = 0;
@@ -49,19 +49,19 @@ struct Pixel {
   }
 };
 
-// Pixels of one row side by side.
+// Adjacent pixels of one row.
 struct PixelRun {
   Pixel first;
   std::uint32_t count = 0;
 };
 
-// The runs of pixels that ascend.
+// Returns the runs of ascending pixels.
 std::vector<PixelRun> runs(std::span<const Pixel> pixels);
 
-// Rectangles that hold all pixels, each pixel in one, none empty: as small as pays, where one more
-// costs as much as `worth` pixels in one.
+// Covers all pixels by rectangles, each pixel in one, none empty. A further rectangle costs as much
+// as `worth` pixels in one.
 //
-//   pixels  reordered: those of a group lie together, and ascend if they did
+//   pixels  reordered: those of a group are adjacent, and keep ascending order
 //   width, height  the largest of a rectangle
 struct PixelGroup {
   Tile around;
@@ -70,7 +70,7 @@ struct PixelGroup {
 std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint32_t>& pixels,
                               std::uint32_t width, std::uint32_t height, std::uint64_t worth);
 
-// Makes the pixels of a tile outside a part of it background. part: of no size, all are.
+// Clears the pixels of a tile outside a part to background. Empty part: all.
 void clear_around(const Tile& whole, const Tile& part, Image& image);
 
 }  // namespace panwright::preview

@@ -1,5 +1,5 @@
-// Samples where they change the pixel: one for most, N×N for the others. Private to preview.
-// docs/sampling.md says what decides, and how well.
+// Adaptive sampling: one sample for most pixels, N×N for the others. Private to preview. Criteria
+// and accuracy: docs/sampling.md.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace panwright::preview {
 
 class Sampling {
  public:
-  // seen, color: what the passes draw into, shared with whoever draws every sample.
+  // seen, color: targets of the passes, shared with full sampling.
   Sampling(Device::Impl& device, Passes& passes, RenderTarget& seen, RenderTarget& color);
 
-  // Draws the means of N×N samples of `color` into the first layer of a target that is large
-  // enough, and how far they are apart into the second one; the target is bound for reading then.
+  // Draws the means of N×N samples of `color` into the first layer of a large enough target, and
+  // their spread into the second one; leaves the target bound for reading.
   // Fails: E5001.
   bool resolve(const RenderTarget& means, std::uint32_t width, std::uint32_t height,
                unsigned samples, bool spread, DiagnosticLog& log);
 
   // Draws the radiance of an image that begins as background.
   //
-  //   formats  of the layers that the scene needs
+  //   formats  of the layers needed by the scene
   // Expects: something in view, shadows up to date, a current context.
   // Fails: E0001, E5001, E5003.
   bool render(const FrameScene& scene, const RenderOptions& options,
@@ -37,7 +37,7 @@ class Sampling {
   const SamplingReport& report() const { return report_; }
 
  private:
-  struct Frame;  // what one call of render() shares
+  struct Frame;  // shared state of one render() call
 
   bool one_sample_each(const Frame& frame, Image& image, std::vector<float>& patternless);
   bool look_at_corners(const Frame& frame);
@@ -71,22 +71,22 @@ class Sampling {
   GlTexture pixels_texture_;
   std::vector<float> floats_;  // read back
   ErrorPredictor predictor_;
-  // of the pixels of the part that a frame may show something on, kept for the next one
+  // of the pixels in the frame's conservative bounds, kept for the next one
   std::vector<float> patternless_;
   std::vector<float> corner_patternless_;
-  std::vector<float> corner_errors_;  // what the corners of pixels tell of the first look
+  std::vector<float> corner_errors_;  // errors seen by the corners of pixels
   Image corners_;
   std::vector<float> predicted_;
   std::vector<float> errors_;
-  std::vector<float> spreads_;  // of pixels that are measured
+  std::vector<float> spreads_;  // of the measured pixels
   std::vector<float> before_;   // their radiance
   struct Surprise {
     Pixel pixel;
     float change = 0;  // radiance, rms over the channels
   };
   std::vector<Surprise> surprises_;    // of one frame
-  std::vector<std::uint32_t> inside_;  // those of them that something may fall on, of a tile
-  std::vector<std::uint32_t> order_;   // of the pixels that are refined
+  std::vector<std::uint32_t> inside_;  // those within a tile's conservative bounds
+  std::vector<std::uint32_t> order_;   // of the refined pixels
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   SamplingReport report_;
 };

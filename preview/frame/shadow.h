@@ -1,4 +1,4 @@
-// What the Sun sees of the targets of a world: which points lie in shadow. Private to preview.
+// Shadow maps of a world's targets. Private to preview.
 #pragma once
 
 #include <cstddef>
@@ -21,90 +21,90 @@
 
 namespace panwright::preview {
 
-// A pose as seen from another one: anchor_from_model of two world_from_model.
+// Returns a pose relative to another one: anchor_from_model of two world_from_model.
 world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model);
 
-// Where a target stands in light space: on the map of one receiver, or of several that share it.
+// Placement of a target in light space: on the map of one receiver, or of several that share it.
 struct SunPlace {
   LightSpace frame;  // of the anchor: the first receiver of the map
   bool anchor = true;
-  Mat4 anchor_from_model{1};  // where it is not the anchor itself
+  Mat4 anchor_from_model{1};  // if it is not the anchor itself
   Mat3 anchor_turn{1};
-  const ShadowTiles* tiles = nullptr;  // of the map, where it has some: in place of the frame
+  const ShadowTiles* tiles = nullptr;  // of the map, if tiled: replaces the frame
 };
 
-// The rows of a block that place an item in light space. flat: shaded by its triangles' normals.
+// Sets the rows of a block that place an item in light space. flat: shaded by its triangles'
+// normals.
 void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
                         bool flat, DrawBlock& block);
 
-// The depths of what the Sun sees, and their slopes. A surface casts a shadow on a point where each
-// of the two lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow
-// neither themselves nor their neighbours at edges. Room for relief finer than texels, 0.7 of one,
-// is all that pushes shadows away from contacts.
+// Shadow maps: depths and slopes of the surfaces towards the Sun. A surface shadows a point if each
+// lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow neither
+// themselves nor their neighbours. Only an offset for relief finer than texels, 0.7 of one, moves
+// shadows away from contacts.
 //
-// Each target that is seen has a map, fitted to it alone; other targets are drawn into it where
-// they may throw a shadow on it. What of these lies sunward of the map's box is kept at its
-// border (depth clamp), where it hides all below. Beyond the bound on memory neighbours share maps.
+// Each visible target has a map, fitted to it alone; other targets that may shadow it are drawn
+// into it. Their parts sunward of the map's box are clamped to its border (depth clamp), where they
+// occlude all below. Beyond the bound on memory neighbours share maps.
 //
-// Where the texels of such a map are too wide for the pixels that see the target (a wide model, a
-// camera close by), the map consists of tiles that follow what the camera sees (shadow_tiles.h),
-// and into each is drawn what stands in its column towards the Sun.
+// If the texels of such a map are too wide for the pixels of the target (a wide model, a camera
+// close by), the map consists of tiles that follow the view (shadow_tiles.h). Each holds all
+// casters in its column towards the Sun.
 //
-// Where the penumbra of what may shade a target would be wider than half a pixel, the map has a layer
-// for each of several points of the Sun's disc, as hard shadows of that point: sheared, so that
-// one place in light space serves all (shaders/shadow.glsl). What a pixel sees of the disc is the
-// mean over them, whatever stands before what.
+// For a penumbra that may be wider than half a pixel, the map has layers of hard shadows for
+// several points of the Sun's disc. They are sheared, so that one place in light space serves all
+// (shaders/shadow.glsl). The visible share of the disc is the mean over them, for any combination
+// of occluders.
 class ShadowMaps {
  public:
-  // Draws the maps that are not there already: a map is kept as long as the shape of its receivers,
-  // the Sun in their frame, and the shapes and relative poses of what casts shadows on them are the
-  // same. Expects the state that Renderer::Impl::set_state() leaves.
+  // Draws the missing maps. A map is kept while its receivers' shapes, the Sun in their frame, and
+  // the shapes and relative poses of its casters stay the same. Expects the state left by
+  // Renderer::Impl::set_state().
   //
   // Expects: targets in view.
   // Reports: W5012. Fails: E0001; E5003; E5001 when the driver refuses a shader.
   struct Limits {
     unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
-    unsigned soft_side = 2048;  // the same where the Sun has more than 8 points
+    unsigned soft_side = 2048;  // the same if the Sun has more than 8 points
     std::uint64_t bytes = 0;
     SunDisc disc;
   };
   bool update(Device::Impl& device, const FrameScene& scene, const Limits& limits,
               DiagnosticLog& log, const Job& job);
 
-  // What is drawn from now on is of another image than what was drawn before: its maps are kept
-  // before theirs.
+  // Begins another image, whose maps take precedence over older ones.
   void begin_image() { image_ = update_ + 1; }
 
-  // For the geometry and shading steps. receiver: into those of the last update.
+  // Results for the geometry and shading steps. receiver: into those of the last update.
   const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
   void bind(const GladGLContext& gl, std::size_t receiver) const;
   void bind_limits(const GladGLContext& gl, std::size_t receiver) const;  // the uniforms alone
 
-  // Frees all maps: the next update draws anew.
+  // Frees all maps: the next update redraws them.
   void forget() { maps_.clear(); }
 
   std::uint64_t drawn() const { return drawn_; }  // maps drawn so far
 
-  // Of the last update: how far off the edges of shadows are where texels are widest, in pixels
-  // (99 of 100 are nearer, bench/case_shadows.cpp).
+  // Of the last update: largest error of shadow edges, pixels (99 of 100 are nearer,
+  // bench/case_shadows.cpp).
   double edge_error() const { return edge_error_; }
 
-  // Of the last update: the widest penumbra there may be, pixels, and the points of the Sun's disc
-  // that stand for it, where they are fewest.
+  // Of the last update: the widest possible penumbra, pixels, and the fewest points of the Sun's
+  // disc used for it.
   double penumbra() const { return penumbra_; }
   unsigned disc_points() const { return disc_points_; }
 
   static constexpr std::uint64_t kTexelBytes = 8;
 
  private:
-  // A target in a map: which state, and where.
+  // State of a target in a map, and its place.
   struct Member {
     world::Stamp shape_stamp = 0;
     std::size_t level = 0;  // TargetState::level
     world::Pose anchor_from_model;
     bool operator==(const Member&) const = default;
   };
-  // What tiles depend on beside the targets.
+  // Inputs of tiles besides the targets.
   struct ViewKey {
     Mat4 camera_from_model{1};  // of the anchor
     Vec2 focal{0};
@@ -117,27 +117,27 @@ class ShadowMaps {
     double pixel = 1;  // of the image, in those of the camera
     bool operator==(const ViewKey&) const = default;
   };
-  // How a map is laid out.
+  // Layout of a map.
   struct Layout {
     LightSpace bare;  // fitted to the receivers
-    LightSpace whole;  // the same, or wider where the Sun has several points
+    LightSpace whole;     // the same, or wider for several points of the Sun
     unsigned points = 1;  // of the Sun's disc
-    double penumbra = 0;  // the widest there may be, pixels
+    double penumbra = 0;  // the widest possible, pixels
     ViewKey view;
     ShadowTiles tiles;  // for this view
-    double texel = 0;   // the coarsest beside its pixel, metres
+    double texel = 0;   // the coarsest relative to its pixel, metres
     double pixel = 0;
-    double finest = 0;  // texel that single precision allows there
+    double finest = 0;  // limit of single precision there
   };
   struct Map {
-    // what it shows
+    // contents
     Vec3 to_sun{0};  // of the anchor's frame, unit
     std::vector<Member> receivers;
     std::vector<Member> casters;
     Layout layout;
     bool drawn = false;
     std::uint64_t last_use = 0;  // number of an update
-    std::size_t columns = 0;     // cells of its textures; 0: there are none
+    std::size_t columns = 0;     // cells of its textures; 0: none
     std::size_t rows = 0;
     std::uint64_t texels = 0;  // of these, all layers
     int width = 0;             // of the same, texels
@@ -147,7 +147,7 @@ class ShadowMaps {
     GlFramebuffer framebuffer;
     GlBuffer limits;
   };
-  // A target with where it stands in the frame of a map's anchor.
+  // Target, placed in the frame of a map's anchor.
   struct Drawn {
     std::uint32_t target = 0;
     bool anchor = false;
@@ -160,7 +160,7 @@ class ShadowMaps {
   };
 
   static constexpr std::size_t kNone = ~std::size_t{0};
-  // The receivers of one map.
+  // Receivers of one map.
   struct Group {
     std::vector<std::uint32_t> receivers;  // into those of the update
     std::vector<Drawn> targets;            // the same
@@ -206,7 +206,7 @@ class ShadowMaps {
   SunDisc disc_;
   // of one update, kept for the next one
   std::vector<Group> groups_;
-  std::vector<Drawn> targets_;   // of one map: its receivers, then what else throws shadows there
+  std::vector<Drawn> targets_;   // of one map: its receivers, then the other casters
   std::vector<Member> casters_;  // of these
   std::vector<DrawItem> placed_;
   std::vector<ShownItem> shown_;
@@ -223,16 +223,16 @@ class ShadowMaps {
   std::size_t first_block_ = 0;  // bytes, in stream_
 };
 
-// What rays to the disc are sheared by at most.
+// Returns the largest shear of rays to the disc.
 double largest_shear(const LightSpace& frame, const SunDisc& disc);
 
-// Whether a box may throw a shadow into the box of a map: it meets the cone from there to the Sun's
-// disc, and is not behind all of it.
+// Returns true if a box may shadow the box of a map: it meets the cone from there to the Sun's
+// disc, and is not entirely behind it.
 //
 //   shear  the largest of the points of the disc
 bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high, double shear);
 
-// At most `most` groups of neighbours, each ascending, in the order of their first members.
+// Returns at most `most` groups of neighbours, each ascending, in the order of their first members.
 std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
                                                          std::size_t most);
 

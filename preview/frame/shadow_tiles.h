@@ -1,6 +1,5 @@
-// Shadow maps as fine as what a camera sees of a target needs them: where one map of the whole
-// target is too coarse, tiles of one texture, each fitted to a part of the view. Private to
-// preview; nothing here needs OpenGL.
+// Tiled shadow maps for close views: if one map of the whole target is too coarse, tiles of one
+// texture, each fitted to a part of the view. Private to preview; nothing here needs OpenGL.
 #pragma once
 
 #include <array>
@@ -17,14 +16,14 @@
 
 namespace panwright::preview {
 
-// A texel of a map should not be wider than so many pixels where its receivers are nearest: 99 of
-// 100 edges are then right to 0.75 pixels (0.375 texels measured, bench/case_shadows.cpp).
+// Largest width of a map's texel in pixels at its nearest receivers: 99 of 100 edges are then right
+// to 0.75 pixels (0.375 texels measured, bench/case_shadows.cpp).
 inline constexpr double kMostPixelsATexel = 2;
-inline constexpr double kEdgeOfTexel = 0.375;  // texels: 99 of 100 edges are right to that
+inline constexpr double kEdgeOfTexel = 0.375;  // texels: error of 99 of 100 edges
 
 inline constexpr std::size_t kMostShadowTiles = 12;  // draw.glsl
 
-// A square part of a map.
+// Square part of a map.
 struct ShadowTile {
   Vec3 low{0};       // its corner in light space, metres
   double texel = 0;  // metres
@@ -34,32 +33,31 @@ struct ShadowTile {
   bool operator==(const ShadowTile&) const = default;
 };
 
-// The tiles of one map. Their depths are measured in texels of each, so that a slope is the same
-// number in all.
+// Tiles of one map. Depths are in texels of each, so that a slope is the same number in all.
 struct ShadowTiles {
-  std::vector<ShadowTile> tiles;  // the finest first; none: the map is one, of the whole target
+  std::vector<ShadowTile> tiles;  // the finest first; none: one map of the whole target
   Mat3 light_from_model{1};       // a rotation
   double depth = 0;               // of each tile, in its texels
   unsigned side = 0;              // texels, of one cell
   unsigned columns = 1;           // cells
   unsigned rows = 1;
-  double margin = 0;  // texels at the borders of each tile that rays to the Sun's disc may reach
+  double margin = 0;  // border of each tile for rays to the Sun's disc, texels
   bool operator==(const ShadowTiles&) const = default;
 
   std::size_t cells() const { return std::size_t{columns} * rows; }
 };
 
-// Light space of a tile by itself, and with x and y across the whole map.
+// Returns the light space of a single tile, and with x and y across the whole map.
 LightSpace light_space_of_tile(const ShadowTiles& tiles, std::size_t tile);
 LightSpace light_space_in_map(const ShadowTiles& tiles, std::size_t tile);
 
-// From the light space of one tile in the map to that of another one: times w, plus xyz.
+// Returns the map from the light space of one tile to that of another: times w, plus xyz.
 Vec4 tile_from_tile(const ShadowTiles& tiles, std::size_t to, std::size_t from);
 
-// What places in the map belong to a tile: x and y from, x and y to.
+// Returns the range of a tile in the map: x and y from, x and y to.
 Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile);
 
-// An item of a receiver that is in view.
+// Item of a receiver in view.
 struct ShownItem {
   const PlacedBox* box = nullptr;
   std::shared_ptr<const void> owner;  // of its model
@@ -71,41 +69,40 @@ struct TileLimits {
   unsigned side = 2048;         // texels of a cell
   std::size_t cells = 1;        // at most, of the map
   std::size_t cells_a_row = 1;  // at most
-  double pixel = 1;             // of the image, in those of the camera: of imposters, texels
+  double pixel = 1;             // size in camera pixels: of the image, or of an imposter's texel
   double sun_tangent = 0;       // of the angular radius of the Sun's disc; 0: a point
 };
 
 class ShadowTileFinder {
  public:
-  // Finds tiles for what a camera sees of receivers; none where texels of `whole` are fine enough.
-  // The part of the view with the coarsest texels is cut in two, along its depth or across the
-  // image, where that makes the two smallest, until all are fine enough or a limit is reached.
+  // Finds tiles for the visible parts of receivers; none if texels of `whole` are fine enough.
+  // Repeatedly cuts the part of the view with the coarsest texels in two, along its depth or across
+  // the image, at the best place. Ends when all are fine enough or a limit is reached.
   //
   //   whole              the light space of everything, in the frame of the map's anchor
   //   camera_from_model  of the anchor, rigid
-  // Cost: O(items · tiles), and a pass over the meshes that a camera is close to.
+  // Cost: O(items · tiles), and a pass over the meshes close to the camera.
   const ShadowTiles& find(const world::Camera& camera, const Mat4& camera_from_model,
                           const LightSpace& whole, std::span<const ShownItem> items,
                           const TileLimits& limits);
 
-  // Of the last find(): the texel that is coarsest beside the pixel that sees it, and that pixel.
-  // Metres.
+  // Of the last find(): the coarsest texel relative to its pixel, and that pixel. Metres.
   double texel() const { return texel_; }
   double pixel() const { return pixel_; }
-  // The texel that single precision allows there, metres; 0: any.
+  // Limit of single precision on the texel there, metres; 0: any.
   double finest() const { return finest_; }
 
  private:
-  // A piece and where it comes from.
+  // Piece and its origin.
   struct Piece {
     ViewPiece shape;
-    double pad = 0;  // how far a point may be moved out, metres
+    double pad = 0;  // largest displacement of a point, metres
     std::uint32_t item = 0;
     std::uint32_t first = 0;  // triangles of a run
     std::uint32_t count = 0;
     ShownPart shown;  // in the whole view
   };
-  // What a list of parts needs.
+  // Requirements of a list of parts.
   struct Fit {
     ShownPart all;
     double across = 0;  // of the largest piece, metres

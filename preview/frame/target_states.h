@@ -1,4 +1,4 @@
-// The targets of a world as a renderer holds them. Private to preview.
+// Targets of a world in a renderer. Private to preview.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace panwright::preview {
 
-// One target, in its model's frame.
+// Target, in its model's frame.
 struct TargetState {
-  world::Stamp shape_stamp = 0;                     // of what the rest is made from
-  std::shared_ptr<const ModelResources> resources;  // may be null where nothing is visible
-  // as the draw list of its model, placed; never changed, so that frames under way share it
+  world::Stamp shape_stamp = 0;                     // of the inputs of the rest
+  std::shared_ptr<const ModelResources> resources;  // may be null if fully hidden
+  // its model's draw list, placed; never changed, so that frames under way share it
   std::shared_ptr<const std::vector<DrawItem>> placed;
-  std::optional<world::Bounds> bounds;  // none: nothing of it is visible
-  // Where its model has levels of detail: the widths of a pixel on it at which others are visible,
-  // ascending, metres; and the width for which `placed` is set.
+  std::optional<world::Bounds> bounds;  // none: fully hidden
+  // With levels of detail: the pixel footprints at which levels change, ascending, metres; and the
+  // footprint of `placed`.
   std::shared_ptr<const std::vector<double>> steps;
   double pixel = 0;
-  std::size_t level = 0;  // of the steps, how many it passed
+  std::size_t level = 0;  // number of steps passed
 
   const ModelResources::Impl& model() const { return resources->impl(); }
   std::span<const DrawItem> items() const {
@@ -33,17 +33,17 @@ struct TargetState {
   }
 };
 
-// Keyed by the shape stamps of the targets: a target that moves as a whole costs nothing here, and
-// no model is uploaded but those that were not on the device.
+// States of targets, keyed by their shape stamps: a rigid motion costs nothing here, and only
+// models missing on the device are uploaded.
 class TargetStates {
  public:
-  // Brings all up to date with the world. A hidden target's model is not uploaded.
+  // Updates all to the world. A hidden target's model is not uploaded.
   //
   // Fails: E5001, E5003, E0001; the next update tries again.
   bool update(const world::World& world, Device& device, DiagnosticLog& log, const Job& job);
 
-  // Chooses the levels of detail of a target that a pixel sees so much of, metres. Expects: up to
-  // date. Cost: nothing where they stay; else O(items).
+  // Chooses the levels of detail of a target for a pixel footprint, metres. Expects: up to date.
+  // Cost: nothing if unchanged; else O(items).
   void set_pixel(std::size_t index, double metres);
 
   const TargetState& operator[](std::size_t index) const { return states_[index]; }

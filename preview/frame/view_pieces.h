@@ -1,4 +1,4 @@
-// What of boxes and triangles a part of a view shows, as the Sun sees it. Private to preview;
+// Visible parts of boxes and triangles in light space, for a part of a view. Private to preview;
 // nothing here needs OpenGL.
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace panwright::preview {
 
-// A part of what a camera sees: a rectangle of its image, pixels, and a range of depths along the
-// boresight, metres (perspective: near > 0).
+// Part of a view: a rectangle of its image, pixels, and a range of depths along the boresight,
+// metres (perspective: near > 0).
 struct ViewCell {
   Vec2 low{0};
   Vec2 high{0};
@@ -18,24 +18,24 @@ struct ViewCell {
   double far = 0;
 };
 
-// What seldom changes between questions.
+// Inputs that seldom change between queries.
 struct ViewFrame {
   const world::Camera* camera = nullptr;
   Mat4 light_from_camera{1};  // rigid: across the Sun's rays, across, towards the Sun; metres
 };
 
-// A box, or a triangle where there are 3 corners. Camera frame; a box's in the order of corners().
+// A box, or a triangle if there are 3 corners. Camera frame; a box's in the order of corners().
 struct ViewPiece {
   std::array<Vec3, 8> corners;
   unsigned count = 8;
-  // in light space, the whole of it, metres: x or y, z
+  // in light space, as a whole, metres: x or y, z
   double across = 0;
   double deep = 0;
 };
-// Sets what is known of a piece as a whole.
+// Measures a piece as a whole.
 void measure(const ViewFrame& view, ViewPiece& piece);
 
-// Where what a cell shows of a piece lies.
+// Bounds of the part of a piece that a cell shows.
 struct ShownPart {
   Vec3 low{INFINITY};  // light space, metres
   Vec3 high{-INFINITY};
@@ -51,7 +51,7 @@ struct ShownPart {
   }
 };
 
-// Exact for convex pieces, in double. Cost: some 100 plane tests at most.
+// Returns the visible part. Exact for convex pieces, in double. Cost: some 100 plane tests at most.
 ShownPart shown_part(const ViewFrame& view, const ViewCell& cell, const ViewPiece& piece);
 
 }  // namespace panwright::preview

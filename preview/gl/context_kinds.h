@@ -1,4 +1,4 @@
-// The two ways to an off-screen context. Private to preview.
+// Two kinds of off-screen contexts. Private to preview.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,13 @@
 
 namespace panwright::preview {
 
-// A context, or why there is none.
+// A context, or the reason for its absence.
 struct ContextAttempt {
   std::unique_ptr<Context> context;  // current on this thread when not null
   std::string reason;                // one clause, when null
 };
 
-// hardware_only: passes over devices that draw in software.
+// hardware_only: skips software devices.
 ContextAttempt create_egl_context(bool hardware_only);
 ContextAttempt create_osmesa_context();
 

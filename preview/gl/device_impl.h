@@ -1,4 +1,4 @@
-// What a device and the models on it hold. Private to preview.
+// State of a device and of its models. Private to preview.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@ struct ModelResources::Impl {
 
   std::shared_ptr<Device> device;
   world::ModelPtr model;
-  std::vector<DrawItem> list;  // as the model stands by itself
+  std::vector<DrawItem> list;  // of the model at rest
   Families brdf_models;        // shading classes
-  LayerSet layers = 0;         // that its items need
+  LayerSet layers = 0;         // needed by its items
   LayerSet filter_layers = 0;  // and with RenderOptions::specular_filter
   LayerSet layers_for(bool filter) const { return filter ? filter_layers : layers; }
   GpuModel gpu;
@@ -36,11 +36,12 @@ struct Device::Impl {
         read_through_buffers(context->is_hardware()) {}
   ~Impl() { context->make_current(); }  // the members delete their objects
 
-  // Makes the context current. Fails: E5001, at once for ever when the context was lost.
+  // Makes the context current. Fails: E5001, for ever after the context was lost.
   bool ready(DiagnosticLog& log);
-  // Whether all went well since the last call. Fails: E5001 when the context is lost, E5003.
+  // Returns true if no error occurred since the last call. Fails: E5001 when the context is lost,
+  // E5003.
   bool went_well(DiagnosticLog& log);
-  // Waits for the programs that were asked for. Fails: E5001 when the driver refuses a shader.
+  // Waits for the requested programs. Fails: E5001 when the driver refuses a shader.
   bool programs_ready(DiagnosticLog& log);
 
   std::unique_ptr<Context> context;
@@ -49,7 +50,7 @@ struct Device::Impl {
   std::uint64_t models_uploaded = 0;
   std::uint64_t model_bytes = 0;
   bool lost = false;
-  // Whether pixels are copied through buffers (read_back.h). Tests set it, before they draw.
+  // True: pixels are copied through buffers (read_back.h). Tests set it before they draw.
   bool read_through_buffers = false;
 };
 

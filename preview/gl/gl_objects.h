@@ -1,4 +1,4 @@
-// OpenGL objects that delete themselves. Private to preview.
+// Self-deleting OpenGL objects. Private to preview.
 #pragma once
 
 #include <glad/gl.h>
@@ -13,7 +13,7 @@
 
 namespace panwright::preview {
 
-// One object name. The context must be current when it is created, used and destroyed.
+// Object name. The context must be current when it is created, used and destroyed.
 template <void (*Delete)(const GladGLContext&, GLuint)>
 class GlObject {
  public:
@@ -52,7 +52,7 @@ using GlVertexArray = GlObject<delete_vertex_array>;
 using GlSampler = GlObject<delete_sampler>;
 using GlProgram = GlObject<delete_program>;
 
-// An immutable buffer with these bytes; without data: its contents are set later, again and again.
+// Makes an immutable buffer with these bytes; without data: one for repeated uploads.
 GlBuffer make_buffer(const GladGLContext& gl, const void* data, std::size_t bytes);
 GlBuffer make_stream_buffer(const GladGLContext& gl);
 GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format, GLsizei width,
@@ -61,20 +61,20 @@ GlTexture make_texture_array(const GladGLContext& gl, GLenum format, GLsizei wid
                              GLsizei layers);
 GlVertexArray make_vertex_array(const GladGLContext& gl);
 
-// A texture that reads a range of a buffer; the range is set later.
+// Makes a texture that reads a range of a buffer; the range is set later.
 GlTexture make_buffer_texture(const GladGLContext& gl);
 
-// Linear between texels and levels; the wrap is that of both coordinates.
+// Makes a sampler, linear between texels and levels; the wrap is that of both coordinates.
 GlSampler make_sampler(const GladGLContext& gl, GLint wrap);
 
-// What changes from draw to draw, uploaded once for each: a buffer of a few regions in turn, so
-// that the context need not wait for draws under way. It grows, and never shrinks.
+// Buffer of per-draw data, with a few regions in turn, so that uploads do not wait for draws under
+// way. It grows, and never shrinks.
 class StreamBuffer {
  public:
   explicit StreamBuffer(const GladGLContext& gl);
 
-  // Returns where the bytes lie: an offset that uniform blocks may begin at. behind: bytes after them
-  // that may be bound with them, whatever they hold.
+  // Returns the offset of the bytes, aligned for uniform blocks. behind: further bytes that may be
+  // bound with them, of any value.
   std::size_t upload(std::span<const std::byte> bytes, std::size_t behind = 0);
   GLuint id() const { return buffer_.id(); }
 
@@ -86,31 +86,32 @@ class StreamBuffer {
   std::size_t region_ = 0;
 };
 
-// Whether everything since the last call fitted. Fails: E5003, naming a part of the model.
+// Returns true if all allocations since the last call succeeded. Fails: E5003, naming a part of the
+// model.
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
-// A framebuffer over textures, with or without a D32F depth texture.
+// Framebuffer over textures, with or without a D32F depth texture.
 struct RenderTarget {
-  std::array<GlTexture, 6> colors;  // those behind the first may be empty
+  std::array<GlTexture, 6> colors;  // those after the first may be empty
   std::array<GLenum, 6> formats{};  // GL_NONE: empty
   GlTexture depth;
   GlFramebuffer framebuffer;
-  GLsizei width = 0;  // 0: the context could not make it
+  GLsizei width = 0;  // 0: the context could not create it
   GLsizei height = 0;
 };
 // color_formats: GL_NONE leaves a place empty.
 RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
                                 bool depth, GLsizei width, GLsizei height);
 
-// Makes a target at least as large, with at least these colours, and keeps it where it is. One of
-// another shape than it had is made anew at that shape once both together pass `most_samples`.
+// Enlarges a target to at least this size and these colours, or keeps it. A different shape is made
+// anew at exactly that shape once both together pass `most_samples`.
 // Fails: E5003.
 bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
                           std::span<const GLenum> formats, bool depth, std::uint32_t width,
                           std::uint32_t height, std::uint64_t most_samples, DiagnosticLog& log);
 
-// While it lives, what is cleared of a bound target is its first width × height: all of it where
-// that is most of it, which is faster.
+// Scope in which clearing a bound target covers its first width × height, or all of it if that is
+// most of it, which is faster.
 class ClearRegion {
  public:
   ClearRegion(const GladGLContext& gl, const RenderTarget& target, std::uint32_t width,
@@ -124,12 +125,12 @@ class ClearRegion {
   bool is_part_ = false;
 };
 
-// Asks the driver for a program and does not wait for it: drivers that compile on threads of their
-// own take several at once as long as nothing asks about one.
+// Requests a program from the driver without waiting: drivers with compile threads build several at
+// once until one is queried.
 GlProgram request_program(const GladGLContext& gl, const std::string& vertex,
                           const std::string& fragment);
-// Waits for a program. Our shaders are part of it, so a failure is a bug or a broken driver: what
-// the driver says; empty: it is well.
+// Waits for a program. Our shaders are part of it, so a failure is a bug or a broken driver.
+// Returns the driver's message; empty: success.
 std::string problem_of_program(const GladGLContext& gl, GLuint program);
 
 }  // namespace panwright::preview

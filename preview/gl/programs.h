@@ -12,7 +12,7 @@
 
 namespace panwright::preview {
 
-// Binding points that the shaders name.
+// Binding points named by the shaders.
 inline constexpr GLuint kViewBinding = 0;  // uniform blocks
 inline constexpr GLuint kDrawBinding = 1;
 inline constexpr GLuint kMaterialBinding = 2;
@@ -44,18 +44,18 @@ inline constexpr GLint kDepthLocation = 1;
 inline constexpr GLint kBlocksLocation = 2;
 inline constexpr GLint kLobeLocation = 0;  // of geometry.frag
 
-// What is kept of each sample between the two steps of a drawing.
+// Per-sample data kept between the two steps of a drawing.
 enum Layer : unsigned {
   kNormalLayer,
   kAlbedoLayer,
   kRoughnessLayer,
   kTangentLayer,
   kReflectanceLayer,
-  kSunLayer,  // the position in light space, where there are shadows
+  kSunLayer,  // position in light space, with shadows
   kLayers
 };
-// Those that there are, the Sun's apart, a bit for each: the first always, paint below roughness
-// and roughness below tangents.
+// Set of layers, the Sun's apart, a bit for each: the first always, paint below roughness and
+// roughness below tangents.
 using LayerSet = unsigned;
 constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; }
 
@@ -65,24 +65,24 @@ struct alignas(16) ViewBlock {
                       // darkening of the Sun's disc
   float view_ray_right[4];  // its change from sample to sample
   float view_ray_down[4];
-  float to_sun[4];      // world, unit; w: an eighth of the square of its disc's radius
-  float irradiance[4];  // RGB; w: 1 where errors are to be predicted
+  float to_sun[4];      // world, unit; w: an eighth of the square of the disc's radius
+  float irradiance[4];  // RGB; w: 1 to predict errors
 };
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];  // x: item + 1; y, z: samples left of and above the tile; w: 1 where shadows
-                        // are those of the triangles as they stand
-  float diffuse[4];     // RGB; parts a side in which cells are averaged
+  std::uint32_t id[4];  // x: item + 1; y, z: samples left of and above the tile; w: 1 for shadows
+                        // of the flat triangles
+  float diffuse[4];     // RGB; parts a side for averaging cells
   float repeat[4];      // of maps: x, y, and their signs
   float cells[4];       // their count along u and v, their gaps
   float gap_color[4];   // RGB, fingers
   float finger_color[4];           // RGB, their width
-  float sun_from_mesh[12];         // rows of 4, as LightSpace says
+  float sun_from_mesh[12];         // rows of 4, as in LightSpace
   float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
-  float normal_offset[4];          // x: how far a point is moved out before it is lit, mesh frame;
-                                   // others: what glass over cells sends back of diffuse light
-  float tiles[48];                 // of the shadow map: how positions go from tile to tile
+  float normal_offset[4];  // x: normal offset of a point before lighting, mesh frame; others:
+                           // diffuse light returned by the glass over cells
+  float tiles[48];         // of the shadow map: transforms from tile to tile
 };
 static_assert(sizeof(DrawBlock) == 512 && kInstancesAtOnce == 32);  // draw.glsl
 struct alignas(16) DecalBlock {
@@ -90,17 +90,17 @@ struct alignas(16) DecalBlock {
   float outwards[4];
 };
 
-// All programs of a device, shared by its models: what tells them apart is what they do.
+// All programs of a device, shared by its models and identified by their function.
 class Programs {
  public:
   explicit Programs(const GladGLContext& gl) : gl_(gl) {}
 
-  // Each asks for a program on first use and does not wait for it: settle() does.
+  // Each requests a program on first use without waiting; settle() waits.
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
                   bool instanced);
-  // point_sun: its disc shows nowhere
+  // point_sun: its disc is not resolved
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, bool point_sun);
   GLuint classes();
@@ -112,12 +112,12 @@ class Programs {
   GLuint resolve(bool spread);
   GLuint runs();
 
-  // Waits for what was asked for. False when the driver refuses a shader: *problem says why, and
-  // the next use asks for it again.
+  // Waits for the requested programs. False when the driver refuses a shader: *problem has the
+  // reason, and the next use requests it again.
   bool settle(std::string* problem);
 
   std::uint64_t built() const { return built_; }
-  double seconds() const { return seconds_; }  // that this thread spent on all of them
+  double seconds() const { return seconds_; }  // of this thread, for all of them
 
  private:
   GlProgram requested(const std::string& vertex, const std::string& fragment);

@@ -1,4 +1,4 @@
-// The files of preview/shaders, embedded at build time. Private to preview.
+// Files of preview/shaders, embedded at build time. Private to preview.
 #pragma once
 
 namespace panwright::preview {

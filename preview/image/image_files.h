@@ -1,4 +1,4 @@
-// One writer per format. Private to preview.
+// Image writers, one per format. Private to preview.
 #pragma once
 
 #include "base/file.h"

@@ -10,7 +10,7 @@
 
 namespace panwright::preview {
 
-// Writes an archive into a file, one stored entry after another. Entries, offsets or totals from
+// Writer of an archive into a file, one stored entry after another. Entries, offsets or totals from
 // zip64_from bytes on use the zip64 records (the format's own limit; tests lower it).
 class ZipWriter {
  public:

@@ -1,4 +1,4 @@
-// A model's arrays on a context. Private to preview.
+// Arrays of a model on a context. Private to preview.
 #pragma once
 
 #include <array>
@@ -21,9 +21,9 @@ namespace panwright::preview {
 
 class GpuModel {
  public:
-  // Uploads vertices, indices, materials and the textures that are used, tangents for the meshes
-  // that have normal maps, and decals.
-  // Fails: E5003. Throws Cancelled: what was uploaded goes with this.
+  // Uploads vertices, indices, materials and used textures, tangents for meshes with normal maps,
+  // and decals.
+  // Fails: E5003. Throws Cancelled: uploaded parts are freed with this.
   bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
               const Families& brdf_models, DiagnosticLog& log, const Job& job);
   std::uint64_t bytes() const { return bytes_; }  // uploaded so far
@@ -35,28 +35,27 @@ class GpuModel {
   void bind_maps(std::size_t item) const;
   void bind_one_material(std::uint32_t material) const;
   void bind_items() const;
-  // Materials and items as textures, for shading that looks them up.
+  // Binds materials and items as textures, for look-ups in shading.
   void bind_materials() const;
 
-  // Draws the whole mesh whose vertices are bound, in parts small enough for a job that is
-  // cancelled to be heard. False: it was.
+  // Draws the whole mesh whose vertices are bound, in parts small enough for prompt cancellation.
+  // False: cancelled.
   bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
             const Job& job) const;
-  // The same at once: its triangles are numbered from its first.
+  // The same in one draw: its triangles are numbered from its first.
   bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
                   const Job& job) const;
-  // The same with the normals of its triangles bound, in parts that the context's buffer textures
-  // can hold.
+  // The same with the normals of its triangles bound, in parts within the limit of buffer textures.
   bool draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
                  const Job& job) const;
 
   std::span<const PlacedDecal> decals() const { return decals_; }  // from the lowest
-  // Draws the triangles that take a decal. Expects: the vertices of its mesh bound; bind_vertices()
+  // Draws the triangles under a decal. Expects: the vertices of its mesh bound; bind_vertices()
   // again before any other draw.
   void draw_decal(std::size_t decal) const;
 
  private:
-  // A mesh with vertices repeated for its tangents.
+  // Mesh with vertices repeated for its tangents.
   struct Repeated {
     GlBuffer positions, normals, texcoords, colors, indices;
   };
@@ -76,7 +75,7 @@ class GpuModel {
                   std::uint64_t first_triangle, std::uint64_t triangles,
                   std::size_t instances) const;
 
-  // Which texture an item has on which unit.
+  // Texture of an item on a unit.
   struct Binding {
     GLuint unit = 0;
     std::uint32_t texture = 0;  // number in textures_
@@ -96,7 +95,7 @@ class GpuModel {
   GlSampler decal_sampler_;                     // clamps
   GlBuffer tangents_;
   std::vector<std::uint64_t> tangents_at_;         // bytes, one per mesh
-  std::vector<std::optional<Repeated>> repeated_;  // one per mesh, where there are tangents
+  std::vector<std::optional<Repeated>> repeated_;  // one per mesh, if it has tangents
   std::vector<PlacedDecal> decals_;                // their indices are in decal_indices_
   struct DecalRange {
     std::uint64_t first = 0;  // bytes, in decal_indices_

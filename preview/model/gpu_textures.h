@@ -1,4 +1,4 @@
-// The images of a model on a context. Private to preview.
+// Images of a model on a context. Private to preview.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace panwright::preview {
 
-// What is asked of a texture. The threshold is 0 but for cutouts.
+// Use of a texture. The threshold is 0 except for cutouts.
 struct TextureUse {
   std::int32_t texture = 0;
   TextureRole role = TextureRole::color;
@@ -23,10 +23,10 @@ struct TextureUse {
   auto operator<=>(const TextureUse&) const = default;
 };
 
-// A texture is stored once for each thing asked of it.
+// Textures, stored once for each use.
 class GpuTextures {
  public:
-  // The number of a use; the same for equal uses. All of them come before upload().
+  // Returns the number of a use; the same for equal uses. All calls precede upload().
   std::uint32_t number(const TextureUse& use);
 
   // Fails: E5003. Throws Cancelled.

@@ -1,5 +1,4 @@
-// Where the parts of a mesh lie, finer than its one box. Private to preview; nothing here needs
-// OpenGL.
+// Bounds of the parts of a mesh. Private to preview; nothing here needs OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +10,7 @@
 
 namespace panwright::preview {
 
-// Triangles of a mesh that stand side by side in its index array.
+// Consecutive triangles of a mesh's index array.
 struct MeshRun {
   Vec3 low{0};  // bounds, mesh frame
   Vec3 high{0};
@@ -19,21 +18,21 @@ struct MeshRun {
   std::uint32_t count = 0;
 };
 
-// At most kMostRuns runs of at least 64 triangles, the last one apart. Cost: O(triangles).
+// Returns at most kMostRuns runs of at least 64 triangles, the last one apart. Cost: O(triangles).
 std::vector<MeshRun> mesh_runs(const pan::MeshView& mesh);
 inline constexpr std::size_t kMostRuns = 4096;
 
-// Those of meshes that were asked for, while their owners live.
+// Cache of the runs of meshes, while their owners live.
 class MeshRunCache {
  public:
-  // owner: what stands for the model; another model has another one.
+  // owner: identifies the model; another model has another one.
   std::span<const MeshRun> find(const std::shared_ptr<const void>& owner, const pan::Model& model,
                                 std::size_t mesh);
 
  private:
   struct Entry {
     std::weak_ptr<const void> owner;
-    const void* key = nullptr;  // the owner, if it lives
+    const void* key = nullptr;  // the owner, while it lives
     std::size_t mesh = 0;
     std::vector<MeshRun> runs;
   };

@@ -1,5 +1,5 @@
-// What the levels of a normal map leave out: the slopes of the normals under each texel. Private to
-// preview; nothing here needs OpenGL.
+// Slope variance lost in the levels of a normal map: that of the normals under each texel. Private
+// to preview; nothing here needs OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 namespace panwright::preview {
 
-// Slopes longer than this are taken as this long: the moments of what lies in the surface's own
-// shadow say nothing.
+// Limit of slopes: longer ones are clamped, as they lie in the surface's own shadow.
 inline constexpr double kSteepestSlope = 4;
 
 // Mean and covariance of the slopes −n_x/n_z, −n_y/n_z over an area of the map.
@@ -28,9 +27,9 @@ struct SlopeLevel {
   std::vector<SlopeMoments> texels;  // H*W, row 0 at the bottom
 };
 
-// The moments at every level below the first, with the shares of with_levels_below(): each is the
-// mean of the covariances of the texels above and the covariance of their means, so that it is the
-// covariance of the first level's texels, whatever the sides (M. Olano, D. Baker, "LEAN mapping",
+// Returns the moments at every level below the first, with the shares of with_levels_below(): each
+// is the mean of the covariances of the texels above and the covariance of their means. So it is
+// the covariance of the first level's texels for any sides (M. Olano, D. Baker, "LEAN mapping",
 // 2010, without the cancellation of raw moments).
 //
 //   normals  the first level; RGB: normals of any length, never inwards

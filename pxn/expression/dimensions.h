@@ -1,4 +1,4 @@
-// What the value of an expression measures, as far as its text tells.
+// Dimensions of expressions' values, as far as their text determines them.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@
 
 namespace panwright::pxn {
 
-// What bare numbers of the root are; neither is nullptr.
+// Units of bare numbers of the root; neither is nullptr.
 struct BareUnits {
   const Unit* length = find_unit("m");
   const Unit* angle = find_unit("deg");
 };
 
-// What is known of an operand before its value is. As in Quantity, but that the units are given
-// only where they are not those of the expression.
+// Kind of an operand before its evaluation. As in Quantity, but units are given only if they differ
+// from the expression's.
 struct OperandKind {
   schemas::Dimension dimension = schemas::Dimension::none;
   double other_length = 0;
@@ -33,10 +33,10 @@ struct OperandKind {
   bool operator==(const OperandKind&) const = default;
 };
 
-// What a value has to be.
+// Required kind of a value.
 struct Need {
   schemas::Dimension dimension = schemas::Dimension::none;
-  bool radians = false;  // a bare angle is in radians, whatever the root says
+  bool radians = false;  // a bare angle is in radians, whatever the root's unit
   bool operator==(const Need&) const = default;
 };
 
@@ -49,24 +49,24 @@ struct Analysis {
   QuantityKind kind;
   int pi = 0;  // of a bare number, as in Quantity
   bool ratio = false;
-  double other_length = 0;  // of the files that bare numbers in it are from, where not this one's
+  double other_length = 0;  // of the files of its bare numbers, if not this one's
   double other_angle = 0;
-  std::vector<Program::Scaling> scalings;  // bare numbers that stand for angles
+  std::vector<Program::Scaling> scalings;  // bare numbers used as angles
   std::vector<NameUse> uses;               // bare numbers by their names alone
 };
 
-// The kind of a formula's value from those of its operands, in their order. What is added, compared
-// or given to min, max, mod, hypot and atan2 must be of one kind, and so must the whole and what is
-// needed; sin, cos and tan take angles, their inverses give them.
+// Derives the kind of a formula's value from those of its operands, in their order. Operands of
+// addition, comparison, min, max, mod, hypot and atan2 must be of one kind, as must the whole and
+// the required kind; sin, cos and tan take angles, their inverses give them.
 //
-// A bare number goes with everything, and is in the root's unit there: "span + 0.1" is a length,
-// and so is 0.1. As an angle it has to be taken to radians (scalings), except where pi is in it: a
-// factor of pi counts as an angle by itself, so that 30*pi/180 is one and asin(x)*180/pi is none.
-// Products with powers of angles or pixels may be unknown, and then say nothing against anything.
+// A bare number is compatible with every kind, in the root's unit: "span + 0.1" is a length, and so
+// is 0.1. As an angle it is converted to radians (scalings), unless it contains pi: a factor of pi
+// counts as an angle, so that 30*pi/180 is one and asin(x)*180/pi is none. Products with powers of
+// angles or pixels may be unknown, which is compatible with every kind.
 //
 //   text     of the expression, for messages
-//   need     what the whole has to be, where that is known
-//   returns  nothing where kinds clash, or a bare number may mean one thing or another:
+//   need     required kind of the whole, if known
+//   returns  nothing if kinds clash, or a bare number is ambiguous:
 //   trigonometry
 //            of one while the root's angles are degrees, one of a file with other units, a ratio of
 //            lengths as an angle. `problem` has the place

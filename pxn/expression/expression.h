@@ -12,7 +12,7 @@
 
 namespace panwright::pxn {
 
-// The value of an expression, and what it measures as far as that can be told.
+// Value of an expression, and its dimension as far as known.
 struct Measured {
   double value = 0;  // lengths and their powers in the root's unit, angles in radians, else in SI
   QuantityKind kind;
@@ -23,18 +23,18 @@ struct Measured {
   bool ratio = false;
 };
 
-// Evaluates expressions, and keeps what it has read of them: an expression of the same place is
-// read once, however often it is evaluated.
+// Evaluator of expressions, which caches their parsed form: an expression of one place is read
+// once, however often it is evaluated.
 //
 // Elementary functions are those of base/math.h: the same bits on every machine. Every operation
-// that is evaluated must have a finite result; the branch of ?: that is not taken is not evaluated.
+// that is evaluated must have a finite result; the other branch of ?: is not evaluated.
 //
-// Lengths are in the root's unit throughout, so that bare numbers among them are in it too; bare
-// numbers that stand for angles are taken from the root's unit to radians (dimensions.h).
+// Lengths are in the root's unit throughout, so bare numbers among them are in it too; bare numbers
+// used as angles are converted from the root's unit to radians (dimensions.h).
 //
-// What a value measures is told by the kinds of its operands (dimensions.h), or where these leave
-// it open by scaling all lengths, then all angles, and looking at how the value follows: with an n
-// of 2, "width^n" grows fourfold and is an area.
+// The dimension of a value follows from the kinds of its operands (dimensions.h). If these leave it
+// open, all lengths, then all angles are scaled: with an n of 2, "width^n" grows fourfold and is an
+// area.
 class Expressions {
  public:
   Expressions();
@@ -42,14 +42,14 @@ class Expressions {
   Expressions(const Expressions&) = delete;
   Expressions& operator=(const Expressions&) = delete;
 
-  // What bare numbers are; forgets what was read. Metres and degrees before.
+  // Sets the units of bare numbers, and clears the cache. Default: metres and degrees.
   void set_units(const BareUnits& bare);
   const BareUnits& units() const;
 
   // text: between the braces. place: the same number for the same text and need only.
   //
-  // A parameter whose bare number stood for a length, where a length's unit is not the metre, for
-  // an angle, where it is not the radian, and for something else (E1212) keeps its first uses.
+  // A bare number used both as a length (unit not the metre) or an angle (unit not the radian) and
+  // as something else is E1212; the parameter keeps its first uses.
   //
   // Problems: E1212, E1213, E1221 to E1223.
   std::optional<Measured> evaluate(std::string_view text, std::uint64_t place, const Scope* scope,

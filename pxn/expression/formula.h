@@ -1,4 +1,4 @@
-// The text of an expression, taken apart and checked.
+// Parsed and checked text of an expression.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace panwright::pxn {
 
 struct Unit;
 
-// What is wrong with an expression; the bytes of its text.
+// Problem of an expression, with the bytes of its text.
 struct ExpressionProblem {
   Code code = Code::E1221;
   std::size_t begin = 0;
@@ -35,7 +35,7 @@ inline constexpr Function kFunctions[] = {
     {"sign", 1, 1}, {"mod", 2, 2},   {"hypot", 2, 2}, {"min", 1, 1000}, {"max", 1, 1000},
 };
 
-// Whether a name is that of a constant or a function.
+// Returns true if a name is that of a constant or a function.
 inline bool is_built_in(std::string_view name) {
   if (name == "pi" || name == "tau") return true;
   for (const Function& f : kFunctions)
@@ -46,7 +46,7 @@ inline bool is_built_in(std::string_view name) {
 inline constexpr std::size_t kLongestExpression = 4096;  // bytes
 
 struct Formula {
-  // A number or a name of the text, in its order.
+  // Number or name of the text, in its order.
   struct Operand {
     double value = 0;  // of a number: a length in the reader's unit, else in SI
     schemas::Dimension dimension = schemas::Dimension::none;
@@ -54,7 +54,7 @@ struct Formula {
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
   };
-  // One that may have no finite result: + - * / ^ and functions.
+  // Operation that may have no finite result: + - * / ^ and functions.
   struct Operation {
     std::string_view name;
     std::uint32_t at = 0;  // of its first character in `program`
@@ -62,21 +62,21 @@ struct Formula {
     std::uint32_t end = 0;
   };
 
-  // The expression with operands and functions by number: "v00*fb(v01)". Expressions that differ in
-  // numbers and names only have the same.
+  // Expression with operands and functions by number: "v00*fb(v01)". Expressions that differ only
+  // in numbers and names have the same.
   std::string program;
   std::vector<Operand> operands;
   std::vector<Operation> operations;
-  std::optional<ExpressionProblem> problem;  // nothing else holds then
+  std::optional<ExpressionProblem> problem;  // nothing else is valid then
 };
 
-// The name of the n-th operand in programs, n < 3844.
+// Returns the name of the n-th operand in programs, n < 3844.
 std::string operand_name(std::size_t n);
 
-// Reads what stands between the braces: C's operators and precedences, with ^ for powers (to the
+// Parses the text between the braces: C's operators and precedences, with ^ for powers (to the
 // right, and before signs: -2^2 is -4). Comparisons do not chain.
 //
-// length: the unit in which lengths are given as values; nullptr: metres.
+// length: the unit of lengths in values; nullptr: metres.
 //
 // Problems: E1213, E1221, E1222 (functions), E1223 (a number past 1.8e308). Cost: O(bytes).
 Formula read_formula(std::string_view text, const Unit* length = nullptr);

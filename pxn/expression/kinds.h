@@ -1,4 +1,4 @@
-// What values of expressions measure, and how operators join that.
+// Kinds of expressions' values, and their combination by operators.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ inline constexpr QuantityKind kPlain{QuantityKind::Measure::plain, 0};
 inline constexpr int kMostPower = 100;  // beyond it, a kind is unknown
 
 QuantityKind quantity_kind_of(schemas::Dimension dimension);
-// "a length", "an area".
+// Returns "a length", "an area".
 std::string name_of(const QuantityKind& kind);
 
-// The power of lengths in a kind; angles, ratios and pixels have none.
+// Returns the power of lengths in a kind; angles, ratios and pixels have none.
 int power_of(const QuantityKind& kind);
-// Whether it is known, and no plain number.
+// Returns true if it is known, and no plain number.
 bool is_measured(const QuantityKind& kind);
 
 QuantityKind product(const QuantityKind& a, const QuantityKind& b);
 QuantityKind quotient(const QuantityKind& a, const QuantityKind& b);
 QuantityKind root(const QuantityKind& a);
-// exponent: where it is a number of the text.
+// exponent: if it is a number of the text.
 QuantityKind to_the_power(const QuantityKind& a, std::optional<double> exponent);
 
 }  // namespace panwright::pxn

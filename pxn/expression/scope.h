@@ -1,4 +1,4 @@
-// Names that expressions know: parameters, and variables of repeats.
+// Names in expressions: parameters, and variables of repeats.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace panwright::pxn {
 
-// A number and what it measures. Dimension::none fits everywhere.
+// Number and its dimension. Dimension::none fits everywhere.
 struct Quantity {
   double value = 0;  // a length in `length`, else in SI
   schemas::Dimension dimension = schemas::Dimension::none;
-  // In metres and radians: the units of the file that the number is from, which a bare number has
-  // where it stands for a length or an angle. 0: metres; a bare number fits in every file then.
+  // In metres and radians: the units of the number's file, which a bare number has as a length or
+  // an angle. 0: metres; a bare number then fits in every file.
   double length = 0;
   double angle = 0;
   int pi = 0;          // of a bare number: the power of pi in it; with one, it counts as radians
-  bool ratio = false;  // a bare number that lengths or angles made: neither degrees nor radians
+  bool ratio = false;  // a bare number derived from lengths or angles: neither degrees nor radians
 
-  // What a name has stood for so far: bits of Use. note: no part of the value
+  // Uses of a name so far: bits of Use. note: no part of the value
   enum Use : std::uint8_t { as_length = 1, as_angle = 2, as_plain = 4 };
   mutable std::uint8_t uses = 0;
 
@@ -33,19 +33,19 @@ struct Quantity {
   }
 };
 
-// The value of a parameter that could not be read, which has been reported: what is computed from
-// it cannot be read either, without a report.
+// Value of an unreadable, reported parameter: its dependants are unreadable too, without a report.
 inline constexpr Quantity kUnread{std::numeric_limits<double>::quiet_NaN(),
                                   schemas::Dimension::none};
 
-// What bare numbers of a file mean.
+// Units of bare numbers of a file.
 struct Units {
   std::size_t level = 0;  // of the language; units and expressions are read from level 1 on
   double length = 1;      // metres
   double angle = 0.017453292519943295;  // radians
 };
 
-// Whether a text can be a name in expressions: letters, digits and underscores, no digit first.
+// Returns true if a text can be a name in expressions: letters, digits and underscores, no digit
+// first.
 inline bool is_name(std::string_view text) {
   const auto letter = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
@@ -56,7 +56,8 @@ inline bool is_name(std::string_view text) {
   return true;
 }
 
-// A name hides that of an outer scope. Addresses of values stay as long as the scope lives.
+// Names and their values. A name hides that of an outer scope. Addresses of values stay as long as
+// the scope lives.
 class Scope {
  public:
   explicit Scope(const Scope* outer = nullptr) : outer_(outer) {}
@@ -70,7 +71,7 @@ class Scope {
     return outer_ == nullptr ? nullptr : outer_->find(name);
   }
   bool has_own(std::string_view name) const { return values_.contains(name); }
-  // All that find() finds, for a did-you-mean.
+  // Returns all names of find(), for a did-you-mean.
   std::vector<std::string_view> names() const {
     std::vector<std::string_view> all =
         outer_ == nullptr ? std::vector<std::string_view>{} : outer_->names();

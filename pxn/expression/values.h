@@ -1,4 +1,4 @@
-// Values between tags and in attributes, held against their types and ranges.
+// Values between tags and in attributes, checked against their types and ranges.
 #pragma once
 
 #include <cstdint>
@@ -16,55 +16,56 @@
 
 namespace panwright::pxn {
 
-// Reads values of one document. What cannot be read is reported and comes back empty or false.
+// Reader of the values of one document. Unreadable values are reported and returned as empty or
+// false.
 //
 // In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over
 // the names of a scope ("{span/2 - 5mm}"); labels and paths may hold expressions in braces
-// ("bolt{i}"), written as whole numbers where they are, lengths and angles in the root's units.
-// Results are in metres and radians where the tables give a dimension: there a bare number has the
-// root's unit, inside braces as outside: {5} is 5. A unit must be of the table's dimension, and so
-// must the value of an expression as far as it is known (Expressions). A value of an expression
-// that leaves a range by 1e-15 of its limit, as {3*30deg} may, is the limit.
+// ("bolt{i}"), integers written without a point, lengths and angles in the root's units. Results
+// are in metres and radians if the tables give a dimension. A bare number then has the root's unit,
+// inside braces as outside: {5} is 5. A unit must be of the table's dimension, and so must an
+// expression's value as far as known (Expressions). A value of an expression that leaves a range by
+// 1e-15 of its limit, as {3*30deg} may, is clamped.
 //
-// Expects: elements have passed the grammar check, and their entry in the tables has the value that
-// is asked for. Attributes are named by their index in the tables (schemas::attribute).
+// Expects: elements have passed the grammar check, and their entry in the tables has the requested
+// value. Attributes are named by their index in the tables (schemas::attribute).
 //
-// Reports, in what follows: E1201 to E1203, E1211; with level 1 E1212, E1213, E1221 to E1224.
+// Reports, in all functions: E1201 to E1203, E1211; with level 1 E1212, E1213, E1221 to E1224.
 class Values {
  public:
   Values(const xml::Document& document, const schemas::Language& language, Reporter& reporter)
       : doc_(document), language_(language), reporter_(reporter) {}
 
-  // From now on. The scope outlives its use here; nullptr: no names.
+  // Sets units from now on. The scope outlives its use here; nullptr: no names.
   void set_units(const Units& units);
   void set_scope(const Scope* scope) { scope_ = scope; }
   const Scope* scope() const { return scope_; }
 
   bool has(std::uint32_t element, std::size_t attribute) const;
 
-  // The numbers between the tags, as many as the tables say: out.size().
+  // Reads the numbers between the tags, of the tables' count: out.size().
   bool numbers(std::uint32_t element, std::span<double> out);
-  // The same of an attribute; where the tables let one number stand for all, it does. False without
-  // a report when the attribute is not there.
+  // The same for an attribute; one number stands for all if the tables allow it. False without a
+  // report when the attribute is absent.
   bool numbers(std::uint32_t element, std::size_t attribute, std::span<double> out);
 
-  // Whether an attribute is there and holds one of the words that the tables let stand for its
+  // Returns true if an attribute is present and holds one of the tables' words in place of its
   // numbers.
   bool is_word(std::uint32_t element, std::size_t attribute);
 
-  // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
-  // or too few.
+  // Reads a list of numbers between the tags; replaces `out`. E1203 also for incomplete tuples, or
+  // too few.
   bool list(std::uint32_t element, std::vector<double>& out);
-  // The one whole number between the tags.
+  // Reads the one whole number between the tags.
   std::optional<std::uint64_t> integer(std::uint32_t element);
-  // A list of whole numbers, each below 2^32.
+  // Reads a list of whole numbers, each below 2^32.
   bool integers(std::uint32_t element, std::vector<std::uint32_t>& out);
-  // The place of one of a list again, for later complaints.
+  // Returns the place of one of a list, for later diagnostics.
   SourceSpan place_of(std::uint32_t element, std::size_t number);
 
-  // Nothing, without a report, when the attribute is not there.
+  // Reads a number; nothing, without a report, when the attribute is absent.
   std::optional<double> real(std::uint32_t element, std::size_t attribute);
-  // The default of the tables where it is absent or cannot be read. Expects: there is one.
+  // Reads a number; the tables' default if absent or unreadable. Expects: there is one.
   double real_or_default(std::uint32_t element, std::size_t attribute) {
     const double initial = schema(element).attributes[attribute].initial[0];
     return real(element, attribute).value_or(initial);
@@ -74,39 +75,38 @@ class Values {
     const double initial = schema(element).attributes[attribute].initial[0];
     return integer(element, attribute).value_or(static_cast<std::uint64_t>(initial));
   }
-  // Lengths in the root's unit, which it says.
+  // Reads a quantity; lengths in the root's unit, which it holds.
   std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
-  // A list of quantities of which each has its own dimension, in SI: bare numbers have the root's
-  // unit for it. As many as there are dimensions. False without a report when the attribute is not
-  // there.
+  // Reads a list of quantities, each of its own dimension, in SI: bare numbers have the root's unit
+  // for it. As many as there are dimensions. False without a report when the attribute is absent.
   bool quantities(std::uint32_t element, std::size_t attribute,
                   std::span<const schemas::Dimension> dimensions, std::vector<double>& out);
 
-  // A word, path or label, as UTF-8 without control characters.
+  // Reads a word, path or label, as UTF-8 without control characters.
   //
   // Reports: E1103 (empty), E1204.
   std::optional<std::string> text(std::uint32_t element, std::size_t attribute);
 
-  // The word or label that the tables have for an absent attribute.
+  // Returns the tables' word or label for an absent attribute.
   std::string_view default_text(std::uint32_t element, std::size_t attribute) const {
     return schema(element).attributes[attribute].initial_word;
   }
-  // That one where it is absent or cannot be read.
+  // Reads a text; the default if absent or unreadable.
   std::string text_or_default(std::uint32_t element, std::size_t attribute) {
     auto given = has(element, attribute) ? text(element, attribute) : std::nullopt;
     return given ? *std::move(given) : std::string(default_text(element, attribute));
   }
 
-  // The place of an attribute's value, or of the element's name when it is not there.
+  // Returns the place of an attribute's value, or of the element's name when it is absent.
   SourceSpan value_place(std::uint32_t element, std::size_t attribute) const;
 
  private:
-  // The text of one element or attribute, and where its bytes come from.
+  // Text of one element or attribute, and the place of its bytes.
   struct Text {
     std::string_view text;
     std::uint32_t begin = 0;                              // of text[0] in the file
-    const std::vector<std::uint32_t>* offsets = nullptr;  // of each byte, where decoding moved them
+    const std::vector<std::uint32_t>* offsets = nullptr;  // of each byte, if decoding moved them
   };
   struct Token {
     std::string_view text;
@@ -118,19 +118,19 @@ class Values {
   }
   Text text_of(std::uint32_t element);
   Text text_of(const xml::Attribute& attribute);
-  // What bare numbers of a value are: in a unit (nullptr: SI), or times a factor.
+  // Meaning of a value's bare numbers: in a unit (nullptr: SI), or times a factor.
   struct Bare {
     const Unit* unit = nullptr;
     double factor = 1;
   };
-  // A number as it is written.
+  // Number as written.
   struct Amount {
     double value = 0;                                         // in SI
     schemas::Dimension dimension = schemas::Dimension::none;  // of its unit, or of an expression
-    const Unit* unit = nullptr;                               // in which it is written
+    const Unit* unit = nullptr;                               // as written
     bool bare = false;                                        // the unit is the root's
     bool computed = false;                                    // by an expression
-    Measured measured;  // by an expression, where any dimension will do
+    Measured measured;                                        // by an expression of any dimension
   };
 
   bool next_token(const Text& text, std::size_t& at, Token& token) const;

@@ -1,4 +1,4 @@
-// Imported trees below nodes of a scene.
+// Attachment of imported trees below nodes of a scene.
 #pragma once
 
 #include <map>
@@ -13,20 +13,20 @@
 
 namespace panwright::pxn {
 
-// Shapes of the scene without their vertex colours, by those that have them.
+// Shapes of the scene without their vertex colours, by the shapes with them.
 using PlainShapes = std::map<std::int32_t, std::int32_t>;
 
-// What attaching makes of shapes, for all places of a scene.
+// Shapes made by attaching, for all places of a scene.
 struct AttachedShapes {
   PlainShapes plain;
   CellGrids cells;
-  // instances of the scene that are to wear foil, with those of the file: of the last attach()
+  // of the last attach(): instances of the scene with foil, with those of the file
   std::vector<std::pair<std::int32_t, std::uint32_t>> foiled;
-  // of the last attach(): nodes of the scene that stand for PartImport::moved, by index, one for
-  // each node that moves; and those whose axes no node can have, as they are sheared
+  // of the last attach(): nodes of the scene for PartImport::moved, by index, one for each moving
+  // node; and those with sheared axes, which no node can have
   std::vector<std::pair<std::size_t, std::int32_t>> moving;
   std::vector<std::size_t> sheared;
-  // of the last attach(): those of the file, on nodes of the scene
+  // of the last attach(): the file's frames, on nodes of the scene
   std::vector<scene::Frame> frames;
 };
 
@@ -36,14 +36,14 @@ struct AttachedSides {
   std::span<const std::int32_t> backs;
 };
 
-// Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any
-// more stay out. What is assigned a material loses the colours of its vertices with its texture.
+// Attaches a CAD file's contents below a node, without removed instances and empty nodes. Instances
+// with an assigned material lose their vertex colours and texture.
 //
-// Cells are laid out over faces as CellGrids does.
+// Cells are laid out over faces by CellGrids.
 //
-//   sides             what each instance wears, in the scene
+//   sides             materials of each instance, in the scene
 //   world_from_below  of the node
-//   prefix            of the names of the file's joints and frames
+//   prefix            of the file's joint and frame names
 //   shapes            grows
 void attach(const ImportedModel& model, const PartImport& place, const AttachedSides& sides,
             std::int32_t below, const Mat4& world_from_below, const std::string& prefix,

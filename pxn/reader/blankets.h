@@ -23,28 +23,28 @@
 
 namespace panwright::pxn {
 
-// What a text asks for: blankets over some instances.
+// Request for blankets over some instances.
 struct FoilWish {
-  std::vector<std::pair<std::int32_t, std::string>> on;  // and the names of their blankets
+  std::vector<std::pair<std::int32_t, std::string>> on;  // and their blankets' names
   Blanket how;
-  Mat4 axes_from_world{1};  // the frame in which directions of faces are meant
-  std::string faces;        // these directions as they are written
+  Mat4 axes_from_world{1};  // frame of the directions of faces
+  std::string faces;        // these directions as written
   scene::Instance blanket;  // material and source
-  // materials of what is taped, and of cut edges
+  // materials of tape and of cut edges
   std::int32_t tape = scene::kNone, edge = scene::kNone;
   SourceSpan where;
   const xml::Document* document = nullptr;
-  std::uint32_t element = 0;  // wishes of one element are reported as one
+  std::uint32_t element = 0;  // requests of one element are reported together
 };
 
-// What is to be said of an element's blankets of so many triangles, with cells of `cell` metres at
-// the finest; empty: nothing.
+// Returns the message about an element's blankets of this many triangles, with cells of at least
+// `cell` metres; empty: nothing.
 std::string many_triangles(double triangles, double cell);
 
-// Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes
-// and instances of their own. Wrinkles have their sizes in the world: shapes are wrapped as they
-// are stretched there, and the blanket is brought back, so that instances of the same shape and
-// stretch share one, unless other parts are in its way.
+// Maker of blankets: adds them beside the covered instances, or below joints, with nodes and
+// instances of their own. Wrinkles have their sizes in the world: shapes are wrapped at world
+// scale, and the blanket is transformed back. Instances of the same shape and stretch share one,
+// unless other parts are in the way.
 class Blankets {
  public:
   // vertices: of all sheets so far; cache: null: none
@@ -54,7 +54,7 @@ class Blankets {
 
   void wish(FoilWish wish) { wishes_.push_back(std::move(wish)); }
 
-  // Fulfils all wishes, once the scene is there: what is covered gets a tolerance that keeps its
+  // Fulfils all requests in a complete scene. Covered instances get a tolerance that keeps their
   // facets below the blanket. Reports E7001, W7002, W1501. Throws Cancelled.
   void make(std::uint64_t most_nodes, Reporter& reporter);
 
@@ -63,35 +63,35 @@ class Blankets {
                          std::vector<std::uint32_t>>;  // shape, metric, blanket, faces
   struct Made {
     std::int32_t shape = scene::kNone;
-    // shapes of what is taped, and of cut edges
+    // shapes of tape and of cut edges
     std::int32_t tape = scene::kNone, edge = scene::kNone;
     double stand_off = 0;  // metres in the world
     double cell = 0;       // above 0: larger than the preset's
     double used_cell = 0;  // metres
     std::size_t triangles = 0;
-    bool cornered = false;  // lower somewhere, beside another shape's blanket
+    bool cornered = false;  // lower at places beside another shape's blanket
     mli::WrapTally tally;
     std::string problem;
-    // where others may share it: its vertices and the places below them, in metres_of(metric)
+    // if others may share it: its vertices and the places below them, in metres_of(metric)
     struct Reach {
       std::vector<Vec3> tops, roots;
       Asked asked;
     };
     std::shared_ptr<const Reach> reach;
   };
-  // What became of the wishes of one element.
+  // Results of one element's requests.
   struct Worn {
     const FoilWish* wish = nullptr;
     mli::WrapTally tally;
     std::size_t asked = 0;      // instances
-    std::size_t instances = 0;  // with a face that was chosen
-    std::size_t coarsened = 0;  // whose cells are larger than the preset asks for
+    std::size_t instances = 0;  // with a chosen face
+    std::size_t coarsened = 0;  // with larger cells than the preset's
     double largest_cell = 0;    // of those, metres
-    double triangles = 0;       // of blankets that nobody wore before
+    double triangles = 0;       // of new blankets
     double finest_cell = 0;     // of all, metres
     std::string problem;        // the first one; empty: none
   };
-  // An instance that is being covered.
+  // Instance being covered.
   struct Place {
     std::int32_t instance;
     Mat4 world_from_shape, axes_from_shape;
@@ -121,11 +121,11 @@ class Blankets {
   const WorkCache* cache_;
   const Job job_;
   std::vector<FoilWish> wishes_;
-  std::map<Key, Made> known_;      // what nothing is in the way of
+  std::map<Key, Made> known_;      // with nothing in the way
   std::vector<std::size_t> uses_;  // of shapes, by instances
   std::optional<Obstacles> obstacles_;
-  mli::Corners corners_;   // faces that wear blankets, in the world, by instance
-  double least_cell_ = 0;  // metres, of blankets that say none
+  mli::Corners corners_;   // faces with blankets, in the world, by instance
+  double least_cell_ = 0;  // metres, of blankets without an own one
 };
 
 }  // namespace panwright::pxn

@@ -13,26 +13,25 @@
 
 namespace panwright::pxn {
 
-// Lays the cells of materials out over imported faces: one unit of texture coordinates is one
-// metre of the world there, so that columns and rows count per metre. Directions come from the
-// file's texture coordinates where geometry::flat_faces() finds them unsheared along the face's
-// longest edge, from the sides of rectangles otherwise; any other face has the material without its
-// cells. Where a texture needs the coordinates of the file they stay as they are, and rectangles
-// have no cells either.
+// Layout of solar cells over imported faces: one unit of texture coordinates is one metre of the
+// world there, so that columns and rows count per metre. Directions come from the file's texture
+// coordinates, if geometry::flat_faces() finds them unsheared along the face's longest edge, else
+// from the sides of rectangles. Other faces have the material without its cells. If a texture needs
+// the file's coordinates, they stay unchanged, and rectangles have no cells either.
 class CellGrids {
  public:
   explicit CellGrids(scene::Scene& scene) : scene_(scene) {}
 
-  // Appends an imported instance to the scene, in place of one with cells up to two: the faces with
+  // Appends an imported instance to the scene; one with cells becomes up to two: the faces with
   // cells and those without. Shapes and materials are made once for all instances of a shape, a
   // scale and a material.
   void append(scene::Instance instance, const Mat4& world_from_node);
 
-  // One N2021 for all faces that got coordinates, one W6008 for all without cells.
+  // Reports one N2021 for all faces that got coordinates, one W6008 for all without cells.
   void report(SourceSpan where, DiagnosticLog& log) const;
 
  private:
-  // Shape, whether a texture is on it, and the metric of its frame in the world.
+  // Shape, presence of a texture, and the metric of its frame in the world.
   using Key = std::tuple<std::int32_t, bool, std::array<double, 6>>;
   struct Faces {
     std::size_t count = 0;

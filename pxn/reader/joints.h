@@ -1,4 +1,4 @@
-// Joints of the whole scene, and which of them follow or aim with which.
+// Joints of the whole scene, and their references to each other.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,17 @@ namespace panwright::pxn {
 
 class Joints {
  public:
-  // Appends a joint to the scene, called by the prefix and its own name. The document outlives
-  // this. Returns false, with nothing done, where another has the name.
+  // Appends a joint to the scene, named by the prefix and its own name. The document outlives this.
+  // Returns false, without a change, if the name is taken.
   bool add(const PartJoint& joint, std::int32_t node, const std::string& prefix, SourceSpan where,
            const xml::Document& document, std::uint32_t element, scene::Scene& scene);
 
-  // A copy of a joint for another node: by another name, it follows the leader one to one; balls
-  // and general joints take the name alone.
+  // Returns a copy of a joint for another node: under another name, it follows the leader one to
+  // one; balls and general joints only take the name.
   PartJoint follower(const PartJoint& joint, const std::string& leader);
 
-  // Once all joints are there, finds those that they name: in the same use, else in what is around
-  // it. Joints that follow what they cannot follow become free. Then they stand in the order of
-  // their nodes.
+  // Resolves references after the last joint: in the same use, else around it. Joints that cannot
+  // follow their leader become free. Then sorts them by their nodes.
   //
   // Reports: E1232.
   void connect(scene::Scene& scene, Reporter& reporter) const;

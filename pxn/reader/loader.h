@@ -1,4 +1,4 @@
-// Reads files into parts, with all that they include and use.
+// Loader of files into parts, with their includes and used parts.
 #pragma once
 
 #include <array>
@@ -24,27 +24,27 @@
 
 namespace panwright::pxn {
 
-// Shapes of a sheet of foil, by mli::Cover; none of what it does not have.
+// Shapes of a sheet of foil, by mli::Cover; none for absent ones.
 using FoilShapes = std::array<std::optional<std::uint32_t>, mli::kCovers>;
 
 struct Preset;
 
-// Shapes, textures, inputs and the budget go into the scene, each once; parts say which of them
-// stand where.
+// Loader. Shapes, textures, inputs and the budget go into the scene, each once; parts hold their
+// placements.
 class Loader {
  public:
   Loader(Files& files, const Options& options, Reporter& reporter, scene::Scene& scene,
          const Job& job)
       : files_(files), options_(options), reporter_(reporter), scene_(scene), job_(job) {}
 
-  // All of what reads throws Cancelled.
+  // Job of the load. All reading functions throw Cancelled.
   const Job& job() const { return job_; }
 
-  // The index of the part, or nothing when there is no root element that is understood, or more
-  // elements or nodes than the limits.
+  // Returns the index of the part; nothing without a known root element, or beyond the limits of
+  // elements or nodes.
   std::optional<std::uint32_t> load_top(const FoundFile& top);
 
-  // Of the assembled scene: whether the frame that the budget names is there. Reports: E1311.
+  // Checks that the assembled scene has the frame named by the budget. Reports: E1311.
   void check_approach();
 
   const Part& part(std::uint32_t index) const { return parts_[index]; }
@@ -56,14 +56,14 @@ class Loader {
   double foil_vertices() const { return foil_vertices_; }
 
  private:
-  // One part at work.
+  // Part being read.
   struct Work {
     File& file;
     Part& part;
     const Scope* scope;          // the file's, or that of a repeat's variable
     std::uint32_t run = kNoRun;  // of the innermost repeat around
   };
-  // How a texture is meant. Each way of the same file is a texture of its own.
+  // Use of a texture. Each use of a file is a texture of its own.
   enum class TextureKind { color, linear, cutout };
 
   // ---- loader.cpp: files and nodes
@@ -84,10 +84,10 @@ class Loader {
   void check_group_count(Work& work, std::uint32_t element);
   void read_include(Work& work, std::uint32_t element, std::uint32_t depth);
   void read_use(Work& work, std::uint32_t element, std::uint32_t depth);
-  // Whether a part may stand in another: no cycle, not too deep.
+  // Returns true if a part may be placed in another: no cycle, not too deep.
   bool fits_in(Work& work, std::uint32_t element, SourceSpan where, const Part& inner,
                const std::string& name, std::uint32_t depth);
-  // The file that an element names, or nothing: reported as E1301 or E1303.
+  // Finds the file named by an element; nothing: reported as E1301 or E1303.
   std::optional<FoundFile> find(Work& work, std::uint32_t element, std::size_t attribute,
                                 const std::string& file);
   void add_input(const FoundFile& file, std::span<const std::byte> bytes);
@@ -113,12 +113,12 @@ class Loader {
   const Preset* preset_of(File& file, std::uint32_t element);
   void read_backs(File& file);
   BackMaterial back_of(File& file, std::uint32_t element, std::size_t which);
-  // The definition that an attribute names, or nothing: reported as E1311.
+  // Finds the definition named by an attribute; nothing: reported as E1311.
   Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
                       const Definitions& known, std::string_view what);
   void check_overrides();
 
-  // ---- details.cpp: what nodes and shapes say about themselves
+  // ---- node_properties.cpp: properties of nodes and shapes
   std::uint32_t read_properties(Work& work, std::uint32_t element);
   bool read_rotation(Work& work, std::uint32_t element, Quat& out);
   std::optional<Quat> unit_quat(Work& work, std::uint32_t element, SourceSpan where,
@@ -147,23 +147,23 @@ class Loader {
 
   // ---- joint_reader.cpp
   void read_joint(Work& work, std::uint32_t element, std::uint32_t depth);
-  // What a joint says about its motion; nothing where it cannot be: reported.
+  // Reads a joint's motion; nothing if invalid: reported.
   std::optional<PartJoint> joint_of(Work& work, std::uint32_t element);
   std::string aim_of(Work& work, std::uint32_t element, PartJoint& joint);
   void read_import_joint(Work& work, std::uint32_t rule, PartImport& import);
 
   // ---- joint_axis.cpp
-  // Where a rule leaves axis or origin to the faces of nodes, those of the surface of revolution
-  // that is found there. False where there is none that is meant: reported.
+  // Completes a missing axis or origin by the surface of revolution of the nodes' faces. False
+  // without a suitable one: reported.
   bool axis_from_faces(Work& work, std::uint32_t rule, const PartImport& import,
                        PartImport::Moved& moved, PartJoint& joint);
   std::vector<AxisLine> lines_in(const PartImport& import, const std::vector<char>& nodes);
 
   // ---- spectra_files.cpp
-  // n and k of the table that an attribute names, or nothing: reported.
+  // Reads n and k of the table named by an attribute; nothing: reported.
   std::optional<materials::Conductor> spectrum(Work& work, std::uint32_t element,
                                                std::size_t attribute);
-  // Those of a named material's conductor and coat.
+  // Reads those of a named material's conductor and coat.
   void read_spectra(Work& work, std::uint32_t element, materials::Fields& fields);
 
   // ---- textures.cpp
@@ -181,7 +181,7 @@ class Loader {
   Reporter& reporter_;
   scene::Scene& scene_;
   const Job job_;
-  File* budget_file_ = nullptr;  // of the budget that counts, and its element
+  File* budget_file_ = nullptr;  // with the effective budget, and its element
   std::uint32_t budget_ = 0;
   // note: addresses stay while these grow
   std::deque<File> loaded_files_;
@@ -198,8 +198,8 @@ class Loader {
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files
   std::set<std::string> inputs_;     // keys of files that count as inputs
-  std::uint32_t nesting_ = 0;        // definitions that are being read
-  std::uint32_t repeats_ = 0;        // around what is being read
+  std::uint32_t nesting_ = 0;        // definitions being read
+  std::uint32_t repeats_ = 0;        // around the current element
   bool complete_ = true;             // false: a limit was reached
   std::uint64_t elements_ = 0;       // so far
   std::uint64_t runs_ = 0;           // of all repeats, so far
@@ -207,10 +207,10 @@ class Loader {
   std::uint64_t texture_bytes_ = 0;  // so far
 };
 
-// The first child of an element that has this id, or 0.
+// Returns the first child of an element with this id, or 0.
 std::uint32_t child_of(const xml::Document& document, std::uint32_t element, schemas::ElementId id);
 
-// The index of an attribute in the tables of an element; nothing when it has no such attribute.
+// Returns the index of an attribute in the tables of an element; nothing if it has none.
 std::optional<std::size_t> attribute_of(const xml::Document& document, std::uint32_t element,
                                         std::string_view name);
 

@@ -1,4 +1,4 @@
-// Reads materials. Private to pxn.
+// Reader of materials. Private to pxn.
 #pragma once
 
 #include "materials/material.h"
@@ -8,14 +8,13 @@
 
 namespace panwright::pxn {
 
-// Reads a <material>. A field that cannot be read is left out.
+// Reads a <material>. Unreadable fields are left out.
 //
 // Reports: E1201 to E1203; of a named material also E1406, E1407.
 materials::Fields read_material(const xml::Document& document, std::uint32_t element,
                                 Values& values, Reporter& reporter);
 
-// What a named material says about where its numbers come from, over what the material that it
-// starts from said.
+// Reads the provenance of a named material, over that of its base material.
 void read_provenance(const xml::Document& document, std::uint32_t element, Values& values,
                      Provenance& out);
 

@@ -1,4 +1,4 @@
-// How a matrix stretches space, whatever its turn.
+// Rotation-invariant stretch of a matrix.
 #pragma once
 
 #include <array>
@@ -7,12 +7,12 @@
 
 namespace panwright::pxn {
 
-// MᵀM of a matrix's linear part M: xx, yy, zz, xy, xz, yz. Rounded to 2^-36 of the largest, so that
-// turned instances of a shape share one.
+// Returns MᵀM of a matrix's linear part M: xx, yy, zz, xy, xz, yz. Rounded to 2^-36 of the largest,
+// so that rotated instances of a shape share one.
 std::array<double, 6> metric_of(const Mat4& m);
 
-// The upper triangular matrix with that metric: positions in metres, but for a turn (Cholesky).
-// Zero columns where the metric is flat.
+// Returns the upper triangular matrix with that metric: positions in metres, up to a rotation
+// (Cholesky). Zero columns for a flat metric.
 Mat3 metres_of(const std::array<double, 6>& metric);
 
 }  // namespace panwright::pxn

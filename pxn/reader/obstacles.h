@@ -1,4 +1,4 @@
-// What lies in the way of blankets: the other parts of a scene.
+// Obstacles of blankets: the other parts of a scene.
 #pragma once
 
 #include <cstdint>
@@ -14,38 +14,36 @@
 
 namespace panwright::pxn {
 
-// Of a shape's size: no facets need to be nearer to it.
+// Smallest useful error of facets, relative to a shape's size.
 inline constexpr double kFinest = 1e-5;
 
-// A shape as triangles, good to `error` in its own frame; null where it cannot be made.
+// Tessellates a shape to `error` in its own frame; null on failure.
 geometry::MeshShape mesh_of(const geometry::Shape& shape, double error);
 
 class Obstacles {
  public:
-  // Of the instances of a scene those that come within `reach` (metres) of the boxes around some of
-  // them, as they stand at rest. Curved shapes are as good as a fiftieth of the reach.
-  // Throws Cancelled.
+  // Collects the instances of a scene within `reach` (metres) of the boxes around some of them, at
+  // rest. Curved shapes are approximated to a fiftieth of the reach. Throws Cancelled.
   Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wrapped, double reach,
             const Job& job);
 
-  // To be called before room(), which may be called from any thread then. Once is enough. Throws
-  // Cancelled.
+  // Builds the search trees, once, before room(), which is then thread-safe. Throws Cancelled.
   void build(const Job& job);
 
-  // Metres that are free from a place along a unit direction, in the world, at most `most`.
+  // Returns the free distance from a place along a unit direction, in the world, metres, at most
+  // `most`.
   //
-  //   of     the instance that the place lies on: it is in its own way only where it is a mesh
-  //   least  metres: what is nearer counts as the surface itself
+  //   of     the instance of the place: it is its own obstacle only if it is a mesh
+  //   least  metres: nearer hits count as the surface itself
   double room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
               double most) const;
 
-  // Adds to a key what comes into one of some boxes in the world: from places from which nothing
-  // further than a box is asked for, it is all that room() follows from. Returns whether there is
-  // anything. Cost: O(obstacles · boxes) at most.
+  // Adds to a key the obstacles in some boxes in the world: all inputs of room() for places that
+  // query nothing beyond a box. Returns true if there are any. Cost: O(obstacles · boxes) at most.
   bool add_near(std::int32_t of, std::span<const geometry::AxisBox> boxes, KeyHasher& key) const;
 
  private:
-  // What add_near() looks at, by instances of the caster.
+  // Data of add_near(), by instances of the caster.
   struct Standing {
     Hash128 mesh;
     Mat4 world;

@@ -1,5 +1,5 @@
-// Files and parts, read: their nodes in order, with their values. A part that is used many times,
-// and a file that is included many times, stand here once.
+// Files and parts, as read: their nodes in order, with their values. Repeatedly used parts and
+// included files are stored once.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@
 namespace panwright::pxn {
 
 enum class ItemKind : std::uint8_t {
-  node,        // holds others, with details
+  node,        // has children, with properties
   appearance,  // data: index into fields
   texture,     // data: index into scene::Scene::textures
   shape,       // data: index into scene::Scene::shapes
@@ -42,8 +42,8 @@ enum class ItemKind : std::uint8_t {
 
 inline constexpr std::uint32_t kNoProperties = 0xffffffffu;
 
-// Items stand in document order, those of a repeat as often as it runs; those inside one follow it,
-// up to `end`.
+// Item, in document order; those of a repeat occur once per run. Those inside one follow it, up to
+// `end`.
 struct Item {
   ItemKind kind;
   std::uint32_t element;
@@ -52,18 +52,18 @@ struct Item {
   std::uint32_t properties;  // index into details, or kNoProperties
 };
 
-// What a back is made of. All empty: of what the front is.
+// Material of a back. All empty: the front's.
 struct BackMaterial {
   std::int32_t named = -1;   // index into Loader::materials
   std::string_view library;  // or one of the library
 };
 
-// What nodes, shapes and uses may say about themselves.
+// Properties of nodes, shapes and uses.
 struct NodeProperties {
-  std::string name;  // as written; empty: after the kind
+  std::string name;  // as written; empty: from the kind
   std::optional<scene::Transform> transform;
   std::int32_t material = -1;       // index into Loader::materials
-  std::optional<BackMaterial> back;  // none: what the material says
+  std::optional<BackMaterial> back;  // none: the material's
   std::optional<double> tolerance;  // metres
   std::string_view foil;            // of mli::presets(), over all faces; empty: none
 };
@@ -79,15 +79,15 @@ struct PartKeypoint {
   Vec3 position;
 };
 
-// A joint, with those that it names by the words they are written by; its index fields are not set.
+// Joint, with its references as written; its index fields are not set.
 struct PartJoint {
   scene::Joint joint;
   std::string mimic;   // empty: follows none
   std::string gimbal;  // empty: aims alone
-  std::string node;    // the name of its node; empty: its own
+  std::string node;    // name of its node; empty: its own
 };
 
-// One run of a repeat: its items in the part.
+// Run of a repeat: its items in the part.
 struct Run {
   std::uint32_t begin;
   std::uint32_t end;    // past the last one
@@ -95,19 +95,19 @@ struct Run {
 };
 inline constexpr std::uint32_t kNoRun = 0xffffffffu;
 
-// As scene::Decal, on the shapes of a name in the same run, or else in what is around it.
+// Decal as scene::Decal, on the shapes of a name in the same run, or else around it.
 struct PartDecal {
   std::string on;
   std::uint32_t run = kNoRun;
   scene::Decal decal;
 };
 
-// A blanket as it is written, for faces of any shape.
+// Blanket as written, for faces of any shape.
 struct Blanket {
   std::string_view preset;                 // of mli::presets(); empty: none
   std::vector<mli::Operation> operations;  // after those of the preset
   std::uint32_t seed = 0;
-  double cell = 0;          // metres; 0: what the preset needs
+  double cell = 0;          // metres; 0: the preset's
   double stand_off = 0;     // metres; 0: by the shape's size
   double tape = 0;          // metres from borders; 0: none
   bool edge = false;        // seams are cut edges
@@ -115,8 +115,8 @@ struct Blanket {
 };
 inline constexpr std::string_view kFaceWords[] = {"+x", "-x", "+y", "-y", "+z", "-z"};
 
-// What wears it: instances that both patterns fit, of those below the nodes of the same run, or
-// else of what is around it.
+// Targets of a blanket: instances matched by both patterns, of those below the nodes of the same
+// run, or else around it.
 struct PartWrap {
   std::optional<std::string> on, materials;
   std::uint32_t run = kNoRun;
@@ -128,29 +128,28 @@ struct PartWrap {
 
 struct File;
 
-// Values that a use gives to parameters of its part, by name.
+// Values given by a use to parameters of its part, by name.
 using Arguments = std::map<std::string, Quantity>;
-// The same as a key: what a Quantity holds, member by member.
+// The same as a key: the members of a Quantity.
 using ArgumentsKey =
     std::vector<std::tuple<std::string, double, schemas::Dimension, double, double, int, bool>>;
 
-// A part or a material with a name. It is read when it is first asked for, a part once for each set
-// of arguments.
+// Named part or material. Read on first use, a part once for each set of arguments.
 struct Definition {
   std::string name;
   File* file = nullptr;
   std::uint32_t element = 0;
-  bool reading = false;  // asking for it again is a cycle
+  bool reading = false;  // a further request is a cycle
   bool done = false;
   bool used = false;
-  std::optional<std::uint32_t> index;  // of the named material, once done, if it can be used
-  // of the part, for each set of arguments it was used with
+  std::optional<std::uint32_t> index;  // of the named material, once read, if usable
+  // of the part, for each set of arguments
   std::map<ArgumentsKey, std::uint32_t> parts;
 };
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;
 
-// One pxn file.
+// A pxn file.
 struct File {
   FoundFile found;
   xml::Document document;
@@ -158,17 +157,17 @@ struct File {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> positions;  // E: line and column of each
   Units units;
   bool y_up = false;
-  Scope scope;                         // its parameters, and those of files that the root includes
+  Scope scope;                         // its parameters, and those of the root's includes
   std::deque<Definition> definitions;  // its own
-  Definitions parts;                   // its own, and those of files that the root includes
+  Definitions parts;                   // its own, and those of the root's includes
   Definitions materials;
   std::uint32_t level = 0;  // of includes, 0 for the top file
 };
 
-// The nodes of a file, or of a <part>.
+// Nodes of a file, or of a <part>.
 struct Part {
   File* file = nullptr;
-  FileId source = kNoFile;    // what its places are in: knows who included or used it first
+  FileId source = kNoFile;    // of its places: records its first includer or user
   std::uint32_t element = 0;  // the root, or the <part>
   std::string name;           // of a <part>
   std::vector<Item> items;
@@ -180,10 +179,10 @@ struct Part {
   std::vector<PartImport> imports;
   std::vector<PartWrap> wraps;
   std::vector<PartJoint> joints;
-  std::vector<Run> runs;             // of those repeats that hold decals or wraps
+  std::vector<Run> runs;             // of the repeats with decals or wraps
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one
-  bool too_deep = false;             // what it holds was left out for that, and it was reported
+  bool too_deep = false;             // contents were left out for depth, and reported
   bool loading = true;               // its own includes and uses are being read
 };
 

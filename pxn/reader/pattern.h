@@ -17,7 +17,7 @@ class Pattern {
   // text: UTF-8. Every text is a pattern: a '\' before anything else is itself.
   explicit Pattern(std::string_view text);
 
-  // Whether a whole text fits. Cost: O(text · pattern) at worst.
+  // Returns true if a whole text matches. Cost: O(text · pattern) at worst.
   bool fits(std::string_view text) const;
 
   bool has_slash() const { return has_slash_; }
@@ -28,15 +28,15 @@ class Pattern {
   bool has_slash_ = false;
 };
 
-// The pattern that fits this name alone and that an attribute of a pxn text can hold, unescaped as
-// XML.
+// Returns the pattern that matches only this name and fits into an attribute of a pxn text,
+// unescaped as XML.
 std::string pattern_of(std::string_view name);
 
-// What to say of a pattern that fits none of some names: the nearest, or the first six.
+// Returns a hint for a pattern that matches none of some names: the nearest, or the first six.
 std::string near_names(std::string_view pattern, const std::set<std::string>& names);
 
-// For each node of a scene whether a pattern, or one above it, names it. A pattern with '/' is held
-// against the path below the node `top`, one without against the node's own name.
+// Marks the nodes of a scene matched by a pattern, themselves or by an ancestor. A pattern with '/'
+// is matched against the path below the node `top`, one without against the node's own name.
 std::vector<char> matching_nodes(const scene::Scene& scene, std::uint32_t top,
                                  const Pattern& pattern);
 

@@ -1,4 +1,4 @@
-// The library of materials. Private to pxn.
+// Library of materials. Private to pxn.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace panwright::pxn {
 
-// A file of materials/presets, embedded at build time: one named material each, of the file's name.
+// File of materials/presets, embedded at build time: one named material each, of the file's name.
 struct PresetText {
   std::string_view name;
   std::string_view text;
@@ -22,7 +22,7 @@ struct Preset {
   std::string_view back;  // another one of the library; empty: none
 };
 
-// One of the library, read on first use and kept; nullptr for another name. Any thread.
+// Returns a library material, read on first use and kept; nullptr for another name. Thread-safe.
 const Preset* find_preset(std::string_view name);
 
 }  // namespace panwright::pxn

@@ -1,4 +1,4 @@
-// Reading with files from anywhere.
+// Reading with files from any source.
 #pragma once
 
 #include "pxn/reader/files.h"
@@ -6,7 +6,7 @@
 
 namespace panwright::pxn {
 
-// As pxn::read.
+// Reads as pxn::read.
 Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
                                DiagnosticLog& log, const Job& job = {});
 

@@ -24,18 +24,19 @@ namespace panwright::pxn {
 std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uint32_t element,
                                          Values& values, Reporter& reporter);
 
-// node_from_frame of a frame that looks along a direction, with another at the top of its image (x
-// right, y down, z forward). Any lengths; nothing when they are 0 or within 1e-6 rad of parallel.
+// Returns node_from_frame of a frame that looks along a direction, with another at the top of its
+// image (x right, y down, z forward). Any lengths; nothing when they are 0 or within 1e-6 rad of
+// parallel.
 std::optional<Quat> looking(Vec3 forward, Vec3 up);
 
-// Whether a text can be a name in expressions. Reports E1221 where it cannot, and E1210 where it is
-// that of a constant or a function.
+// Returns true if a text can be a name in expressions. Reports E1221 otherwise, and E1210 for that
+// of a constant or a function.
 bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
                 const std::string& name, Reporter& reporter);
 
 // Reads a shape that is not a mesh.
 //
-//   returns  sound by geometry::problem_of; nothing where something is missing or wrong
+//   returns  valid by geometry::problem_of; nothing if something is missing or invalid
 //
 // Reports: E1201 to E1203, E1212 to E1224, E2001, E2002, E2010 to E2018, E2026, E2027, W2006,
 // W2007, W2009, W2019, W2028.
@@ -45,7 +46,7 @@ std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
 
 // Reads a <mesh>: strips to triangles, normals made unit or computed.
 //
-//   returns  sound by scene::check, with at least one triangle; null where too little can be read
+//   returns  valid by scene::check, with at least one triangle; null if too little is readable
 //
 // Reports: E1201 to E1203, W1205, E2001, E2002, E2004, N2005, W2006 to W2009.
 // Cost: O(bytes + T log(triangles at a vertex)).
@@ -53,7 +54,7 @@ std::shared_ptr<const geometry::Mesh> read_mesh_shape(const xml::Document& docum
                                                       std::uint32_t element, double crease_angle,
                                                       Values& values, Reporter& reporter);
 
-// A sheet of foil as it is written.
+// Sheet of foil as written.
 struct FoilSheet {
   mli::Recipe recipe;
   mli::Form form;
@@ -61,7 +62,7 @@ struct FoilSheet {
   mli::RecipePlaces places;
   bool levels = true;
 
-  // Equal for sheets that are equal.
+  // Returns a key; equal for equal sheets.
   std::vector<double> key() const;
 };
 
@@ -77,20 +78,19 @@ std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t 
 std::optional<PartWrap> read_wrap(const xml::Document& document, std::uint32_t element,
                                   Values& values, Reporter& reporter);
 
-// Equal for blankets that are equal.
+// Returns a key; equal for equal blankets.
 std::vector<double> key_of(const Blanket& blanket);
 
-// The preset of that name, empty for another ("none").
+// Returns the preset of that name, empty for another ("none").
 std::string_view foil_named(std::string_view name);
 
-// Vertices of all sheets of a model, about 90 bytes each.
+// Limit of vertices of all sheets of a model, about 90 bytes each.
 inline constexpr double kMaxFoilVertices = 20e6;
 
-// The meshes of a sheet, with normals.
+// Meshes of a sheet, with normals.
 struct FoilMeshes {
   struct Part {
-    std::shared_ptr<const geometry::Mesh>
-        finest;  // at the recipe's own detail; null: there is none
+    std::shared_ptr<const geometry::Mesh> finest;  // at the recipe's own detail; null: none
     std::vector<scene::FoilLevel> levels;
   };
   std::array<Part, mli::kCovers> parts;  // by mli::Cover
@@ -98,7 +98,7 @@ struct FoilMeshes {
   double vertices = 0;                   // of all
 };
 
-// Nothing where they cannot be made.
+// Makes the meshes; nothing on failure.
 //
 //   room   vertices that may still be made
 //   cache  null: none

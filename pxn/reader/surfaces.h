@@ -1,4 +1,4 @@
-// The materials of a scene, made from what nodes, shapes and rules say.
+// Materials of a scene, made from nodes, shapes and rules.
 #pragma once
 
 #include <cstdint>
@@ -14,39 +14,37 @@
 
 namespace panwright::pxn {
 
-// What covers the shapes at a place of a model.
+// Surface of the shapes at a place of a model.
 struct Surface {
   materials::Fields fields;
-  std::string name;   // of the named material, when nothing around changes it
+  std::string name;   // of the named material, if unchanged
   BackMaterial back;  // of that material
-  SourceSpan place;   // the innermost appearance, for what is said about its material
+  SourceSpan place;   // the innermost appearance, for diagnostics about its material
 };
 
-// Materials with one name and one value are made once. They are numbered in the order in which they
-// are asked for.
+// Materials, made once for each name and value. Numbered in the order of requests.
 class Surfaces {
  public:
   Surfaces(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
       : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
 
-  // A named material, by its index in the loader.
+  // Returns a named material, by its index in the loader.
   Surface named(std::int32_t index) const;
 
-  // Indices into the scene's materials.
+  // Returns an index into the scene's materials.
   std::int32_t material(const Surface& surface);
   std::int32_t named_material(std::int32_t index) { return material(named(index)); }
-  // One of the library. Expects: a name that it has.
+  // Returns a library material. Expects: a known name.
   static Surface library(std::string_view name);
-  // The one that a preset of foil is usual with.
+  // Returns the usual material of a foil preset.
   std::int32_t usual_material(std::string_view foil_preset);
-  // A material of a CAD file, once for each file.
+  // Returns a material of a CAD file, once for each file.
   std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
                             std::int32_t index);
 
-  // The material of a back, for a front of the scene, with the front's holes unless it has its own;
-  // kNone where both sides are alike or nobody sees the back: nothing else is named, the shape is
-  // closed and has no holes, or the two have different holes, W1410 at `where()`, once for each
-  // pair.
+  // Returns the material of a back, for a front of the scene, with the front's holes unless it has
+  // its own. kNone if none is named, if the shape is closed without holes, or if the two have
+  // different holes: W1410 at `where()`, once for each pair.
   //
   //   shape  null: an open one
   std::int32_t back_of(const geometry::Shape* shape, std::int32_t front, const BackMaterial& back,
@@ -61,7 +59,7 @@ class Surfaces {
   std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_fields_;
   std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_value_;
   std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
-  std::set<std::pair<std::int32_t, std::int32_t>> unlike_;  // fronts and backs, said once
+  std::set<std::pair<std::int32_t, std::int32_t>> unlike_;  // fronts and backs, reported once
 };
 
 }  // namespace panwright::pxn

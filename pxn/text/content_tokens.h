@@ -1,4 +1,4 @@
-// What stands in an element without others inside: words, and asides between them.
+// Tokens of an element without children: words, and asides between them.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace panwright::pxn::xml {
 
 inline constexpr std::string_view kBlanks = " \t\n";
 
-// Goes through a text word by word. In numbers, an expression in braces is one word, without blanks
-// at its ends.
+// Iterator over the words of a text. In numbers, an expression in braces is one word, without
+// blanks at its ends.
 class Words {
  public:
   Words(std::string_view text, bool numbers);
@@ -29,11 +29,11 @@ class Words {
   std::string tidied_;
 };
 
-// A word with all that touches it, or a comment or instruction that touches no word.
+// Word with all adjacent bytes, or a comment or instruction that touches no word.
 struct ContentToken {
-  std::string_view bytes;        // empty: there are no more
+  std::string_view bytes;        // empty: at the end
   bool aside = false;            // a comment or instruction; bytes is then a part of the text
-  std::size_t lines_before = 0;  // line ends since the atom before, or the start tag
+  std::size_t lines_before = 0;  // line ends since the last token, or the start tag
 };
 
 class ContentTokens {
@@ -43,7 +43,7 @@ class ContentTokens {
   // The view is good until the next call.
   ContentToken next();
 
-  // Line ends behind the last atom. Expects: next() gave it.
+  // Line ends after the last token. Expects: next() gave it.
   std::size_t lines_behind() const { return lines_; }
 
  private:
@@ -62,7 +62,7 @@ class ContentTokens {
   bool numbers_;
   bool in_text_ = false;
   bool first_of_text_ = false;
-  // between the last item and the next one; and the same behind the text at work
+  // between the last item and the next one; and the same after the current text
   bool blank_ = false;
   bool blank_behind_ = false;
   std::size_t lines_ = 0;

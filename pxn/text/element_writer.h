@@ -1,4 +1,4 @@
-// Elements, attributes and numbers as text.
+// Writer of elements, attributes and numbers as text.
 #pragma once
 
 #include <initializer_list>
@@ -12,7 +12,7 @@
 
 namespace panwright::pxn {
 
-// Writes XML from the outside in. Layout is left to formatted().
+// Writer of XML from the outside in. Layout is left to formatted().
 class ElementWriter {
  public:
   explicit ElementWriter(std::string& out) : out_(out) {}
@@ -50,7 +50,7 @@ class ElementWriter {
     out_ += std::to_string(value);
     out_.push_back(' ');
   }
-  // An element of numbers.
+  // Writes an element of numbers.
   void element(std::string_view tag, std::span<const double> values) {
     open(tag);
     for (const double value : values) number(value);
@@ -67,7 +67,7 @@ class ElementWriter {
   bool in_tag_ = false;
 };
 
-// The tag of a shape, and its parameters: attributes first, children once other attributes stand.
+// Write the tag of a shape, and its parameters: attributes first, children after other attributes.
 void write_shape_attributes(const geometry::Shape& shape, ElementWriter& out);
 void write_shape_children(const geometry::Shape& shape, ElementWriter& out);
 

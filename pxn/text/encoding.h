@@ -1,4 +1,4 @@
-// Which encoding a file is in, and whether its bytes are text in it.
+// Encoding of a file, and check of its bytes.
 #pragma once
 
 #include <string_view>

@@ -7,11 +7,11 @@
 namespace panwright::pxn::xml {
 
 struct Reference {
-  std::uint32_t length = 0;  // bytes with & and ;, or 0: not one of those that are read
+  std::uint32_t length = 0;  // bytes with & and ;, or 0: unsupported
   std::uint32_t character = 0;
 };
 
-// The reference that a text begins with. Expects: text[0] == '&'.
+// Returns the reference at the start of a text. Expects: text[0] == '&'.
 Reference reference_at(std::string_view text);
 
 }  // namespace panwright::pxn::xml

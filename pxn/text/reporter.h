@@ -12,11 +12,12 @@
 
 namespace panwright::pxn {
 
-// "pangu_model/group[2]/mesh": names from the root, with an index (from 1) where an element has
-// siblings of its name. Cost: O(depth · siblings).
+// Returns "pangu_model/group[2]/mesh": names from the root, with an index (from 1) for an element
+// with siblings of its name. Cost: O(depth · siblings).
 std::string object_path(const xml::Document& document, std::uint32_t element);
 
-// A log that composes texts only while it keeps them: a hostile file can hold millions of errors.
+// Reporter that composes texts only while the log keeps them: a hostile file can hold millions of
+// errors.
 class Reporter {
  public:
   explicit Reporter(DiagnosticLog& log) : log_(log) {}
@@ -27,7 +28,7 @@ class Reporter {
   template <class Compose>
   void report(Code code, SourceSpan where, const xml::Document& document, std::uint32_t element,
               const Compose& compose) {
-    // what is wrong in a repeat is wrong each time
+    // a problem in a repeat occurs in each run
     if (repetition_ != nullptr && !seen_.insert({code, where.file, where.begin}).second) return;
     bool& full = code_info(code).severity == Severity::error ? errors_full_ : others_full_;
     if (full) {
@@ -44,8 +45,8 @@ class Reporter {
     full = log_.entries().size() == before;
   }
 
-  // One run of a repeat, as long as it lives: its problems are reported the first time only, with
-  // the value of the variable.
+  // Scope of one run of a repeat: its problems are reported the first time only, with the value of
+  // the variable.
   class Repetition {
    public:
     Repetition(Reporter& reporter, const std::string& variable, std::uint64_t value)
@@ -64,8 +65,7 @@ class Reporter {
     std::uint64_t value_;
   };
 
-  // Outside of all repeats, as long as it lives: for what is read on behalf of one, but stands
-  // elsewhere.
+  // Scope outside of all repeats: for text read on behalf of one, but located elsewhere.
   class Elsewhere {
    public:
     explicit Elsewhere(Reporter& reporter)

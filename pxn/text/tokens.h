@@ -1,5 +1,5 @@
-// What the texts of XML are made of: blanks, names, and where each piece of markup begins and ends.
-// The scanner (xml.h) and what walks through sound texts (markup.h) tell them here.
+// Tokens of XML texts: blanks, names, and the bounds of markup. Shared by the scanner (xml.h) and
+// the iterator over valid texts (markup.h).
 #pragma once
 
 #include <algorithm>
@@ -44,13 +44,13 @@ constexpr bool is(char c, CharClass which) {
          0;
 }
 
-// Past the blanks at a place.
+// Returns the place past the blanks.
 inline std::size_t blanks_end(std::string_view text, std::size_t at) {
   while (at < text.size() && is(text[at], CharClass::blank)) ++at;
   return at;
 }
 
-// Past the name at a place; the place itself where no name begins.
+// Returns the place past the name; the place itself if no name begins.
 inline std::size_t name_end(std::string_view text, std::size_t at) {
   if (at >= text.size() || !is(text[at], CharClass::name_start)) return at;
   while (at < text.size() && is(text[at], CharClass::name)) ++at;
@@ -66,11 +66,12 @@ enum class PieceKind : std::uint8_t {
   instruction,  // <?…?>, the XML declaration too
   cdata,        // <![CDATA[…]]>
   doctype,      // <!DOCTYPE…>, which pxn does not read
-  broken,       // '<' and nothing that may follow it
+  broken,       // '<' without a valid successor
   end,          // of the text
 };
 
-// What begins at a place. A tag that may be empty is told by its end: start_tag.
+// Returns the kind of the piece at a place. An empty tag is distinguished only at its end:
+// start_tag.
 inline PieceKind kind_at(std::string_view text, std::size_t at) {
   if (at >= text.size()) return PieceKind::end;
   if (text[at] != '<') return PieceKind::text;
@@ -85,7 +86,7 @@ inline PieceKind kind_at(std::string_view text, std::size_t at) {
   return PieceKind::broken;
 }
 
-// What a comment, CDATA section or instruction begins and ends with.
+// Opening and closing marks of a comment, CDATA section or instruction.
 struct Marks {
   std::string_view open;
   std::string_view close;
@@ -96,8 +97,8 @@ inline Marks marks_of(PieceKind kind) {
   return {"<?", "?>"};
 }
 
-// The place of the closing mark of a comment, CDATA section or instruction that begins at `at`; the
-// size of the text where there is none.
+// Returns the place of the closing mark of a comment, CDATA section or instruction that begins at
+// `at`; the size of the text if there is none.
 inline std::size_t close_of(std::string_view text, std::size_t at, PieceKind kind) {
   const Marks marks = marks_of(kind);
   return std::min(text.find(marks.close, at + marks.open.size()), text.size());

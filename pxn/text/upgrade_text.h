@@ -1,4 +1,4 @@
-// One document of level 0 in the words of level 1.
+// Conversion of one document from level 0 to level 1.
 #pragma once
 
 #include <functional>
@@ -9,17 +9,17 @@
 
 namespace panwright::pxn {
 
-// What an include or texture of level 0 is called from the file's own folder, as UTF-8; nothing: it
-// cannot be found, and stays.
+// Path of a level-0 include or texture from the file's own folder, as UTF-8; nothing: not found,
+// unchanged.
 using NewPath = std::function<std::optional<std::string>(const std::string& file)>;
 
-// Where a path changed.
+// Callback for a changed path.
 using PathChanged =
     std::function<void(SourceSpan where, const std::string& from, const std::string& to)>;
 
-// The text; layout is left to formatted().
+// Returns the text; layout is left to formatted().
 //
-// Expects: a document that check_grammar has seen, without errors.
+// Expects: a document without errors by check_grammar.
 std::string upgraded_text(const xml::Document& document, const NewPath& new_path,
                           const PathChanged& path_changed);
 

@@ -1,4 +1,4 @@
-// An XML scanner that keeps the place of everything in the file's own bytes.
+// XML scanner that keeps the places of all pieces in the file's own bytes.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace panwright::pxn::xml {
 
-// An element, in document order: its first child, if any, is the next element.
+// Element, in document order: its first child, if any, is the next element.
 struct Element {
   std::uint32_t begin;            // of the start tag, at '<'; the name follows
   std::uint32_t start_tag_end;    // past the start tag's '>'
@@ -37,7 +37,7 @@ struct Run {
   std::uint32_t begin;
   std::uint32_t end;
   std::uint32_t
-      owner;  // element index; the highest bit marks CDATA: begin, end leave out its marks
+      owner;  // element index; the highest bit marks CDATA, whose marks begin and end exclude
 };
 inline constexpr std::uint32_t kCdata = 0x80000000u;
 
@@ -46,7 +46,7 @@ struct Limits {
   std::uint32_t depth = 256;
 };
 
-// The elements of one file. The text stays in the source map.
+// Elements of one file. The text stays in the source map.
 struct Document {
   FileId file = kNoFile;
   Encoding encoding = Encoding::utf8;
@@ -80,20 +80,20 @@ struct Document {
   SourceSpan value_span(const Attribute& a) const { return {file, a.value_begin, a.value_end}; }
 };
 
-// Scans a file that stands in the log's source map, and sets its encoding there.
+// Scans a file of the log's source map, and sets its encoding there.
 //
-// Every problem is reported and scanning goes on behind it where that makes sense. Elements past a
-// limit are left out. Entities are never expanded; document types are skipped.
+// Every problem is reported, and scanning continues after it if possible. Elements past a limit are
+// left out. Entities are never expanded; document types are skipped.
 //
-//   returns  the elements that could be read; none when the encoding is not read
+//   returns  the readable elements; none for an unsupported encoding
 //
-// Reports: E1001 to E1008. Cost: O(bytes), no recursion; 32 bytes an element, 16 an attribute,
-// 12 a run of text. Expects: the file's bytes are there and fewer than 2^32.
+// Reports: E1001 to E1008. Cost: O(bytes), no recursion; 32 bytes an element, 16 an attribute, 12 a
+// run of text. Expects: the file's bytes are present and fewer than 2^32.
 Document scan(FileId file, const Limits& limits, DiagnosticLog& log);
 
-// The text of a raw value as UTF-8, references replaced, line ends and (in attributes) blanks as
-// XML normalises them. source_offsets, when given, gets for each byte of the result the place of
-// what made it, and one more for the end.
+// Decodes a raw value to UTF-8, references replaced, line ends and (in attributes) blanks
+// normalised as in XML. source_offsets, when given, gets the source place of each byte of the
+// result, and one more for the end.
 std::string decoded(const Document& document, std::uint32_t begin, std::uint32_t end,
                     std::vector<std::uint32_t>* source_offsets = nullptr);
 

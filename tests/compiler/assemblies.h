@@ -1,4 +1,4 @@
-// Assemblies of which it is known what they hide.
+// Assemblies with known hidden geometry.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 
 namespace panwright::compiler::assemblies {
 
-inline constexpr char kEither = 2;  // seen through next to nothing
+inline constexpr char kEither = 2;  // visible through a negligible gap
 
-// A scene, and of each triangle of each instance whether it can be seen from outside.
+// Scene, with the visibility of each triangle of each instance from outside.
 struct Assembly {
   std::string name;
   scene::Scene scene;
@@ -101,7 +101,7 @@ inline geometry::Mesh block(const Vec3& size, std::uint32_t n) {
   return mesh;
 }
 
-// Boxes one in another: the outermost alone is seen.
+// Boxes one in another: only the outermost is visible.
 inline Assembly nested_boxes(std::uint32_t boxes, std::uint32_t n) {
   Builder builder("nested boxes");
   for (std::uint32_t i = 0; i < boxes; ++i)
@@ -116,7 +116,7 @@ inline Vec3 on_circle(double radius, std::uint32_t i, std::uint32_t n, double z)
   return {radius * std::cos(a), radius * std::sin(a), z};
 }
 
-// A cylinder about z in rings of quads, with caps of fans; tells which triangles are which.
+// Cylinder about z in rings of quads, with caps of fans, and its ranges of triangles.
 struct Round {
   geometry::Mesh mesh;
   std::uint32_t side_end = 0;    // triangles of the side come first
@@ -172,8 +172,8 @@ inline geometry::Mesh drilled_plate(double half, double radius, double bottom, d
   return mesh;
 }
 
-// Plates on bases, with bolts in blind bores: the heads are seen, the shanks, the bores, and where
-// parts lie on each other are not. Equal parts share a mesh.
+// Plates on bases, with bolts in blind bores: the heads are visible; the shanks, the bores and
+// contact faces are not. Equal parts share a mesh.
 inline Assembly bolts_in_holes(std::uint32_t side, std::uint32_t n, std::uint32_t rings) {
   Builder builder("bolts in holes");
   constexpr double kPitch = 0.1;
@@ -196,7 +196,7 @@ inline Assembly bolts_in_holes(std::uint32_t side, std::uint32_t n, std::uint32_
   const std::int32_t head = builder.add_mesh(top.mesh);
   for (std::uint32_t j = 0; j < side; ++j) {
     for (std::uint32_t i = 0; i < side; ++i) {
-      // apart, so that the sides of plates are seen
+      // apart, so that the sides of plates are visible
       const Vec3 at(1.5 * kPitch * i, 1.5 * kPitch * j, 0);
       builder.add(plate, at, plate_visible);
       builder.add(base, at - Vec3(0, 0, kDepth + 0.005), base_visible);
@@ -207,13 +207,13 @@ inline Assembly bolts_in_holes(std::uint32_t side, std::uint32_t n, std::uint32_
   return builder.done();
 }
 
-// A box with a round hole in its top, and a round tank in it, of which those facets are seen whose
-// plane some point of the hole lies above: the tank is convex, and nothing else is in the way.
+// A box with a round hole in its top, and a round tank in it. A facet of the tank is visible if some
+// point of the hole lies above its plane: the tank is convex, and nothing else occludes.
 inline Assembly tank_in_a_bus(std::uint32_t n, double hole) {
   Builder builder("tank in a bus");
   constexpr double kHalf = 0.5;
   constexpr std::uint32_t kFacets = 32;  // of the hole
-  // metres that the hole rises above a facet's plane: what shows through less than 2e-3 of the
+  // metres that the hole rises above a facet's plane: facets visible through less than 2e-3 of the
   // hole, edge on, may be found or not (7.6e-5 measured among those not found)
   const double kSliver = 2e-3 * hole;
   geometry::Mesh bus = block(Vec3(2 * kHalf), 8);

@@ -1,4 +1,4 @@
-// What a distant observer sees of a convex mesh: Lambert, smooth normals, no shadows cast.
+// Light of a convex mesh for a distant observer: Lambert, smooth normals, no shadows cast.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What a target must find to hold.
+// Assertion of fuzz targets.
 #pragma once
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 namespace panwright::fuzz {
 
-// Aborts, which fuzzers and tests notice, where something does not hold.
+// Aborts if the condition is false; fuzzers and tests detect it.
 inline void require(bool holds, const std::string& what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n", what.c_str());

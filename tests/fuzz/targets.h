@@ -1,4 +1,4 @@
-// What the fuzzers run on each input. They abort when something that must hold does not.
+// Fuzz targets. They abort on a violated invariant.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@ namespace panwright::fuzz {
 // the pan file that results.
 void pxn(std::span<const std::byte> input);
 
-// Opens the bytes as a pan file, checks it, and touches everything that a checked file gives.
+// Opens the bytes as a pan file, checks it, and reads all contents of a checked file.
 void pan(std::span<const std::byte> input);
 
 // Reads the bytes as a VRML file of either version that can inline itself, checks the scene,
-// compiles it and checks the pan file that results.
+// compiles it and checks the pan file.
 void vrml(std::span<const std::byte> input);
 
 }  // namespace panwright::fuzz

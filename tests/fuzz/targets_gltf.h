@@ -1,5 +1,4 @@
-// What the fuzzers of glTF, mesh and image files run on each input. They abort when something that
-// must hold does not.
+// Fuzz targets of glTF, mesh and image files. They abort on a violated invariant.
 #pragma once
 
 #include <cstddef>
@@ -7,15 +6,15 @@
 
 namespace panwright::fuzz {
 
-// Reads the bytes as a glTF or GLB file whose buffers and textures may be the same bytes, checks
-// the scene, compiles it, checks the pan file that results, and writes that as GLB.
+// Reads the bytes as a glTF or GLB file whose buffers and textures may be the same bytes. Checks
+// the scene, compiles it, checks the pan file, and writes that as GLB.
 void gltf(std::span<const std::byte> input);
 
-// Reads the bytes as the Draco stream of an otherwise sound GLB file.
+// Reads the bytes as the Draco stream of an otherwise valid GLB file.
 void draco(std::span<const std::byte> input);
 
-// Reads the bytes as an OBJ file that is its own material library and as an STL file, or as PLY
-// where they begin so; checks what comes of it.
+// Reads the bytes as an OBJ file that is its own material library and as an STL file, or as PLY by
+// their beginning; checks the result.
 void mesh(std::span<const std::byte> input);
 
 // Decodes the bytes as an image; checks its size.

@@ -1,4 +1,4 @@
-// Outlines whose triangulations and faults are known.
+// Outlines with known triangulations and faults.
 #pragma once
 
 #include <algorithm>
@@ -104,7 +104,7 @@ inline double area(const Outline& outline) {
   return sum;
 }
 
-// Whether a point lies in the area, by crossings of a ray to the right.
+// Returns true if a point lies in the area, by crossings of a ray to the right.
 inline bool inside(const Outline& outline, const Vec2& p) {
   bool in = false;
   for (std::size_t l = 0; l + 1 < outline.loops.size(); ++l) {

@@ -1,4 +1,4 @@
-// Small meshes whose properties are known.
+// Small meshes with known properties.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ inline Mesh sphere(std::uint32_t rings, std::uint32_t quads, double radius = 1,
   return *tessellated(Sphere{radius, SphereCounts{rings, quads}}, options, {}, log);
 }
 
-// A random number in [0, 1), the same everywhere (SplitMix64).
+// Random numbers in [0, 1), the same everywhere (SplitMix64).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -1,4 +1,4 @@
-// What the tests of tubes share: their meshes, what makes one sound, distances to paths, and paths.
+// Shared parts of the tests of tubes: meshes, their checks, distances to paths, and paths.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ inline void expect_closed_or_open(const Mesh& mesh, bool closed) {
 
 inline void expect_sound(const Mesh& mesh, bool closed) {
   expect_closed_or_open(mesh, closed);
-  // nothing is folded: facets look where their vertices do
+  // nothing is folded: facets face along their vertex normals
   std::size_t turned = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 facet = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],

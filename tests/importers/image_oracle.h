@@ -1,4 +1,4 @@
-// A second decoder and an encoder of images, stb's, to hold ours against.
+// Independent image decoder and encoder, stb's, to validate ours.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct OracleImage {
   std::vector<std::uint8_t> rgba;  // 4·width·height
 };
 
-// Decodes a sound PNG or JPEG file. Nothing for other files.
+// Decodes a valid PNG or JPEG file. Nothing for other files.
 std::optional<OracleImage> oracle_decoded(const std::string& bytes);
 
 // A baseline JPEG file of RGB texels without subsampling.

@@ -1,4 +1,4 @@
-// Integrals over the hemisphere that do not know the formulas.
+// Integrals over the hemisphere, independent of the formulas.
 #pragma once
 
 #include <cmath>

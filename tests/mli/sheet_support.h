@@ -22,7 +22,7 @@ inline Recipe recipe(double width, double height, std::uint32_t xgrid,
   return out;
 }
 
-// Expects that it can be made.
+// Makes a sheet, and expects success.
 inline Sheet sheet_of(const Recipe& recipe, std::uint32_t cells = 0, const Job& job = {}) {
   DiagnosticLog log;
   auto sheet = made(recipe, {cells}, log, {}, job);
@@ -30,7 +30,7 @@ inline Sheet sheet_of(const Recipe& recipe, std::uint32_t cells = 0, const Job& 
   return sheet ? std::move(*sheet) : Sheet{};
 }
 
-// Every operation there is.
+// Returns a recipe with every operation.
 inline Recipe everything(std::uint32_t seed = 1) {
   Crease crease;
   crease.density = 2000;

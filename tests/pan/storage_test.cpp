@@ -136,7 +136,7 @@ TEST(Storage, ErrorsHoldAndAreNotTooLarge) {
       EXPECT_GE(mesh.stream.normal_error, std::acos(std::min(1.0, least)) - 5e-4);
       {
         EXPECT_GT(worst, 0);
-        // physics.md 5.4: half a step along each axis, and the rounding to float
+        // half a step along each axis, and the rounding to float
         EXPECT_LE(worst, mesh.stream.step * std::sqrt(0.75) * 1.001 + 1e-7);
         // the same table, max of octahedral normals in degrees: 10 bits .233, 12 .0586, 14 .0146
         const double table[] = {0, 0.2340, 0, 0.0590, 0, 0.0148, 0, 0.0040};

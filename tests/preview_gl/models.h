@@ -1,4 +1,4 @@
-// Small models, a shared context, and what tests measure on images.
+// Small models, a shared context, and measurements of images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,8 @@
 
 namespace panwright::preview::testing_support {
 
-// OSMesa, so that every machine draws the same bits; PANWRIGHT_TEST_GL=egl tries a GPU instead.
+// Returns OSMesa, so that every machine draws the same bits; PANWRIGHT_TEST_GL=egl tries a GPU
+// instead.
 inline ContextKind tested_context() {
   const char* name = std::getenv("PANWRIGHT_TEST_GL");
   if (!name || !*name) return ContextKind::osmesa;
@@ -37,8 +38,8 @@ inline const std::shared_ptr<Device>& shared_device() {
   return device;
 }
 
-// Hardware puts vertices on a grid of 1/256 pixel and interpolates from there, and weighs texels in
-// steps of 1/256; Mesa's software does both in float.
+// Returns the bound of the tested context. Hardware puts vertices on a grid of 1/256 pixel and
+// interpolates from there, and weighs texels in steps of 1/256; Mesa's software does both in float.
 inline double bound(double software, double hardware) {
   const auto& device = shared_device();
   return device && device->context().is_hardware() ? hardware : software;
@@ -128,8 +129,8 @@ inline Image rendered(const pan::Model& model, const View& view, const RenderOpt
   return std::move(*image);
 }
 
-// A camera that looks at the origin from a direction and a distance, with the Sun at a phase angle
-// from it, turned towards the image's right.
+// Returns a camera that looks at the origin from a direction and a distance. The Sun is at a phase
+// angle from it, towards the image's right.
 inline View looking_from(const Vec3& direction, double distance, double fov, std::uint32_t size,
                          double phase = 0) {
   DiagnosticLog log;
@@ -141,7 +142,7 @@ inline View looking_from(const Vec3& direction, double distance, double fov, std
   return view;
 }
 
-// Σ L·Ω·d² of the first channel: the intensity of what is in the image, W/sr per unit irradiance.
+// Returns Σ L·Ω·d² of the first channel: the intensity of the image, W/sr per unit irradiance.
 inline double intensity(const Image& image, const world::Camera& camera, double distance) {
   double sum = 0;
   for (std::uint32_t j = 0; j < image.height; ++j)

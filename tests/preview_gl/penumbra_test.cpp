@@ -72,7 +72,7 @@ TEST(Penumbra, ProfileOfAnEdge) {
           worst.rms = std::max(worst.rms, off.rms);
         }
       printf("%3u points, u %.1f: rms %.4f, at most %.3f\n", points, u, worst.rms, worst.most);
-      // of points, light.md 1.1: 0.037, 0.0125 and 0.0042 rms; 0.142, 0.05 and 0.019 at most;
+      // of points, expected: 0.037, 0.0125 and 0.0042 rms; 0.142, 0.05 and 0.019 at most;
       // measured 0.038, 0.013 and 0.0066; 0.11, 0.039 and 0.018
       const double factor = points == 16 ? 1 : points == 64 ? 0.35 : 0.17;
       EXPECT_LE(worst.rms, 0.043 * factor);

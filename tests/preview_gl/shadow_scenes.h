@@ -1,4 +1,4 @@
-// What throws shadows onto what, for tests.
+// Casters and receivers of shadows, for tests.
 #pragma once
 
 #include "textured.h"
@@ -9,7 +9,7 @@ namespace panwright::preview::testing_support {
 struct Pair {
   Image with;
   Image without;
-  // how much of the Sun a pixel sees; -1 where it is dark anyway
+  // visible share of the Sun at a pixel; -1 for unlit ones
   double sun(std::size_t pixel) const {
     const double whole = without.radiance[3 * pixel];
     return whole > 0 ? with.radiance[3 * pixel] / whole : -1;
@@ -29,7 +29,7 @@ inline Pair both(const pan::Model& model, const View& view, RenderOptions option
   return {*std::move(with), *std::move(without)};
 }
 
-// The Sun at an angle from +z, turned about it.
+// Returns the Sun at an angle from +z, turned about it.
 inline Vec3 sun_at(double degrees, double turn) {
   const double angle = degrees * kDegree;
   return {std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle)};

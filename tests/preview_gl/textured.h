@@ -1,4 +1,4 @@
-// Models with textures on them, seen straight from above.
+// Models with textures, viewed from straight above.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// CAD files dressed in solar cells, and whether these are true metres.
+// CAD files with solar cells, and the check that these are in true metres.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ struct CellReading {
   DiagnosticLog log;
 };
 
-// Every instance of a file, or those that a rule's attributes choose, in cells.
+// Reads a file with cells on every instance, or on those chosen by a rule's attributes.
 inline CellReading cells_reading(const std::string& name, const std::string& bytes,
                                  const std::string& import, const std::string& rule = "") {
   CellReading out;
@@ -32,8 +32,8 @@ inline CellReading cells_reading(const std::string& name, const std::string& byt
   return out;
 }
 
-// Edges of triangles with cells are as long in texture coordinates as in the world, to a part of
-// the size of the mesh (3.6e-16 on exact faces). Returns their area, m².
+// Expects edges of triangles with cells to be as long in texture coordinates as in the world,
+// relative to the mesh's size (3.6e-16 on exact faces). Returns their area, m².
 inline double expect_true_metres(const scene::Scene& scene, double tolerance = 1e-9) {
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   double area = 0;

@@ -61,7 +61,7 @@ TEST(Mli, Figure9) {
     variance += (p.z - 4) * (p.z - 4);
     EXPECT_LT(std::fabs(p.z - 4), 1);
   }
-  // four passes leave 0.02847 of a third (physics.md 6), here over 24,000 vertices of which about
+  // four passes leave 0.02847 of a third, here over 24,000 vertices of which about
   // 81 share each noise
   EXPECT_NEAR(sum / inner, 0, 4 * std::sqrt(1.0 / 3 / inner));
   EXPECT_NEAR(variance / inner / (0.02846788 / 3), 1, 0.15);
@@ -141,7 +141,7 @@ TEST(Mli, ASheetIsMadeOnceForEachSeed) {
   ASSERT_EQ(r.scene->foils.size(), 3u);
   EXPECT_EQ(r.scene->foils[2].recipe.seed, 2u);
   EXPECT_EQ(r.scene->foils[2].source.line, 5u);
-  // white noise (physics.md 6): central differences have a² / 6 d², those at the 2 of 61 columns
+  // white noise: central differences have a² / 6 d², those at the 2 of 61 columns
   // and 2 of 31 rows, from one side, four times as much
   EXPECT_NEAR(r.scene->foils[0].statistics.slope_rms /
                   std::sqrt(1e-6 / 6 / 1e-4 * (2 + 3 * (2.0 / 61 + 2.0 / 31))),

@@ -1,4 +1,4 @@
-// What the pxn tests share: reading a text, and saying what the log holds.
+// Shared parts of the pxn tests: reading a text, and a summary of the log.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ struct Reading {
   }
 };
 
-// Reads files in memory; every scene that comes back is checked.
+// Reads files in memory; every returned scene is checked.
 inline Reading read_files(const std::vector<MemoryFile>& files, const Options& options = {}) {
   Reading reading;
   reading.scene = read_memory(files, options, reading.log);
@@ -46,7 +46,7 @@ inline Reading read_files(const std::vector<MemoryFile>& files, const Options& o
   return reading;
 }
 
-// The same for the nodes of one model: the first of them stands in line 2.
+// The same for the nodes of one model: the first of them is in line 2.
 inline Reading read_nodes(const std::string& nodes, const Options& options = {}) {
   return read_files({{"m.pxn", "<pangu_model ver=\"0\">\n" + nodes + "\n</pangu_model>\n"}},
                     options);

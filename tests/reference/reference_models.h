@@ -1,4 +1,4 @@
-// Views, and what tests of the reference renderer measure on its images.
+// Views, and measurements of the reference renderer's images.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Affine maps in long double, made of nothing else: what kinematics are held against.
+// Affine maps in long double, independent of the library, to validate kinematics.
 #pragma once
 
 #include <array>

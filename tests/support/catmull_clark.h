@@ -15,7 +15,7 @@
 
 namespace panwright::oracles {
 
-// A cage at some level. Vertices keep their numbers from level to level.
+// Cage at some level. Vertices keep their numbers from level to level.
 class CatmullClark {
  public:
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -145,7 +145,7 @@ class CatmullClark {
     return out;
   }
 
-  // Of those that faces use.
+  // Returns those of used vertices.
   std::vector<Vec3> pushed_used() const {
     const std::vector<Vec3> all = pushed();
     std::vector<Vec3> out;
@@ -165,8 +165,8 @@ class CatmullClark {
     return mesh;
   }
 
-  // What remains about a vertex when the faces about it alone are refined again and again, for
-  // which no mask is needed. Expects: sharpness 0 or infinite.
+  // Result about a vertex of repeatedly refining only its faces, for which no mask is needed.
+  // Expects: sharpness 0 or infinite.
   struct Ring {
     Vec3 limit{0};
     std::vector<Vec3> normals;  // of the faces, those between two sharp edges as one
@@ -255,7 +255,7 @@ class CatmullClark {
     }
   }
 
-  // The faces about a vertex alone, which becomes vertex 0.
+  // Returns only the faces about a vertex, which becomes vertex 0.
   CatmullClark faces_about(std::uint32_t v) const {
     CatmullClark some(*this);
     some.positions_.clear();
@@ -319,7 +319,7 @@ class CatmullClark {
     const Rule now = rule_of(v, false), next = rule_of(v, true);
     const Vec3 here = by_rule(v, now, false, centres);
     if (now == next) return here;
-    // the mean of what ends here, DeRose, Kass and Truong as OpenSubdiv reads it
+    // the mean of the creases ending here, DeRose, Kass and Truong as in OpenSubdiv
     double sum = 0;
     int count = 0;
     const auto look_at = [&](double s) {

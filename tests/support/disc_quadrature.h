@@ -1,5 +1,5 @@
-// The radiance of a flat plate under the Sun's disc: quadrature of BRDFs as the papers print them,
-// in long double. Shares nothing with the formulas of materials.
+// Radiance of a flat plate under the Sun's disc: quadrature of the published BRDFs, in long double.
+// Shares nothing with the formulas of materials.
 #pragma once
 
 #include <algorithm>
@@ -115,8 +115,8 @@ inline Long panels(Long from, Long to, Long about, Long width, const std::functi
   return sum;
 }
 
-// Radiance over irradiance of a lobe under the disc: the mean over it, brightness included.
-// Places count in radii along the plane of incidence and across it.
+// Returns the radiance over irradiance of a lobe under the disc: the mean over it, brightness
+// included. Places are in radii along the plane of incidence and across it.
 inline Long over_disc(const Lobe& lobe, const Dir& l, const Dir& v, Long radius, Long limb) {
   const Dir e2 = l.z < 0.999999L ? unit({-l.y, l.x, 0}) : Dir{0, 1, 0};
   const Dir e1{e2.y * l.z - e2.z * l.y, e2.z * l.x - e2.x * l.z, e2.x * l.y - e2.y * l.x};
@@ -129,7 +129,7 @@ inline Long over_disc(const Lobe& lobe, const Dir& l, const Dir& v, Long radius,
   return panels(-1, 1, c1, w1,
                 [&](Long x) {
                   const Long h = std::sqrt(std::max(1 - x * x, Long(0)));
-                  // where the lobe is on this chord, and how wide: a parabola through three points
+                  // the lobe's place on this chord, and its width: a parabola through three points
                   const Long below = lobe.square(light(x, -h), v),
                              middle = lobe.square(light(x, 0), v),
                              above = lobe.square(light(x, h), v);

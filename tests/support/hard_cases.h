@@ -1,5 +1,5 @@
-// Directions and parameters that break reflectance formulas, and every formula with its cases. The
-// tests, the benches and the comparison with OpenGL share them.
+// Directions and parameters that break reflectance formulas, and every formula with its cases.
+// Shared by tests, benches and the comparison with OpenGL.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace panwright::hard_cases {
 
-// What one evaluation gets. 16 floats, as a shader reads them.
+// Inputs of one evaluation: 16 floats, in the shader's layout.
 struct Inputs {
   glm::vec3 l{0, 0, 1};  // to light, unit to rounding
   glm::vec3 v{0, 0, 1};  // to viewer
@@ -58,8 +58,8 @@ inline std::vector<Inputs> grid() {
   return all;
 }
 
-// The same about a normal with no zero components. note: cosines are then known to 1e-7 only, so a
-// relative error at grazing angles says nothing about the formula.
+// The same about a normal with no zero components. note: cosines are then only known to 1e-7, so
+// relative errors at grazing angles do not test the formula.
 inline std::vector<Inputs> tilted_grid() {
   const glm::dmat3 tilt = glm::mat3_cast(glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2)));
   std::vector<Inputs> all = grid();
@@ -166,7 +166,7 @@ std::vector<Inputs> with_parameters(const std::vector<Inputs>& directions, const
 #define PANWRIGHT_TEXT(...) #__VA_ARGS__
 #define PANWRIGHT_TEXT_OF(...) PANWRIGHT_TEXT(__VA_ARGS__)
 
-// GLSL of what the expressions call beyond the formulas. Stands where Real and Vec3 are defined.
+// GLSL called by the expressions beyond the formulas. Placed after Real and Vec3 are defined.
 inline const std::string kHelpers =
     "#define SurfaceFields Surface\n" PANWRIGHT_TEXT_OF(PANWRIGHT_HAPKE_SURFACE) "\n";
 
@@ -181,15 +181,15 @@ inline PANWRIGHT_HAPKE_SURFACE
 
 namespace panwright::hard_cases {
 
-// A formula and what it is tried on. The expression is read by C++ twice and by GLSL; it may use
-// Real, Vec3, l, v, n and p[].
+// Formula and its cases. The expression is read by C++ twice and by GLSL; it may use Real, Vec3, l,
+// v, n and p[].
 struct Formula {
   std::string name;
   std::string expression;
   glm::vec3 (*f32)(const Inputs&);
   glm::dvec3 (*f64)(const Inputs&);
   std::vector<Inputs> cases;
-  bool of_directions = true;  // false: a function of numbers alone
+  bool of_directions = true;  // false: a function of numbers only
 };
 
 // NOLINTBEGIN
@@ -229,8 +229,8 @@ inline std::vector<Inputs> numbers(double most) {
   return all;
 }
 
-// Places, footprints, gap, fingers and their width for the pattern of solar cells, in numbers that
-// float holds exactly: beside an edge rounding decides.
+// Places, footprints, gap, fingers and their width for the pattern of solar cells, in numbers exact
+// in float: beside an edge rounding decides.
 inline std::vector<Inputs> cell_cases() {
   std::vector<Inputs> all;
   for (const double u : {0.0, 0.25, 0.984375, 17.5, -3.0625})
@@ -321,7 +321,7 @@ inline std::vector<Formula> formulas() {
   return all;
 }
 
-// Lobes of Smith's facets where they are bright.
+// Lobes of Smith's microfacets near their peaks.
 inline std::vector<Formula> facets_near_specular(double slope, std::size_t count) {
   std::vector<Formula> all{
       PANWRIGHT_FORMULA("beckmann_smith", Vec3(beckmann_smith(p[0], p[0], Vec3(Real(0)), l, v, n))),
@@ -331,7 +331,7 @@ inline std::vector<Formula> facets_near_specular(double slope, std::size_t count
   return all;
 }
 
-// The distribution D of the half vector, sampled where it is bright.
+// The distribution D of the half vector, sampled near its peak.
 inline Formula beckmann_near_specular(double slope, std::size_t count) {
   Formula formula = PANWRIGHT_FORMULA(
       "beckmann", Vec3(beckmann(half_tan2(l, v, n, dot3(n, l) + dot3(n, v)), p[0])));

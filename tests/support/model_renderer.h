@@ -9,7 +9,7 @@
 
 namespace panwright::support {
 
-// A model that somebody else keeps, as worlds take it.
+// Wraps a model owned elsewhere as a world's model.
 inline world::ModelPtr borrowed(const pan::Model& model) {
   return world::ModelPtr(world::ModelPtr(), &model);
 }

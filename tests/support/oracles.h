@@ -1,4 +1,4 @@
-// Answers that do not come from the renderer: closed forms, sums over facets, sums over pixels.
+// Reference answers independent of the renderer: closed forms, sums over facets, sums over pixels.
 #pragma once
 
 #include <array>
@@ -34,11 +34,11 @@ std::optional<double> seed_lobe_intensity(double phase_deg);
 // f(n, l, v), 1/sr, for each channel. Unit vectors, pointing away from the surface.
 using Brdf = std::function<Vec3(const Vec3& normal, const Vec3& to_light, const Vec3& to_viewer)>;
 
-// The specular lobe of figure 8 (see seed_lobe_intensity), written down apart from
-// materials/formulas. 0 where n·l ≤ 0; finite where n·v ≤ 0.
+// The specular lobe of figure 8 (see seed_lobe_intensity), independent of materials/formulas. 0 for
+// n·l ≤ 0; finite for n·v ≤ 0.
 Vec3 seed_lobe(const Vec3& normal, const Vec3& to_light, const Vec3& to_viewer);
 
-// What a distant viewer gets from a body per unit of irradiance at it.
+// Light of a body for a distant viewer, per unit of irradiance at it.
 struct FarField {
   Vec3 intensity{0};             // m²/sr: W/sr per W/m², for each channel
   std::array<Vec3, 3> centre{};  // photocentre of each channel in the mesh's frame, metres
@@ -53,10 +53,11 @@ FarField sphere_sum(const Brdf& brdf, double phase, int order);
 FarField facet_sum(const geometry::Mesh& mesh, const Brdf& brdf, const Vec3& to_light,
                    const Vec3& to_viewer);
 
-// The same for a mesh shaded with interpolated, renormalised normals: facets are seen by their own
-// plane, I = Σ max(0, n_facet·v) ∫ f(n) max(0, n·l) dA, subdivided until the estimate of the error
-// is below tolerance·intensity (facets that the terminator cuts need it most). f is also asked
-// where n·v ≤ 0, as at the limb, where a facet is seen whose interpolated normal points away.
+// The same for a mesh shaded with interpolated, renormalised normals: facets are visible by their
+// own plane, I = Σ max(0, n_facet·v) ∫ f(n) max(0, n·l) dA, subdivided until the estimate of the
+// error is below tolerance·intensity (facets that the terminator cuts need it most). f is also
+// evaluated for n·v ≤ 0, as at the limb, where the interpolated normal of a visible facet may point
+// away.
 //
 // Expects: the mesh has normals.
 FarField smooth_sum(const geometry::Mesh& mesh, const Brdf& brdf, const Vec3& to_light,
@@ -73,7 +74,7 @@ struct Image {
 struct ImageSum {
   Vec3 sum{0};                   // Σ L·weight, for each channel
   std::array<Vec2, 3> centre{};  // of each channel, pixels, (0, 0) the image's top left corner
-  std::uint64_t not_finite = 0;  // numbers that were left out
+  std::uint64_t not_finite = 0;  // numbers left out
 };
 
 // Σ L Ω of a pinhole image, Ω = cos³θ/f² about the principal point: the irradiance at the camera
@@ -82,7 +83,7 @@ ImageSum pinhole_sum(const Image& image, double focal_px, const Vec2& principal_
 // Σ L A of an orthographic image: the intensity per unit irradiance.
 ImageSum orthographic_sum(const Image& image, double pixel_metres);
 
-// A .npy file of float32, C order, shape (H, W, 3). Nothing when it is anything else.
+// Reads a .npy file of float32, C order, shape (H, W, 3). Nothing for other files.
 std::optional<Image> read_npy(const std::filesystem::path& path);
 
 }  // namespace panwright::oracles

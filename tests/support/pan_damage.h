@@ -1,4 +1,4 @@
-// Pan files with one thing wrong each.
+// Pan files with one defect each.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 namespace panwright::support {
 
 struct DamagedPan {
-  Code code;         // what a reader must say
-  std::string what;  // what is wrong
+  Code code;         // expected of a reader
+  std::string what;  // the defect
   std::vector<std::byte> bytes;
 };
 
-// Files whose checksums are right around every kind of nonsense, and files damaged on their way.
-// Each error code of pan files occurs.
+// Returns files of valid checksums with every kind of invalid contents, and files damaged in
+// transit. Each error code of pan files occurs.
 std::vector<DamagedPan> damaged_pans();
 
-// One file for each error code of pan files.
+// Returns one file for each error code of pan files.
 std::vector<std::pair<Code, std::vector<std::byte>>> damaged_examples();
 
 }  // namespace panwright::support

@@ -1,4 +1,4 @@
-// What the lists of damaged pan files are put together with.
+// Builder of lists of damaged pan files.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace panwright::support {
 
-// A list of damaged files that grows by one call each.
+// List of damaged files that grows by one call each.
 class Collection {
  public:
   // Bytes as they are.

@@ -1,4 +1,4 @@
-// Pan models made in the tests, and tools to take them apart.
+// Pan models made in the tests, and tools to modify them.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,10 @@ namespace panwright::support {
 // a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
-// What check() says of a file with these contents; "" where it is sound.
+// Returns the problems found by check() in a file with these contents; "" if valid.
 std::string problems(const pan::Contents& contents);
-// Sections of it: all kinds but those of mesh streams and backs, which are no part of format 1.0.
+// Number of its sections: all kinds but those of mesh streams and backs, which are no part of
+// format 1.0.
 inline constexpr std::size_t kSampleSections = pan::layout::kSectionKinds - 3;
 
 // A sheet of 24 x 24 quads, a row of nodes with frames, and a texture: small, and most sections are
@@ -24,8 +25,8 @@ inline constexpr std::size_t kSampleSections = pan::layout::kSectionKinds - 3;
 pan::Contents regular_contents();
 std::vector<std::byte> compressed_pan();  // of it
 
-// Wavy sheets of 512 x 512 quads, about 13 MB each with 4-byte indices, as many as come nearest to
-// a size. For speed: pan::write of it makes a file of that size.
+// Wavy sheets of 512 x 512 quads, about 13 MB each with 4-byte indices, in the number nearest to a
+// size. For speed: pan::write of it makes a file of that size.
 pan::Contents large_contents(std::uint64_t bytes);
 
 // The bytes of a pan file, open to changes behind the writer's back.
@@ -51,21 +52,21 @@ class OpenPan {
   // Replaces the stored bytes of a section, a multiple of 64, and moves what follows. Its other
   // lengths stay.
   void replace_section(pan::layout::SectionKind kind, const std::vector<std::byte>& stored);
-  // Gives the records of a table another size: longer ones get bytes of the given value behind
-  // them, shorter ones lose their tails. The header says that record sizes differ.
+  // Changes the record size of a table: longer records are extended by bytes of the given value,
+  // shorter ones truncated. Marks differing record sizes in the header.
   void restride_section(pan::layout::SectionKind kind, std::uint32_t stride,
                         std::byte tail = std::byte{0xa5});
 
-  // Computes every checksum anew, by the words of docs/pan-format.md.
+  // Recomputes every checksum, as documented in docs/pan-format.md.
   OpenPan& seal();
-  // The directory's and the header's alone: for entries that point nowhere.
+  // Recomputes those of the directory and the header: for entries that point nowhere.
   OpenPan& seal_directory();
   OpenPan& seal_header();
-  // Makes the build identity that of the inputs, version and options; then seals.
+  // Sets the build identity to that of the inputs, version and options; then seals.
   const std::vector<std::byte>& bytes() const { return bytes_; }
 
  private:
-  // Gives a section other stored bytes, and those behind it their new places.
+  // Replaces a section's stored bytes, and moves those after it.
   void move_after(pan::layout::SectionKind kind, std::uint64_t stored);
   std::vector<std::byte> bytes_;
 };

@@ -1,4 +1,4 @@
-// Runs programs and looks at what they print.
+// Child processes and their output.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,15 @@ struct Outcome {
 };
 
 // Runs a program with arguments, to its end. environment: NAME=VALUE entries added to ours; NAME
-// takes one away. PANWRIGHT_CACHE is off unless it is there.
+// removes one. PANWRIGHT_CACHE is off unless given.
 Outcome run(const std::vector<std::string>& words,
             const std::vector<std::string>& environment = {});
 
-// Starts a program, kills it after so many microseconds (SIGKILL), and waits for it.
-// Returns whether it was still running then.
+// Starts a program, kills it after some microseconds (SIGKILL), and waits for it. Returns true if
+// it was still running then.
 bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);
 
-// Starts a program, sends it a signal after so many microseconds, and waits for its end.
+// Starts a program, sends it a signal after some microseconds, and waits for its end.
 Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds);
 
 // A folder that exists as long as this does.

@@ -1,4 +1,4 @@
-// Placed meshes that answer rays of any length, with normals: geometry::InstanceCaster for tests.
+// Ray caster over placed meshes, with normals: geometry::InstanceCaster for tests.
 #pragma once
 
 #include <algorithm>

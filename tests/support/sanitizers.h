@@ -1,5 +1,5 @@
-// Whether a sanitizer is at work, which takes much of the address space and of the time: gcc says so
-// in one way, clang in another.
+// Detection of a sanitizer, which takes much of the address space and of the time: gcc and clang
+// define different macros.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

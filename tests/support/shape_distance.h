@@ -208,7 +208,7 @@ inline std::vector<Vec2> profile_of(const geometry::Lathe& s, int steps) {
 }
 inline Distance distance_to(const geometry::Lathe& s) { return to_revolved(profile_of(s, 1000)); }
 
-// The outside of an open pipe with caps: along a spline as `steps` chords for each pair of points,
+// The outside of an open pipe with caps: along a spline as `steps` chords for each pair of points;
 // along a polyline by its pieces, each up to the planes of its mitres and `slack` beyond.
 inline Distance distance_to_spline_tube(const geometry::Tube& s, int steps) {
   const auto& points = s.path;

@@ -1,4 +1,4 @@
-// Who sees the Sun, by rays in double: what shadow maps are held against. Meshes without holes.
+// Visibility of the Sun, by rays in double, to validate shadow maps. Meshes without holes.
 #pragma once
 
 #include <algorithm>
@@ -35,18 +35,18 @@ class SunRays {
     caster_.build();
   }
 
-  // Metres of a texel of the preview's shadow map, where the model stands as it was made.
+  // Returns the width of a texel of the preview's shadow map, metres, for a model at rest.
   double texel(unsigned side) const {
     const preview::LightSpace frame =
         preview::fitted_light_space(preview::draw_list(model_), to_sun_, side);
     return std::max(frame.extent.x, frame.extent.y) / side;
   }
 
-  // What a camera ray meets.
+  // Hit of a camera ray.
   struct Point {
-    double distance = 0;  // from where the camera's ray starts
-    Vec3 normal{0};       // smooth, unit, on the side that is seen
-    Vec3 start{0};        // of the ray to the Sun: moved out past twice the mesh's error
+    double distance = 0;  // from the camera ray's start
+    Vec3 normal{0};       // smooth, unit, on the visible side
+    Vec3 start{0};        // of the ray to the Sun: offset by twice the mesh's error
     std::size_t instance = 0;
   };
   std::optional<Point> seen(const Vec2& pixel, bool flat = false) const {
@@ -82,8 +82,8 @@ class SunRays {
     return !caster_.any({.origin = start, .direction = to_sun_, .min_distance = kSkip});
   }
 
-  // How far off, across the Sun's rays, the answer is another, metres; in eighths of `step`, up to
-  // 8 of it. 1e30: it is the same all round. The surface is taken for its tangent plane.
+  // Returns the distance, across the Sun's rays, to a different answer, metres; in eighths of
+  // `step`, up to 8 of it. 1e30: the same all round. Approximates the surface by its tangent plane.
   double to_edge(const Point& point, double step) const {
     const bool here = lit(point.start);
     const Vec3 across = glm::normalize(
@@ -101,7 +101,7 @@ class SunRays {
   }
 
  private:
-  static constexpr double kSkip = 1e-6;  // metres: a ray does not meet where it starts
+  static constexpr double kSkip = 1e-6;  // metres: offset of a ray's start
 
   const pan::Model& model_;
   world::Camera camera_;

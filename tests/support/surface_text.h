@@ -1,4 +1,4 @@
-// The parameters of a material as GLSL.
+// Parameters of a material as GLSL.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace panwright::hard_cases {
 
-// Statements that make a Surface `s` of the same bits.
+// Returns statements that make a Surface `s` of the same bits.
 inline std::string surface_text(const materials::f32::SurfaceFields& s) {
   std::string text = "  Surface s;\n";
   const auto bits = [](float value) {

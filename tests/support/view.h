@@ -1,4 +1,4 @@
-// One camera and Sun state of one model, for tests and benches that show a single target.
+// Camera and Sun of one model, for tests and benches with a single target.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ struct View {
   world::Pose world_from_model;
   Vec3 to_sun{0, 0, 1};                // world direction to the Sun, any non-zero length
   std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
-  double sun_distance = 1;  // AU; sets the Sun's angular size, the irradiance stands as given
+  double sun_distance = 1;             // AU; sets the Sun's angular size, not the irradiance
   double limb_darkening = 0;
 };
 
-// Places target 0 of a world and its Sun as a view says.
+// Applies a view to target 0 of a world and its Sun.
 inline void set_view(world::World& world, const View& view) {
   world.set_pose(0, view.world_from_model);
   world::Sun sun = world.sun();
@@ -29,7 +29,7 @@ inline void set_view(world::World& world, const View& view) {
   world.set_sun(sun);
 }
 
-// A world of one target.
+// Makes a world of one target.
 inline world::World world_of(world::ModelPtr model, const View& view) {
   world::World world;
   DiagnosticLog log;

@@ -1,4 +1,4 @@
-// Worlds of one target, for tests that show one view by both renderers.
+// Worlds of one target, for tests that draw one view by both renderers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace panwright::testing_support {
 
-// A model as worlds share it. The second is a copy, for models that others hold.
+// Wraps a model for worlds. The second copies a model owned elsewhere.
 inline world::ModelPtr shared(pan::Model&& model) {
   return std::make_shared<const pan::Model>(std::move(model));
 }

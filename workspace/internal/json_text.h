@@ -1,4 +1,4 @@
-// JSON of unknown origin, with a place for what is wrong.
+// JSON of unknown origin, with places for diagnostics.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ namespace panwright::workspace {
 
 struct JsonText {
   nlohmann::json value;
-  // Members that stand twice in an object: of which item of the outermost list (0 without one), and
-  // which. JSON does not define which of them counts; here the last one does.
+  // Repeated members of an object: of which item of the outermost list (0 without one), and which.
+  // JSON leaves their meaning undefined; here the last one counts.
   struct Repeated {
     std::size_t item = 0;
     std::string member;
@@ -30,7 +30,7 @@ struct JsonProblem {
 
 // Parses a text. Values may be nested 16 deep.
 //
-// Fails: nothing is reported; `problem` says what is wrong.
+// Fails: without a report; `problem` has the reason.
 Result<JsonText> parse_json(std::string_view text, JsonProblem& problem);
 
 }  // namespace panwright::workspace

@@ -1,4 +1,4 @@
-// The cache of one step, and what became of it. Private to workspace.
+// Cache of one step, and its statistics. Private to workspace.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace panwright::workspace {
 
-// Adds what was reused and made while it lived to a report, if there is one.
+// Scope that adds its reused and computed results to a report, if there is one.
 class KeptWork {
  public:
   KeptWork(const OpenOptions& options, OpenReport* report) : report_(report) {

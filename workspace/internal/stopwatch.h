@@ -9,7 +9,7 @@
 
 namespace panwright::workspace {
 
-// Adds a step with the time it lived to a report, if there is one.
+// Scope that adds its duration as a step to a report, if there is one.
 class Stopwatch {
  public:
   Stopwatch(OpenReport* report, std::string name)

@@ -17,9 +17,9 @@ struct BoundaryLoop {
   double length = 0;           // metres
 };
 
-// The loops of border edges that surround one hole each, in order of their first sides. Where three
-// or more surfaces hang together at a vertex or edge, so that the border is ambiguous,
-// edges are in no loop.
+// Returns the loops of border edges around one hole each, in order of their first sides. Edges are
+// in no loop where three or more surfaces meet at a vertex or edge, so that the border is
+// ambiguous.
 //
 // Expects: neighbours across edges wound alike. Cost: O(T). Half-edges: OpenMesh (Botsch,
 // Steinberg, Bischoff, Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure",
@@ -28,7 +28,7 @@ std::vector<BoundaryLoop> boundary_loops_of(const Mesh& mesh,
                                             std::span<const std::uint32_t> unique_position,
                                             const Edges& edges);
 
-// Triangles that close a boundary loop: those of least area together for up to 64 vertices, else a
+// Fills a boundary loop with triangles: those of least area together for up to 64 vertices, else a
 // fan about the middle, which becomes the mesh's last vertex. New triangles use the first vertex at
 // a position.
 void fill(Mesh& mesh, const BoundaryLoop& loop);

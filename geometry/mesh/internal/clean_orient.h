@@ -1,4 +1,4 @@
-// Which way the components of a mesh face.
+// Orientation of the components of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ struct Component {
   std::uint64_t triangles = 0;
   bool closed = true;         // every side has a twin
   bool one_sided = false;     // its windings contradict each other
-  std::uint64_t flipped = 0;  // triangles to be turned
+  std::uint64_t flipped = 0;  // triangles to flip
   double area = 0;            // m²
 };
 
 struct Orientation {
   std::vector<std::uint32_t> component_of;  // T
   std::vector<Component> components;        // in order of their first triangles
-  std::vector<char> flip;                   // T: whether the triangle is to be turned
+  std::vector<char> flip;                   // T: true for each triangle to flip
 };
 
 // See clean().

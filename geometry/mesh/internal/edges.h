@@ -1,4 +1,4 @@
-// Edges of a mesh, and which triangles meet at them.
+// Edges of a mesh, and the triangles at them.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace panwright::geometry {
 
-// A half-edge is 3·triangle + k and runs from corner k to the next one.
+// Edges by half-edges: 3·triangle + k runs from corner k to the next one.
 struct Edges {
   static constexpr std::uint32_t kBorder = 0xffffffffu;       // of one triangle
   static constexpr std::uint32_t kNonManifold = 0xfffffffeu;  // of three triangles or more
   std::vector<std::uint32_t> twin;    // 3*T: the other half-edge of an edge of two triangles
   std::vector<std::uint32_t> border;  // half-edges, ascending
-  std::vector<std::uint32_t> many;  // the first half-edge of each edge of many triangles, ascending
+  std::vector<std::uint32_t> many;    // the first half-edge of each non-manifold edge, ascending
   std::vector<std::uint32_t> many_count;  // their triangles
-  std::uint64_t misoriented = 0;          // edges that two triangles run in one direction
+  std::uint64_t misoriented = 0;          // edges with two triangles in the same direction
 };
 
 // Finds the edges of triangles between unique positions. Triangles with two equal corners have

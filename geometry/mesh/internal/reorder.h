@@ -5,10 +5,10 @@
 
 namespace panwright::geometry {
 
-// Sorts triangles so that a vertex is used again soon, in whole numbers: the same everywhere.
+// Sorts triangles for early reuse of vertices, in integers: the same everywhere.
 void reorder_triangles(Mesh& mesh);
 
-// Sorts vertices by first use, or, for `keep_order`, as they were; unused ones go.
+// Sorts vertices by first use, or, with `keep_order`, keeps their order; removes unused ones.
 void compact_vertices(Mesh& mesh, bool keep_order);
 
 }  // namespace panwright::geometry

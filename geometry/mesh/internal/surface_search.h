@@ -1,4 +1,4 @@
-// The nearest triangle of a mesh, and distances that are right for needles and points too.
+// Search for the nearest triangle of a mesh, with distances accurate for needles and points too.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace panwright::geometry {
 
-// A triangle in axes of its own: its longest edge along x, from the origin; the third corner at
-// (u, h). A distance is then right to some ulps of the edge however thin the triangle is: without
-// area it is a segment, without length a point.
+// A triangle in axes of its own: its longest edge along x, from the origin; the third corner at (u,
+// h). Distances are accurate to some ulps of the edge, however thin the triangle: without area it
+// is a segment, without length a point.
 class FramedTriangle {
  public:
   FramedTriangle(const Vec3& a, const Vec3& b, const Vec3& c);
@@ -23,11 +23,11 @@ class FramedTriangle {
 
  private:
   Vec3 origin_;
-  Vec3 along_{0}, across_{0}, normal_{0};  // unit; 0 where there is none
+  Vec3 along_{0}, across_{0}, normal_{0};  // unit; 0 if undefined
   double length_ = 0, u_ = 0, h_ = 0;
 };
 
-// A tree over a mesh, which must outlive it.
+// Search tree over a mesh, which must outlive it.
 //
 // Expects: indices in range, finite positions within ±1e100. Cost: 260 bytes a triangle.
 class SurfaceSearch {
@@ -46,19 +46,19 @@ class SurfaceSearch {
   // 2-norm of the sides of the bounds, metres.
   double diagonal() const { return diagonal_; }
 
-  // The nearest triangle; of equally near ones the first.
+  // Returns the nearest triangle; of equally near ones the first.
   //
   //   hint     a triangle that may be near
   //   Expects  at least one triangle
   Nearest nearest(const Vec3& point, std::uint32_t hint = 0) const;
 
-  // The same among triangles whose facets look to the side of a direction and that are within
-  // `reach` (metres), if there are any.
+  // The same among triangles within `reach` (metres) whose facets face along a direction, if there
+  // are any.
   Nearest nearest_facing(const Vec3& point, const Vec3& direction, double reach,
                          std::uint32_t hint) const;
 
-  // For each of the mesh's vertices, in order, the nearest triangle of another one. Vertices that
-  // no triangle uses have an infinite distance.
+  // Returns for each of the mesh's vertices, in order, the nearest triangle of another one. Unused
+  // vertices have an infinite distance.
   std::vector<Nearest> nearest_of_vertices(const Mesh& other, const Job& job) const;
 
  private:

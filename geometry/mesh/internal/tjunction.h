@@ -16,12 +16,12 @@ struct Junction {
   bool operator==(const Junction&) const = default;
 };
 
-// Positions at the border that lie within a distance of the inside of another border edge: each
-// with the first such side, in order of positions. Ends do not count, nor what lies within the
-// distance of them.
+// Returns positions at the border within a distance of the inside of another border edge: each with
+// the first such side, in order of positions. Ends, and positions within the distance of them, do
+// not count.
 //
 //   Cost: O(border) expected; gives up on crowded positions after 64 tries for each border edge,
-//   and has found some of them then.
+//   with an incomplete result.
 std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                                    const Edges& edges, double distance);
 

@@ -1,11 +1,11 @@
-// The one Embree device of the process. Private to geometry.
+// Embree device of the process. Private to geometry.
 #pragma once
 
 struct RTCDeviceTy;
 
 namespace panwright::geometry {
 
-// Never null: throws std::bad_alloc where there is none. Safe from any thread.
+// Returns the device, never null: throws std::bad_alloc on failure. Thread-safe.
 RTCDeviceTy* embree_device();
 
 }  // namespace panwright::geometry

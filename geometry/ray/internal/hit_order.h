@@ -3,7 +3,7 @@
 
 namespace panwright::geometry {
 
-// The nearer; at equal distances the lower instance, then the lower triangle.
+// Orders by distance; at equal distances the lower instance, then the lower triangle comes first.
 template <class Hit>
 bool comes_after(const Hit& a, const Hit& b) {
   if (a.distance != b.distance) return a.distance > b.distance;

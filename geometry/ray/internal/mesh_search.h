@@ -1,4 +1,4 @@
-// Rays in the frame of one mesh. Private to geometry.
+// Ray search in the frame of one mesh. Private to geometry.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ struct RTCBoundsFunctionArguments;
 
 namespace panwright::geometry {
 
-// A ray on its way through the instances, and the best hit so far.
+// Ray in progress among the instances, with the best hit so far.
 struct SearchRay {
   Vec3 origin;     // world
   Vec3 direction;  // world, unit
@@ -35,7 +35,7 @@ class MeshSearch {
   MeshSearch(const MeshSearch&) = delete;
   MeshSearch& operator=(const MeshSearch&) = delete;
 
-  // Throws Cancelled: it may be built again then.
+  // Builds the tree. Throws Cancelled: it may be built again then.
   void build(const Job& job = {});
 
   const std::vector<Vec3>& positions() const { return positions_; }
@@ -44,22 +44,22 @@ class MeshSearch {
   Vec3 high() const { return high_; }
   bool empty() const { return !(radius_ > 0); }
 
-  // Improves the ray's best hit with what this mesh has, or, for `any`, stops at the first.
+  // Improves the ray's best hit by those of this mesh, or, for `any`, stops at the first.
   //
   //   origin     of the ray, in the mesh's frame
   //   direction  the ray's unit world direction, in the mesh's frame: any length
-  //   asked      whether the ray's filter is asked
+  //   asked      true: the ray's filter is called
   void search(SearchRay& ray, const Vec3& origin, const Vec3& direction, std::uint32_t instance,
               bool asked, bool any) const;
 
-  // Triangles [first, first + count), as far as they lie in a slice of their bounds, `slice` of
-  // `slices` along the longest side. Thin slanted triangles fill little of one box.
+  // Triangles [first, first + count) within a slice of their bounds, `slice` of `slices` along the
+  // longest side. Thin slanted triangles fill little of one box.
   struct Leaf {
     std::uint32_t first = 0;
     std::uint8_t count = 1;
     std::uint8_t slice = 0;
     std::uint8_t slices = 1;
-    // note: their corners, of which rays would wait for another line of memory otherwise
+    // note: a copy of their corners, to save rays a cache miss
     std::array<Triangle, 2> triangles{};
   };
   const Leaf& leaf(std::size_t index) const { return leaves_[index]; }

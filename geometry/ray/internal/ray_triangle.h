@@ -10,8 +10,8 @@
 
 namespace panwright::geometry::internal {
 
-// A ray in a frame sheared so that it runs along the third axis: what remains is plane geometry of
-// points that depend on the ray and one corner alone.
+// Ray in a frame sheared so that it runs along the third axis. The rest is plane geometry of points
+// that depend on the ray and one corner each.
 struct ShearedRay {
   ShearedRay() = default;
   // Expects: a direction of any non-zero length.
@@ -29,7 +29,7 @@ struct ShearedRay {
 
   // A point projected into the plane.
   Vec2 flat(const Vec3& p) const {
-    // note: glm's operator[] jumps by the axis, and processors guess jumps wrong
+    // note: glm's operator[] branches on the axis, and processors predict that badly
     const double* const at = glm::value_ptr(p);
     const double height = at[z] - start.z;
     return {at[x] - start.x - shear.x * height, at[y] - start.y - shear.y * height};
@@ -42,11 +42,11 @@ struct ShearedRay {
   double inverse = 1;  // of the direction's z
   int x = 0;
   int y = 1;
-  int z = 2;  // where the direction is largest
+  int z = 2;  // axis of the largest component of the direction
 };
 
-// a.x·b.y − a.y·b.x, of the right sign whatever rounding does, and the opposite of the same with a
-// and b exchanged.
+// Returns a.x·b.y − a.y·b.x with the exact sign despite rounding, and its negative with a and b
+// exchanged.
 inline double turn(const Vec2& a, const Vec2& b) {
   const double left = a.x * b.y;
   const double right = a.y * b.x;
@@ -57,15 +57,15 @@ inline double turn(const Vec2& a, const Vec2& b) {
 struct Crossing {
   double along = 0;     // in lengths of the direction, from the origin
   Vec2 barycentric{0};  // weights of b and c
-  bool front = true;    // a, b, c turn counter-clockwise as the ray sees them
+  bool front = true;    // a, b, c turn counter-clockwise along the ray
 };
 
-// Whether a ray's line goes through the triangle a, b, c, its outline included, and where. Each
-// corner is first rounded to one point in the plane across the ray, and the sides of those points
-// are decided without error: so a line that passes between neighbours goes through at least one of
-// them. Woop, Benthin, Wald, "Watertight ray/triangle intersection", 2013, in double.
+// Intersects a ray's line with the triangle a, b, c, its outline included. Each corner is rounded
+// to one point in the plane across the ray, and the sides of these points are decided exactly: so a
+// line between neighbours hits at least one of them. Woop, Benthin, Wald, "Watertight ray/triangle
+// intersection", 2013, in double.
 //
-//   first  false where the crossing lies before it, in lengths of the direction
+//   first  false if the crossing lies before it, in lengths of the direction
 inline bool cross(const ShearedRay& ray, const Vec3& a, const Vec3& b, const Vec3& c, double first,
                   Crossing& crossing) {
   const Vec2 flat_a = ray.flat(a);
@@ -74,15 +74,15 @@ inline bool cross(const ShearedRay& ray, const Vec3& a, const Vec3& b, const Vec
   const double u = turn(flat_c, flat_b);
   const double v = turn(flat_a, flat_c);
   const double w = turn(flat_b, flat_a);
-  // note: one jump in place of six
+  // note: one branch instead of six
   if (((u < 0) | (v < 0) | (w < 0)) & ((u > 0) | (v > 0) | (w > 0))) return false;
   const double sum = u + v + w;
   if (!(sum != 0)) return false;
-  // the height above the plane says on which side of it the ray begins
+  // the height above the plane decides on which side of it the ray begins
   const Vec3 normal = glm::cross(b - a, c - a);
   const double along = glm::dot(normal, a - ray.origin) / glm::dot(normal, ray.direction);
   if (!(along >= first)) return false;
-  // seen edge on, the plane says little: the crossing lies between the corners
+  // edge on, the plane is inaccurate: the crossing lies between the corners
   const double at_a = (a[ray.z] - ray.start.z) * ray.inverse;
   const double at_b = (b[ray.z] - ray.start.z) * ray.inverse;
   const double at_c = (c[ray.z] - ray.start.z) * ray.inverse;

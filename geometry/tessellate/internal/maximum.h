@@ -1,4 +1,4 @@
-// The largest of many numbers, on several threads.
+// Parallel maximum of many numbers.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace panwright::geometry::internal {
 
-// elements that one task handles; small meshes stay on the calling thread
+// elements per task; small meshes stay on the calling thread
 inline constexpr std::size_t kChunk = std::size_t{1} << 16;
 
-// The maximum of body(begin, end) over chunks of [0, count): the same whatever the threads.
+// Returns the maximum of body(begin, end) over chunks of [0, count): the same whatever the threads.
 template <class Body>
 double maximum(std::size_t count, const Body& body) {
   std::vector<double> parts((count + kChunk - 1) / kChunk, 0.0);

@@ -10,9 +10,9 @@
 
 namespace panwright::geometry::internal {
 
-// Points that follow one another in loops: the outline first, then the holes. An edge has the
+// Region bounded by loops of consecutive points: the outline first, then the holes. An edge has the
 // index of its first point. After fault_of() found nothing, next and prev run so that the area lies
-// to the left, whichever way the author went.
+// to the left, whatever the authored direction.
 struct Region {
   std::vector<Vec2> points;          // N, scaled to below 1 by a power of two
   std::vector<std::uint32_t> loops;  // L + 1: loop i holds the points [loops[i], loops[i + 1])
@@ -23,8 +23,8 @@ struct Region {
   std::uint32_t size() const { return static_cast<std::uint32_t>(points.size()); }
 };
 
-// Makes a region of N finite points in loops, each of 3 or more. Coordinates that are 1e-60
-// of the largest become 0: with that every decision about them is exact.
+// Makes a region of N finite points in loops, each of 3 or more. Coordinates below 1e-60 of the
+// largest become 0, so that every decision is exact.
 Region region_of(std::span<const Vec2> points, std::vector<std::uint32_t> loops);
 
 struct RegionFault {
@@ -38,12 +38,12 @@ struct RegionFault {
   std::uint32_t other = 0;  // nested: an edge of the hole around it
 };
 
-// What is wrong with a region, found from left to right; nothing: all loops are simple and apart,
+// Finds the first fault of a region, from left to right; nothing: all loops are simple and apart,
 // holes inside the outline, and next and prev are set. Shamos and Hoey, "Geometric intersection
 // problems", 1976. Cost: O(N log N).
 std::optional<RegionFault> fault_of(Region& region);
 
-// Order by x, then y, then index.
+// Returns the order by x, then y, then index.
 std::vector<std::uint32_t> sweep_order(const std::vector<Vec2>& points);
 
 }  // namespace panwright::geometry::internal

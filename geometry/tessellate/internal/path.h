@@ -1,4 +1,4 @@
-// Curves in space that pipes follow.
+// Space curves followed by pipes.
 #pragma once
 
 #include <span>
@@ -8,23 +8,23 @@
 
 namespace panwright::geometry::internal {
 
-// A unit vector across a tangent: along the axis (x, y or z) that is furthest from it, the first of
+// Returns a unit vector across a tangent: along the axis (x, y or z) furthest from it, the first of
 // equals. The same for both directions of a tangent; for z it is x.
 Vec3 first_right(const Vec3& tangent);
 
-// `right` at `from`, carried along to `to` without turning about the tangent. Wang, Jüttler, Zheng,
+// Carries `right` from `from` to `to` without rotation about the tangent. Wang, Jüttler, Zheng,
 // Liu, "Computation of rotation minimizing frames", 2008 (double reflection).
 struct Frame {
-  Vec3 centre, tangent, right;  // the latter two unit, at right angles
+  Vec3 centre, tangent, right;  // the latter two unit, perpendicular
   Vec3 up() const { return glm::cross(tangent, right); }
 };
 Vec3 carried(const Frame& from, const Vec3& centre, const Vec3& tangent);
 
-// Turned about the tangent, counter-clockwise.
+// Rotates a frame about its tangent, counter-clockwise.
 Frame turned(const Frame& frame, double angle);
 
-// A centripetal Catmull-Rom spline through 2 or more points, cut into pieces that bend by less than
-// 0.15 radians each; parameters count pieces. An open one goes on straight beyond its ends: the
+// Centripetal Catmull-Rom spline through 2 or more points, cut into pieces that bend by less than
+// 0.15 radians each; parameters count pieces. An open one continues straight beyond its ends: the
 // point there is the mirror image of the last but one.
 class SplinePath {
  public:
@@ -44,10 +44,10 @@ class SplinePath {
   double at_length(double length) const;  // the parameter
   std::size_t spans() const { return cubics_.size(); }
 
-  // The angle by which frames at the end of a closed path are turned against those at its begin.
+  // Returns the angle between the frames at the end and at the begin of a closed path.
   double twist() const;
 
-  // Where the path bends most.
+  // Place of largest curvature.
   struct Bend {
     double curvature;   // 1/metres, infinite at a cusp
     std::size_t point;  // the nearest of the points
@@ -73,7 +73,7 @@ class SplinePath {
     double before;      // length of the path up to here
     double length;
     Frame frame;  // at begin
-    bool cusp;    // bends within any part of it
+    bool cusp;    // has a cusp inside
   };
 
   void cut(std::size_t cubic);

@@ -1,4 +1,4 @@
-// Curves that are turned about an axis, and the chords that approximate them.
+// Profile curves of surfaces of revolution, and their chords.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace panwright::geometry::internal {
 
-// c[0] + c[1] t + c[2] t² + c[3] t³
+// Polynomial c[0] + c[1] t + c[2] t² + c[3] t³.
 using Cubic = std::array<Vec2, 4>;
 
 // Position and derivatives by the parameter.
@@ -16,11 +16,11 @@ struct Jet {
   Vec2 p, d, dd;
   double speed() const;      // |d|
   Vec2 normal() const;       // unit, on the right
-  double curvature() const;  // positive where the curve bends to the left: chords lie inside then
+  double curvature() const;  // positive for a left bend: chords lie inside then
 };
 
-// A plane curve (r, z) with the outside on its right: an arc of a circle, or cubics end to end with
-// one tangent where they meet.
+// Plane curve (r, z) with the outside on its right: an arc of a circle, or cubics end to end with
+// common tangents.
 class Curve {
  public:
   static Curve arc(const Vec2& centre, double radius, double begin, double end);
@@ -30,13 +30,13 @@ class Curve {
   double end() const { return end_; }
   bool loop() const { return loop_; }
 
-  // Beyond the ends the curve goes on as it is there; a loop starts again.
+  // Evaluates the curve. Beyond the ends it continues; a loop starts again.
   Jet at(double t) const;
 
-  // The largest |cross(p(t) − from, along)| over [first, last].
+  // Returns the largest |cross(p(t) − from, along)| over [first, last].
   double largest_cross(double first, double last, const Vec2& from, const Vec2& along) const;
 
-  // Parameters from begin to end between which the curve may be taken for an arc.
+  // Parameters from begin to end between which the curve counts as an arc.
   const std::vector<double>& knots() const { return knots_; }
 
  private:
@@ -53,26 +53,26 @@ class Density {
  public:
   Density(std::vector<double> t, std::vector<double> value);
   double total() const { return sum_.back(); }
-  // where the integral from the first node reaches a share of the whole
+  // Returns the point at which the integral from the first node reaches a share of the whole.
   double place(double share) const;
 
  private:
   std::vector<double> t_, value_, sum_;
 };
 
-// What of a curve decides where its vertices go.
+// Samples of a curve that decide the positions of its vertices.
 class CurveSamples {
  public:
   explicit CurveSamples(const Curve& curve);
 
-  // The largest |r·n_r|: times 1 − cos(half a segment), how far segments dip along the normal.
+  // The largest |r·n_r|: times 1 − cos(half a segment), the dip of segments along the normal.
   double largest_lever() const { return largest_lever_; }
   double length() const { return length_; }
   const Vec2& low() const { return low_; }  // bounds of the nodes
   const Vec2& high() const { return high_; }
 
-  // Chords per parameter for which the dip of segments and of chords together is 2·half_range
-  // (balanced vertices) or half_range (vertices on the curve). dip: segment_dip().
+  // Returns the chords per parameter for which the dip of segments and chords together is
+  // 2·half_range (balanced vertices) or half_range (vertices on the curve). dip: segment_dip().
   Density density(double half_range, double dip, bool balanced) const;
   double chords(double half_range, double dip, bool balanced) const;
 
@@ -85,17 +85,17 @@ class CurveSamples {
   std::vector<double> t_;       // K nodes
   std::vector<double> bend_;    // sqrt(|curvature|/8) by parameter
   std::vector<double> lever_;   // |r·n_r|
-  std::vector<double> inward_;  // how far a vertex may move along the normal: r/(2|n_r|) or ∞
+  std::vector<double> inward_;  // largest move of a vertex along the normal: r/(2|n_r|) or ∞
   std::vector<double> length_at_;
   Vec2 low_, high_;
   double largest_lever_ = 0;
   double length_ = 0;
 };
 
-// How a curve's end continues.
+// Continuation of a curve at its end.
 enum class End { edge, pole, loop };
 
-// One vertex of a profile: moved off the curve, with the normal of the curve.
+// Vertex of a profile: moved off the curve, with the normal of the curve.
 struct ProfilePoint {
   double radius;
   double z;
@@ -103,27 +103,27 @@ struct ProfilePoint {
   double v;  // texture
 };
 
-// How the chords of a curve are laid.
+// Options of laying chords along a curve.
 struct ChordSettings {
-  double half_range;    // the error to keep
+  double half_range;    // the allowed error
   double half;          // angle of half a segment
   double edge_factor;   // on the radius of circular edges
   bool balanced;        // vertices move off the curve so that errors outside equal those inside
-  std::uint32_t count;  // of chords; 0: as the error needs
+  std::uint32_t count;  // of chords; 0: by the error
   End first, last;
 };
 
 struct Chords {
   std::vector<double> t;             // of each vertex
   std::vector<ProfilePoint> points;  // v: length from the begin, over the whole
-  double error;  // no point of the turned chords lies further from the turned curve
+  double error;  // largest distance of the revolved chords from the revolved curve
 };
 
-// How far segments reach along the radius, of 1: from vertices on the circle to their middle, or
-// balanced, so that they dip inside by as much as their ends stand out.
+// Returns the radial dip of segments relative to the radius: from vertices on the circle to their
+// middle, or balanced, so that they dip inside by as much as their ends stand out.
 double segment_dip(double half, bool balanced);
 
-// The error is met where the segments allow it; counts take precedence.
+// Lays chords that meet the error if the segments allow it; counts take precedence.
 Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings);
 
 }  // namespace panwright::geometry::internal

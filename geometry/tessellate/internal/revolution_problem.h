@@ -1,4 +1,4 @@
-// Checks of the numbers of a shape.
+// Checks of a shape's numbers.
 #pragma once
 
 #include <string_view>
@@ -7,14 +7,14 @@
 
 namespace panwright::geometry::internal {
 
-// A size that must be above 0 and fit single precision: E2011, E2010.
+// Checks a size, which must be above 0 and fit single precision: E2011, E2010.
 Problem size_problem(double size, std::string_view part, std::string_view what);
-// The same where 0 is accepted.
+// The same, accepting 0.
 Problem zero_or_size_problem(double size, std::string_view part, std::string_view what);
 
 Problem sector_problem(const Sector& sector);
 
-// Counts of a shape about an axis; least_along: with fewer chords it has no surface.
+// Checks the counts of a shape about an axis; least_along: with fewer chords it has no surface.
 Problem counts_problem(const Counts& counts, const Sector& sector, std::uint32_t least_along);
 
 }  // namespace panwright::geometry::internal

@@ -1,4 +1,4 @@
-// Surfaces of revolution: parts of a profile, turned about the z axis in segments.
+// Surfaces of revolution: parts of a profile, revolved about the z axis in segments.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@
 
 namespace panwright::geometry::internal {
 
-// Where texture coordinates come from: u from the angle and v along the profile, or the square
-// around the shape seen from above or from below.
+// Source of texture coordinates: u from the angle and v along the profile, or the square around the
+// shape seen from above or from below.
 enum class Mapping { angle, above, below };
 
-// A stretch of a profile (r, z) with the outside on its right, apart from its neighbours by an
+// Stretch of a profile (r, z) with the outside on its right, separated from its neighbours by an
 // edge.
 struct Part {
   std::optional<Curve> curve;  // none: straight
@@ -40,16 +40,15 @@ struct Revolution {
   bool closed = false;
 };
 
-// Segments and chords for a revolution.
+// Segments and chords of a revolution.
 struct Layout {
   enum class State { good, too_fine, too_many };
   State state = State::good;
   std::uint32_t segments = 0;
   double edge_factor = 1;  // on the radius of circular edges
-  // Of straight profiles between circular edges of two radii: segments of those of the smaller one,
-  // k for each k + 1 of the others, one of each at the same angle. No side of a triangle then spans
-  // more than a segment of the larger one, so that normals and textures between vertices are as
-  // good as on a grid.
+  // For straight profiles between circular edges of two radii: segments of the smaller one, k for
+  // each k + 1 of the others, one of each at the same angle. No side of a triangle spans more than
+  // a segment of the larger one. So interpolated normals and textures are as good as on a grid.
   std::uint32_t narrow_segments = 0;  // 0: there are none
   double narrow_radius = 0;
   double narrow_factor = 1;
@@ -62,30 +61,30 @@ struct Layout {
   double factor_at(double radius) const { return is_narrow(radius) ? narrow_factor : edge_factor; }
   std::vector<std::vector<ProfilePoint>> parts;  // one per part
   double error = 0;                              // in exact arithmetic, metres
-  double least_error = 0;                        // what float32 can keep, metres
+  double least_error = 0;                        // limit of float32, metres
   double triangles = 0;
   double vertices = 0;
 };
 
-// shared_circular_edges: circular edges stand on the shape though options.edge_segments is 0
+// shared_circular_edges: circular edges stand on the shape even if options.edge_segments is 0
 Layout laid_out(const Revolution& revolution, const TessellationOptions& options,
                 bool shared_circular_edges = false);
 
 Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& options,
                       SourceSpan where, DiagnosticLog& log);
 
-// what planned() and segments() of a shape return
+// Results of planned() and segments() of a shape.
 double planned_triangles(const Revolution& revolution, const TessellationOptions& options);
 std::uint32_t shared_segments(const Revolution& revolution, const TessellationOptions& options);
 
-// a circular edge of a revolution
+// Returns a circular edge of a revolution.
 CircularEdge circular_edge(double radius, double z, const Sector& sector);
 
-// Fills in the error of a mesh: that of the shape and of rounding to float32 about the centre of
-// the mesh's bounds.
+// Sets the error of a mesh: that of the shape and of rounding to float32 about the centre of the
+// mesh's bounds.
 void set_error(Mesh& mesh, double shape_error);
 
-// an upper bound on the latter, for vertices that are no further than `reach` from the centre
+// Returns an upper bound on the rounding error, for vertices within `reach` of the centre.
 double rounding_bound(double reach);
 
 }  // namespace panwright::geometry::internal

@@ -1,17 +1,17 @@
-// Steps about an ellipse that suit its curvature.
+// Steps about an ellipse by its curvature.
 #pragma once
 
 #include "geometry/tessellate/internal/profile.h"
 
 namespace panwright::geometry::internal {
 
-// A circle's parameter, stepped along the ellipse x = a cos t, y = b sin t.
+// Parameter of a circle, stepped along the ellipse x = a cos t, y = b sin t.
 class Steps {
  public:
   enum class Kind : std::uint8_t {
-    chords,    // of equal sag: steps go with the inverse square root of the distance between centre
-               // and tangent
-    staggered  // of facets as deep, in strips of equal height: long steps are shorter
+    chords,    // of equal sag: steps scale with the inverse square root of the distance between
+               // centre and tangent
+    staggered  // of facets of equal depth, in strips of equal height: long steps are shorter
   };
 
   Steps(double a, double b, Kind kind);
@@ -22,7 +22,8 @@ class Steps {
   // of a whole turn: turn over count is the step
   double integral() const { return 4 * density_.total(); }
 
-  // The parameter's change by the share of the turn at k of n steps, over 2π; 1 for a circle.
+  // Returns the parameter's change by the share of the turn at k of n steps, over 2π; 1 for a
+  // circle.
   double stretch(std::uint64_t k, std::uint64_t n) const;
 
   // cos and sin at k of n steps of a whole turn, symmetric to the last bit

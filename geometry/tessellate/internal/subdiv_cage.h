@@ -1,4 +1,4 @@
-// The topology of a Catmull-Clark cage.
+// Topology of a Catmull-Clark cage.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@ namespace panwright::geometry::internal {
 
 inline constexpr std::uint32_t kNoCorner = 0xffffffffu;
 
-// Corners are numbered face by face. Side i of a face runs from its corner i to the next.
+// Cage. Corners are numbered face by face; side i of a face runs from its corner i to the next.
 struct Cage {
   struct Edge {
-    std::uint32_t a, b;       // vertices, as the first face runs
-    std::uint32_t corner[2];  // where its side begins, of each face; the second kNoCorner: a border
+    std::uint32_t a, b;       // vertices, in the first face's direction
+    std::uint32_t corner[2];  // begin of its side, in each face; the second kNoCorner: a border
     float sharpness = 0;      // 0 to kInfinitelySharp
     bool border() const { return corner[1] == kNoCorner; }
     bool splits() const {  // normals differ across it
@@ -24,7 +24,7 @@ struct Cage {
 
   std::vector<std::uint32_t> first;     // F + 1: the first corner of each face
   std::vector<std::uint32_t> vertex;    // C
-  std::vector<std::uint32_t> edge;      // C: of the side that begins there
+  std::vector<std::uint32_t> edge;      // C: of the side beginning there
   std::vector<Edge> edges;              // E, in the order of their vertices
   std::vector<float> vertex_sharpness;  // V
   bool all_quads = true;
@@ -38,10 +38,10 @@ struct Cage {
 
 // Reads the faces, creases and corners of a shape.
 //
-// Fails: the first thing that is wrong with them, see problem_of(). Cost: O(C log C).
+// Fails: the first problem, see problem_of(). Cost: O(C log C).
 Problem read_cage(const Subdiv& shape, Cage& cage);
 
-// The largest finite sharpness, rounded up.
+// Returns the largest finite sharpness, rounded up.
 int sharp_levels(const Cage& cage);
 
 }  // namespace panwright::geometry::internal

@@ -1,4 +1,4 @@
-// A cage as cells of four sides, each of which becomes a grid of triangles.
+// Four-sided cells of a cage, each of which becomes a grid of triangles.
 #pragma once
 
 #include <array>
@@ -9,20 +9,20 @@
 
 namespace panwright::geometry::internal {
 
-// The faces of a cage of four-sided ones; else the quarters of faces, each from a corner to the
-// centre. Side i runs from corner i to the next, counter-clockwise.
+// Cell: a four-sided face of a cage, or the quarter of another face, from a corner to the centre.
+// Side i runs from corner i to the next, counter-clockwise.
 struct Cell {
   std::uint32_t patch;     // of the limit surface
   Vec2 origin, along, up;  // of its parameters there
   std::uint32_t face;      // of the cage
-  std::uint32_t corner;    // of that face, where it is a quarter
+  std::uint32_t corner;    // of that face, if it is a quarter
   std::uint32_t rail[4];   // of each side
   std::uint32_t place[4];  // of each corner
   Vec2 texcoord[4];        // of each corner
   bool quarter;
 };
 
-// A side of one cell or two. The first runs along it, the second against it.
+// Side of one cell or two. The first runs along it, the second against it.
 struct Rail {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t cell[2] = {kNone, kNone};
@@ -41,18 +41,18 @@ struct Cells {
 // Expects: no problem. Cost: O(corners).
 Cells cells_of(const Subdiv& shape, const Cage& cage);
 
-// The parameters of a point of a side, t = 0 to 1 along it.
+// Returns the parameters of a point of a side, t = 0 to 1 along it.
 Vec2 on_side(std::uint32_t side, double t);
 
-// The limit over cells, with derivatives by their parameters.
+// Limit surface over cells, with derivatives by their parameters.
 class CellSurface {
  public:
   CellSurface(const LimitSurface& limit, const Cells& cells) : limit_(limit), cells_(cells) {}
 
-  // As LimitSurface::evaluate. Expects: 0 ≤ at ≤ 1.
+  // Evaluates as LimitSurface::evaluate. Expects: 0 ≤ at ≤ 1.
   bool evaluate(const Cell& cell, const Vec2& at, LimitPoint& out) const;
 
-  // Anywhere, with the normal: at irregular corners too.
+  // Evaluates a corner with its normal, irregular ones too.
   CornerLimit corner(const Cell& cell, std::uint32_t which) const;
 
   const Cells& cells() const { return cells_; }
@@ -62,7 +62,7 @@ class CellSurface {
   const Cells& cells_;
 };
 
-// Unit; 0 where derivatives give none.
+// Returns the unit normal; 0 if derivatives give none.
 Vec3 normal_of(const LimitPoint& point);
 
 }  // namespace panwright::geometry::internal

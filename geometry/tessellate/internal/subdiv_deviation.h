@@ -1,24 +1,24 @@
-// How far a mesh lies from a subdivision surface.
+// Deviation of a mesh from a subdivision surface.
 #pragma once
 
 #include "geometry/tessellate/internal/subdiv_cells.h"
 
 namespace panwright::geometry::internal {
 
-// A vertex of a mesh over a cell.
+// Vertex of a mesh over a cell.
 struct CellNode {
   std::uint32_t vertex;
   Vec2 at;  // parameters of the cell
 };
 
-// The largest distance of what it is shown from one cell of a surface.
+// Largest distance of shown triangles and curves from one cell of a surface.
 class CellDeviation {
  public:
   CellDeviation(const CellSurface& surface, const Cell& cell) : surface_(surface), cell_(cell) {}
 
-  // A triangle with corners on the surface, by parameters and positions.
+  // Adds a triangle with corners on the surface, by parameters and positions.
   void show(const Vec2 (&at)[3], const Vec3 (&positions)[3]);
-  // A chord of a curve of the surface, from one point to another along a line of parameters.
+  // Adds a chord of a curve of the surface, from one point to another along a line of parameters.
   void show_curve(const Vec2& from, const Vec2& to, const Vec3& a, const Vec3& b);
 
   double worst() const { return worst_; }

@@ -1,4 +1,4 @@
-// The limit of a Catmull-Clark cage at any parameter. All that is known of OpenSubdiv stands here.
+// Limit of a Catmull-Clark cage at any parameter. The only user of OpenSubdiv.
 #pragma once
 
 #include <memory>
@@ -8,22 +8,22 @@
 
 namespace panwright::geometry::internal {
 
-// A point of the limit, with its derivatives by the parameters of a patch or cell.
+// Point of the limit, with its derivatives by the parameters of a patch or cell.
 struct LimitPoint {
   Vec3 position{0};
   Vec3 du{0};
   Vec3 dv{0};
 };
 
-// The limit at a vertex, seen from one of its faces.
+// Limit at a vertex, seen from one of its faces.
 struct CornerLimit {
   Vec3 position{0};
   Vec3 normal{0};  // unit, of the surface between the sharp edges about that face; 0: none
 };
 
-// The limit surface, exactly but for rounding: the cage is refined about its irregular vertices and
-// semi-sharp edges until all points that are asked for lie on regular patches, which are uniform
-// bicubic B-splines; irregular vertices themselves have limits in closed form.
+// Limit surface, exact but for rounding. The cage is refined about its irregular vertices and
+// semi-sharp edges until all requested points lie on regular patches, which are uniform bicubic
+// B-splines. Irregular vertices have limits in closed form.
 //
 // Patches are the faces of four sides, and of each other face, one for each corner i: u runs from
 // the corner towards the next one, v towards the one before, and (1, 1) is the face's centre. Of
@@ -40,13 +40,13 @@ class LimitSurface {
 
   static constexpr int kMaxDepth = 10;
 
-  // False within 2^-depth of irregular vertices, and of those alone.
+  // Evaluates a point. False within 2^-depth of irregular vertices, and only there.
   //
   // Expects: 0 ≤ u, v ≤ 1. Thread-safe.
   bool evaluate(std::uint32_t patch, double u, double v, LimitPoint& out) const;
 
-  // The limit of a corner of a face, and of the centre of a face that has not four sides, seen from
-  // its patch at that corner. Expects: an irregular vertex.
+  // Evaluates the limit of a corner of a face, or of the centre of a face that is not four-sided,
+  // from its patch there. Expects: an irregular vertex.
   CornerLimit at_corner(std::uint32_t face, std::uint32_t corner) const;
   CornerLimit at_centre(std::uint32_t face, std::uint32_t corner) const;
 

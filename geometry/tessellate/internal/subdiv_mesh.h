@@ -9,10 +9,10 @@
 
 namespace panwright::geometry::internal {
 
-// How many a mesh with so many segments on each rail has.
+// Size of a mesh with given segments on each rail.
 struct CellCounts {
   double triangles = 0;
-  double vertices = 0;  // at most
+  double vertices = 0;  // upper bound
 };
 CellCounts counts_of(const Cells& cells, const std::vector<std::uint32_t>& rates);
 
@@ -21,12 +21,12 @@ struct CellMesh {
   std::vector<double> errors;  // of each cell, measured
 };
 
-// Each cell is a grid of as many segments as the larger of its opposite sides; where a side has
-// fewer, the strip along it joins the two. Vertices stand on the limit. Cells that share a side
-// share its positions, bit for bit, and the vertices unless normals or texture coordinates differ.
+// Builds a grid for each cell, with the larger segment count of opposite sides; a strip joins a
+// side that has fewer. Vertices stand on the limit. Cells that share a side share its positions,
+// bit for bit, and the vertices unless normals or texture coordinates differ.
 //
 // Errors are the largest distances of sampled points of triangles from the surface, with the peak
-// of the parabola through them, and of borders and sharp edges from their curves. A point's
+// of the parabola through them. Borders and sharp edges are compared with their curves. A point's
 // distance is that to the surface at its own parameters, or one step of Gauss and Newton beyond.
 //
 // Expects: kMostSegments at most. Cost: O(triangles), on all cores.

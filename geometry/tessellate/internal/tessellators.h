@@ -1,5 +1,5 @@
-// What each kind of shape implements for geometry/tessellate/shape.h and
-// geometry/tessellate/tessellate.h, which say what the functions mean.
+// Implementations of geometry/tessellate/shape.h and geometry/tessellate/tessellate.h by kind of
+// shape.
 #pragma once
 
 #include "geometry/tessellate/tessellate.h"
@@ -8,7 +8,7 @@ namespace panwright::geometry::internal {
 
 using Problem = std::optional<ShapeProblem>;
 
-// ---- round_shapes.cpp: shapes about an axis
+// ---- shapes about an axis
 
 Problem problem(const Sphere& shape);
 Problem problem(const Ellipsoid& shape);
@@ -19,7 +19,7 @@ Problem problem(const Torus& shape);
 Problem problem(const Dish& shape);
 Problem problem(const Lathe& shape);
 
-// The profile; that of a spline with so many chords for each piece.
+// Returns the profile; that of a spline with `chords` chords for each piece.
 std::vector<Vec2> sampled_profile(const Lathe& shape, int chords);
 
 Result<Mesh> make(const Sphere& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
@@ -54,7 +54,7 @@ std::uint32_t segments(const Disc& shape, const TessellationOptions&);
 std::uint32_t segments(const Dish& shape, const TessellationOptions&);
 std::uint32_t segments(const Lathe& shape, const TessellationOptions&);
 
-// ---- flat_shapes.cpp, tube.cpp: blocks, faces and pipes
+// ---- blocks, faces and pipes
 
 Problem problem(const Box& shape);
 Problem problem(const Plane& shape);
@@ -83,7 +83,7 @@ Problem problem(const Subdiv& shape);
 Result<Mesh> make(const Subdiv& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
 double planned(const Subdiv& shape, const TessellationOptions&);
 std::vector<ShapeProblem> warnings(const Subdiv& shape);
-// Whether two faces meet at each edge of the cage.
+// Returns true if two faces meet at each edge of the cage.
 bool has_no_border(const Subdiv& shape);
 
 }  // namespace panwright::geometry::internal

@@ -8,12 +8,12 @@
 
 namespace panwright::geometry::internal {
 
-// The corners of a section: centre + radius·(cos·right + sin·up).
+// Corners of a section: centre + radius·(cos·right + sin·up).
 struct Ring {
   Vec3 centre, right, up;
 };
 
-// A row of vertices on a ring, its corners counted from `shift` on; right and up are unit, for
+// Row of vertices on a ring, its corners counted from `shift` on; right and up are unit, for
 // normals.
 struct Row {
   std::uint32_t ring;
@@ -33,7 +33,7 @@ struct TubePlan {
   std::uint32_t segments = 3;
   double factor = 1;     // on both radii
   double error = 0;      // in exact arithmetic, metres
-  bool turning = false;  // rows are turned onward, so that the other diagonals are shorter
+  bool turning = false;  // rows are rotated onward, so that the other diagonals are shorter
   std::vector<Ring> rings;
   std::vector<Row> rows;
   std::vector<Band> bands;
@@ -43,20 +43,20 @@ struct TubePlan {
 // Expects: no problem(tube).
 TubePlan plan_of(const Tube& tube, const TessellationOptions& options);
 
-// The frames at the ends of an open tube, in the direction of its path.
+// Returns the frames at the ends of an open tube, in the direction of its path.
 std::vector<Frame> end_frames(const Tube& tube);
 
-// Whatever lies between a polyline's corners, with the frame at its begin. Points on a straight
-// line are left out.
+// Straights between a polyline's corners, with the frame at its begin. Points on a straight line
+// are left out.
 struct Straights {
-  std::vector<std::size_t> corner;  // points of the path where straights begin
+  std::vector<std::size_t> corner;  // points of the path at which straights begin
   std::vector<Frame> frame;
   std::vector<double> length;
 };
 Straights straights_of(const Tube& tube);
 
-// How a straight's end leans: sections are cut along `lean` by the tangent, metres for each metre
-// away from the axis. Between the tangents of neighbours; their sum must not be zero.
+// Returns the lean of a straight's end: sections are cut along `lean` by the tangent, metres for
+// each metre away from the axis. Between the tangents of neighbours; their sum must not be zero.
 Vec3 lean_of(const Vec3& tangent, const Vec3& other);
 
 }  // namespace panwright::geometry::internal

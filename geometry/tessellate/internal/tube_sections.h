@@ -7,13 +7,14 @@
 
 namespace panwright::geometry::internal {
 
-// By how much a surface between two sections leaves the pipe: of its radius, negative inwards.
+// Deviation of a surface between two sections from the pipe, relative to its radius, negative
+// inwards.
 struct Range {
   double low = 0, high = 0;
   bool folded = false;
 };
 
-// What vertices at a radius may miss their surface by, between sections: low < 0 < high.
+// Allowed deviation between sections, for vertices at a radius: low < 0 < high.
 struct Allowance {
   double radius, low, high;
 };
@@ -23,7 +24,7 @@ struct Section {
   Frame frame;  // its centre moved outward
 };
 
-// Places sections along a spline, each as far from the last as the allowances let it.
+// Placement of sections along a spline, each as far from the last as the allowances permit.
 class SectionPlacer {
  public:
   struct Settings {
@@ -31,21 +32,21 @@ class SectionPlacer {
     std::vector<Allowance> allowances;
     double sin_half = 0;  // of half a segment of the sections
     double shift =
-        0;  // metres that sections may be moved out of bends, so that chords run half inside
-    double twist = 0;  // radians by which frames turn back over the whole path
+        0;  // metres: largest move of sections out of bends, so that chords run half inside
+    double twist = 0;  // radians by which frames rotate back over the whole path
   };
   SectionPlacer(const SplinePath& path, Settings settings);
 
-  // Sections from begin to end, at least four when closed. Stops before the end where there would
-  // be more than `most`.
+  // Returns sections from begin to end, at least four when closed. Stops before the end at more
+  // than `most`.
   std::vector<Section> placed(double most) const;
 
-  // The section at a parameter, moved for chords that reach `step` further on both sides.
+  // Returns the section at a parameter, moved for chords that reach `step` further on both sides.
   Section section(double t, double step) const;
 
-  // Bounds for two sections with vertices at a radius: every point of the triangles between them
-  // lies in a plane across the path, and there the distance from the path is measured. Eight
-  // rulings in seven planes or more, and what could be missed between them.
+  // Measures bounds for two sections with vertices at a radius. Every point of the triangles
+  // between them lies in a plane across the path, in which the distance from the path is measured.
+  // Eight rulings in seven planes or more, plus a bound of the gaps between them.
   Range measure(const Section& a, const Section& b, double radius) const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace panwright::geometry::internal {
 
-// Vertices at equal steps of a turn or sector. Shifted ones stand half a step on; where they are
-// open, one more stands at either end.
+// Vertices at equal steps of a turn or sector. Shifted ones are offset by half a step; open ones
+// have one more at either end.
 struct RingOfVertices {
   std::uint64_t start;  // the first vertex
   std::uint64_t count;  // vertices
@@ -26,9 +26,9 @@ struct RingOfVertices {
   }
 };
 
-// Segments of both rings in the order of their middles, each with the vertex of the other ring that
-// is nearest to its middle: of rings of equal segments none lies further from there than half a
-// segment. Counter-clockwise where low is south of high. Returns the end of what it wrote.
+// Joins segments of both rings in the order of their middles, each with the vertex of the other
+// ring nearest to its middle. With equal segments that is within half a segment. Counter-clockwise
+// if low is south of high. Returns the end of its output.
 //
 // Cost: O(segments of both).
 inline Triangle* zip(const RingOfVertices& low, const RingOfVertices& high, Triangle* out) {

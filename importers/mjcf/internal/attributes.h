@@ -11,7 +11,7 @@
 
 namespace panwright::importers::mjcf {
 
-// What <compiler> says; later ones go over earlier ones.
+// Settings of <compiler>; later ones override earlier ones.
 struct Compiler {
   double angle = kDegree;  // radians of a number
   std::string euler = "xyz";
@@ -36,8 +36,8 @@ class Attributes {
     c_.log.report(Code::W6221, where, message);
   }
 
-  // An element's attribute with the defaults of its class: least to most numbers. Nothing where it
-  // is not there, or where it is wrong: E6220.
+  // Reads an element's attribute with the defaults of its class: least to most numbers. Nothing if
+  // missing, or invalid: E6220.
   std::optional<std::vector<double>> numbers(const pugi::xml_node& element, const char* name,
                                              std::size_t its_class, std::size_t least,
                                              std::size_t most);
@@ -45,19 +45,19 @@ class Attributes {
                    double otherwise);
   std::optional<Vec3> vector(const pugi::xml_node& element, const char* name,
                              std::size_t its_class);
-  // One of the words, by index; `otherwise` where it is not there or another: E6220.
+  // Reads one of the words, as its index; `otherwise` if missing or another: E6220.
   std::size_t word(const pugi::xml_node& element, const char* name, std::size_t its_class,
                    std::initializer_list<std::string_view> words, std::size_t otherwise);
   std::string text(const pugi::xml_node& element, const char* name, std::size_t its_class);
 
-  // pos and one of quat, axisangle, xyaxes, zaxis and euler.
+  // Reads pos and one of quat, axisangle, xyaxes, zaxis and euler.
   Pose pose(const pugi::xml_node& element, std::size_t its_class);
 
-  // A direction of length 1; nothing, with E6220 at the attribute, where it has none.
+  // Normalises a direction; nothing, with E6220 at the attribute, for a zero vector.
   std::optional<Vec3> direction(const Vec3& v, SourceSpan where, std::string_view what);
 
   SourceSpan at(const pugi::xml_node& element) const { return text_.at(element); }
-  // Of an attribute where it is written, else of its element.
+  // Returns the place of a written attribute, else of its element.
   SourceSpan at(const pugi::xml_node& element, const char* name, std::size_t its_class) const;
 
  private:
@@ -71,7 +71,7 @@ class Attributes {
   Compiler compiler_;
 };
 
-// The smallest turn from z to a direction; half a turn about x where it is opposite.
+// Returns the smallest rotation from z to a direction; half a turn about x for the opposite.
 Quat z_towards(const Vec3& unit);
 
 }  // namespace panwright::importers::mjcf

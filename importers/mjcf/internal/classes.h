@@ -1,4 +1,4 @@
-// Values of attributes by default: classes, each inside another one.
+// Default values of attributes: nested classes.
 #pragma once
 
 #include <string>
@@ -14,19 +14,20 @@ class Classes {
  public:
   Classes(const XmlText& text, meshes::ReaderContext& context) : text_(text), c_(context) {}
 
-  // Reads a <default> below the root; several go on with each other. Reports E6220.
+  // Reads a <default> below the root; several continue each other. Reports E6220.
   void read(const pugi::xml_node& element);
 
-  // The class that an element names, else that of what is around it. Reports E6220 where there is
-  // none of the name.
+  // Returns the class named by an element, else the surrounding one. Reports E6220 for an unknown
+  // name.
   std::size_t of(const pugi::xml_node& element, std::size_t around,
                  const char* attribute = "class");
 
-  // The attribute of an element, else that of its class or of one around that; else empty.
+  // Returns the attribute of an element, else that of its class or a surrounding one; else empty.
   pugi::xml_attribute find(const pugi::xml_node& element, const char* attribute,
                            std::size_t its_class) const;
 
-  // The element itself, then those of its name in its class and the classes around, nearest first.
+  // Returns the element itself, then those of its name in its class and the classes around, nearest
+  // first.
   std::vector<pugi::xml_node> levels(const pugi::xml_node& element, std::size_t its_class) const;
 
  private:

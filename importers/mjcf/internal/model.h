@@ -1,4 +1,4 @@
-// What a MuJoCo model says, with its defaults filled in.
+// Contents of a MuJoCo model, with defaults applied.
 #pragma once
 
 #include <array>
@@ -48,11 +48,11 @@ struct ModelJoint {
   Vec3 anchor{0};  // in the body's frame, metres
   Vec3 axis{0, 0, 1};
   std::optional<Vec2> range;  // radians or metres
-  double reference = 0;       // the value that it has in the pose of the file
+  double reference = 0;       // value in the pose of the file
   SourceSpan where;
 };
 
-// A site, or a camera turned to look along +z with +y down.
+// Site, or a camera rotated to look along +z with +y down.
 struct Mark {
   std::string name;
   Pose pose;
@@ -69,7 +69,7 @@ struct Body {
   SourceSpan where;
 };
 
-// y − y0 = c0 + c1·(x − x0) + … of two joints' values.
+// Coupling y − y0 = c0 + c1·(x − x0) + … of two joints' values.
 struct Coupling {
   std::string follower;  // y
   std::string leader;    // x; empty: y stays at y0 + c0
@@ -79,13 +79,13 @@ struct Coupling {
 
 struct Model {
   std::string name;
-  std::vector<Body> bodies;  // the world first; parents before what hangs on them
+  std::vector<Body> bodies;  // the world first; parents before children
   std::vector<MeshAsset> meshes;
   std::vector<Paint> paints;
   std::vector<Coupling> couplings;
 };
 
-// Reports E6220, W6221; counts what is skipped.
+// Reads a model. Reports E6220, W6221; counts skipped elements.
 Model read_model(const XmlText& text, meshes::ReaderContext& context);
 
 }  // namespace panwright::importers::mjcf

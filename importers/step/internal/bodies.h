@@ -1,4 +1,4 @@
-// Bodies of OpenCASCADE → meshes and exact shapes.
+// Conversion of OpenCASCADE bodies to meshes and exact shapes.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -15,7 +15,7 @@ namespace panwright::importers::step {
 
 inline constexpr double kMetre = 1000;  // of the reader's unit, which is the millimetre
 
-// Faces of a body that look alike.
+// Faces of a body with equal appearance.
 struct Patch {
   std::int32_t color = 0;  // as given for each face
   std::shared_ptr<geometry::Mesh> mesh;
@@ -23,7 +23,7 @@ struct Patch {
 
 struct Meshed {
   std::vector<Patch> patches;     // by colour, ascending
-  std::vector<TopoDS_Face> lost;  // that could not be meshed
+  std::vector<TopoDS_Face> lost;  // not meshable
 };
 
 // Triangulates the faces of a body. Faces that share an edge share its points, bit for bit, across
@@ -34,21 +34,21 @@ struct Meshed {
 //   deflection  metres, > 0
 //   returns     metres; triangles are counter-clockwise seen from outside
 //
-// Throws what OpenCASCADE throws.
+// Throws exceptions of OpenCASCADE.
 Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colors, double deflection);
 
-// About the number of triangles meshed() makes, from curvatures at a few points of each face: to
-// refuse what no memory holds.
+// Estimates the triangles of meshed() from curvatures at a few points of each face, to refuse
+// bodies beyond any memory.
 double expected_triangles(const TopoDS_Shape& body, double deflection);
 
-// A shape that a body is, exactly, and its place.
+// Exact shape of a body, and its place.
 struct Exact {
   geometry::Shape shape;    // metres
   Mat4 body_from_shape{1};  // rigid
 };
 
-// A solid that is one sphere, torus, cylinder, cone, frustum, block or straight pipe: all faces lie
-// on its surfaces, and area and volume are what they must be. Nothing for what is none of them.
+// Recognises a solid that is one sphere, torus, cylinder, cone, frustum, block or straight pipe:
+// all faces lie on its surfaces, and area and volume agree. Nothing for others.
 std::optional<Exact> exact_of(const TopoDS_Shape& body);
 
 }  // namespace panwright::importers::step

@@ -1,4 +1,4 @@
-// A checked text → scene, through OpenCASCADE.
+// Conversion of a checked text to a scene, through OpenCASCADE.
 #pragma once
 
 #include <string_view>
@@ -9,24 +9,24 @@
 
 namespace panwright::importers::step {
 
-// What is over a limit; becomes E6002.
+// Exceeded limit; becomes E6002.
 struct OverLimit {
   std::string_view what;
 };
 
-// Shapes, or what they are made of, that hold something of a wrong kind: OpenCASCADE would follow
-// it into nothing.
+// Shapes, or their constituents, that hold an entity of a wrong kind, at which OpenCASCADE would
+// crash.
 struct Torn {
   std::vector<std::uint64_t> numbers;  // of entities; not empty
 };
 
-// Reads the products of a text. What OpenCASCADE says goes to the log.
+// Reads the products of a text. Messages of OpenCASCADE go to the log.
 //
 //   path  of the file, for the sources of nodes
-//   name  as the user would type it
+//   name  for messages
 //
-// Fails: E6601. Throws OverLimit, Cancelled, and Torn before anything is reported. Not to be called by two
-// threads at once: OpenCASCADE keeps its settings in one place.
+// Fails: E6601. Throws OverLimit, Cancelled, and Torn before anything is reported. Not thread-safe:
+// OpenCASCADE's settings are global.
 Result<Imported> read_document(const Text& text, std::string_view bytes, const std::string& path,
                                const std::string& name, const Options& options, DiagnosticLog& log,
                                const Job& job);

@@ -1,4 +1,4 @@
-// A program that is given bytes and answers with bytes, under limits. Private to importers.
+// Process that turns bytes into bytes, under limits. Private to importers.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct ProcessLimits {
 
 struct ProcessEnd {
   enum class How {
-    satisfied,    // take() wanted no more
+    satisfied,    // take() returned false
     exited,       // code: its exit code
     killed,       // code: the signal that ended it
     out_of_time,  // by either clock
@@ -29,12 +29,11 @@ struct ProcessEnd {
   int code = 0;
 };
 
-// Runs a program with one socket as its standard input and output and nothing as its standard
-// error: sends it `input`, then the end of file, and hands what comes back to `take` until that
-// returns false or the program closes the socket. When this returns or throws, the program and
-// those that it started in its process group have ended, and nothing of them is left: no process,
-// no file, no core image. Signals of the terminal reach this process alone. Safe to be called by
-// several threads at once; a host that ignores or reaps SIGCHLD costs the exit code alone.
+// Runs a program with one socket as its standard input and output, and no standard error. Sends it
+// `input`, then the end of file, and passes the answer to `take` until that returns false or the
+// program closes the socket. On return or exception, the program and its process group have ended
+// without traces: no process, no file, no core image. Signals of the terminal reach only this
+// process. Thread-safe; a host that ignores or reaps SIGCHLD loses only the exit code.
 //
 // Throws Cancelled.
 ProcessEnd run_process(const std::filesystem::path& program,

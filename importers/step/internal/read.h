@@ -1,4 +1,4 @@
-// STEP → scene, in this process: what panwright-step does. Private to it and its tests.
+// Reader of STEP in this process, as used by panwright-step. Private to it and its tests.
 #pragma once
 
 #include <functional>
@@ -8,14 +8,12 @@
 
 namespace panwright::importers::step {
 
-// Reads the products of a file as nodes, each solid meshed once however often it is used.
+// Reads the products of a file as nodes, each solid meshed once.
 //
-//   before_risk  called before OpenCASCADE is given something to do, so that what is reported so
-//   far
-//                can be told
+//   before_risk  called before each use of OpenCASCADE, so that earlier reports can be sent
 //
-// Fails: E6601. Reports E6002, E6601, W6602, N6007, W6008, W6009. Not to be called by two threads
-// at once: OpenCASCADE keeps its settings in one place.
+// Fails: E6601. Reports E6002, E6601, W6602, N6007, W6008, W6009. Not thread-safe: OpenCASCADE's
+// settings are global.
 Result<Imported> read_in_process(const InputFile& file, const Options& options, DiagnosticLog& log,
                                  const std::function<void()>& before_risk = {});
 

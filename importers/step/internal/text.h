@@ -1,6 +1,5 @@
-// The text of an exchange structure (ISO 10303-21), looked at before OpenCASCADE reads it: what it
-// does not bear (broken statements, entities that contain themselves) is found here, with its
-// place.
+// Text of an exchange structure (ISO 10303-21), checked before OpenCASCADE reads it. Finds broken
+// statements and entities that contain themselves, which OpenCASCADE does not survive.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +21,16 @@ struct Entity {
 
 struct Text {
   FileId file = kNoFile;
-  std::string repaired;  // sound statements alone, at their places; empty: the file as it is
-  std::vector<Entity> entities;  // the sound ones, by number
+  std::string repaired;          // valid statements alone, in place; empty: the file unchanged
+  std::vector<Entity> entities;  // the valid ones, by number
   bool usable = false;
 };
 
-// Checks statement by statement. A broken one is left out and said, with what cannot be without it:
-// a face goes from its shell, but a surface takes its face along. A text that ends too early is
-// ended. Statements that name other files are left out: only the file itself is read.
+// Checks statement by statement. A broken one is reported and left out with its dependants: a face
+// only leaves its shell, but a surface removes its face. A truncated text is completed. Statements
+// that name other files are left out: only the file itself is read.
 //
-//   without  numbers of entities to leave out as well
+//   without  numbers of further entities to leave out
 //
 // Reports E6601, and W6004 for other files. Not usable: no header, no entity, an entity that
 // contains itself, or references nested deeper than max_depth (E6002).
@@ -39,7 +38,7 @@ struct Text {
 Text checked(std::string_view bytes, FileId file, std::uint32_t max_depth, DiagnosticLog& log,
              std::span<const std::uint64_t> without = {});
 
-// Where an entity is written, or the file as a whole.
+// Returns the place of an entity, or the file as a whole.
 SourceSpan place_of(const Text& text, std::uint64_t number);
 
 }  // namespace panwright::importers::step

@@ -1,11 +1,10 @@
-// What the importers and panwright-step, the program that holds OpenCASCADE, say to each other.
+// Protocol between the importers and panwright-step, the program with OpenCASCADE.
 //
 // Request:  kRequestMark, a head (lengths, limits, names), the bytes of the file.
-// Answer:   kAnswerMark, then records: kind (u32), size (u64), so many bytes. Diagnostics come as
-// they
-//           are found, the scene in pieces, at last one `end`. Whatever follows is not read.
-// Both programs run on one machine and come from one build: numbers are as they lie in memory. The
-// answer is not trusted: OpenCASCADE may have written anywhere in the memory that it comes from.
+// Answer:   kAnswerMark, then records: kind (u32), size (u64), bytes. Diagnostics come as
+//           they are found, the scene in pieces, finally one `end`. Later bytes are not read.
+// Both programs run on one machine and come from one build: numbers are in native layout. The
+// answer is untrusted: OpenCASCADE may have overwritten any memory of its sender.
 #pragma once
 
 #include <cstdint>
@@ -20,19 +19,19 @@ namespace panwright::importers::step {
 
 inline constexpr std::string_view kRequestMark = "PWSTEPQ1";
 inline constexpr std::string_view kAnswerMark = "PWSTEPA1";
-// The exit code of a reader whose memory ran out.
+// Exit code of a reader out of memory.
 inline constexpr int kOutOfMemory = 3;
 
 class Values;
 
-// The material that name, colour and opacity become; what it does not have is noted in `lost`.
+// Returns the material for a name, colour and opacity; losses are listed in `lost`.
 materials::Material lambert_of(CadMaterial& cad);
 
 // ---- request
 
 struct Request {
   std::string path;  // of the file, for the sources of nodes
-  std::string name;  // as the user would type it
+  std::string name;  // for messages
   Limits limits;
   double deflection = 0;
   std::uint64_t bytes = 0;  // of the file, which follow
@@ -40,24 +39,24 @@ struct Request {
 
 std::string request_head(const Request& request);
 
-// The request at the beginning of `bytes`, which then stand behind it. Nothing for another one.
+// Parses the request at the beginning of `bytes`, and removes it. Nothing if invalid.
 std::optional<Request> request_from(std::string_view& bytes);
 
 // ---- answer
 
-// Takes bytes towards the program that asked. False: nobody listens any more.
+// Sends bytes to the requesting program. False: the receiver is gone.
 using Send = std::function<bool(std::string_view)>;
 
-// Sends the entries of a log from the `first` on. Returns their number in all.
+// Sends the entries of a log from the `first` on. Returns the total number.
 std::size_t send_diagnostics(const DiagnosticLog& log, std::size_t first, const Send& send);
 
-// Sends a scene that read_in_process() made: of its materials name, colour and opacity.
+// Sends a scene of read_in_process(): of its materials name, colour and opacity.
 void send_scene(const Imported& imported, const Send& send);
 
 // complete: a scene was sent.
 void send_end(bool complete, const Send& send);
 
-// Puts an answer together, and checks every part of it.
+// Reader of an answer, which checks every part of it.
 class AnswerReader {
  public:
   enum class State { open, complete, damaged };
@@ -69,14 +68,14 @@ class AnswerReader {
     out_.in_metres = true;
   }
 
-  // Takes the bytes that came next; reports the diagnostics among them.
-  // Cost: O(bytes); memory of the scene and one record.
+  // Takes the next bytes; reports the diagnostics among them. Cost: O(bytes); memory of the scene
+  // and one record.
   State take(std::string_view bytes);
 
   State state() const { return state_; }
-  const std::string& damage() const { return damage_; }  // what is wrong, where damaged
+  const std::string& damage() const { return damage_; }  // the problem, if damaged
 
-  // The scene; nothing where the answer has none. Expects: complete.
+  // Returns the scene; nothing if the answer has none. Expects: complete.
   std::optional<Imported> finished();
 
  private:
@@ -93,7 +92,7 @@ class AnswerReader {
   const FileId file_;
   DiagnosticLog& log_;
   Imported out_;
-  std::string waiting_;  // bytes of a record that is not whole
+  std::string waiting_;  // bytes of an incomplete record
   std::string damage_;
   std::uint64_t taken_ = 0;  // bytes
   std::uint64_t triangles_ = 0;

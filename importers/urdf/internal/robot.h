@@ -1,4 +1,4 @@
-// What a robot description says, and the tree that it makes.
+// Contents of a robot description, and its tree.
 #pragma once
 
 #include <optional>
@@ -62,16 +62,16 @@ struct RobotJoint {
 struct Robot {
   std::string name;
   std::vector<Link> links;
-  std::vector<RobotJoint> joints;  // those whose links there are
+  std::vector<RobotJoint> joints;  // those with existing links
   std::vector<Paint> paints;
 };
 
-// Reports E6220, W6221; counts what is skipped. Elements that have no name of the format's, as
+// Reads a robot. Reports E6220, W6221; counts skipped elements. Elements outside the format, as
 // those of simulators, are skipped.
 Robot read_robot(const XmlText& text, meshes::ReaderContext& context);
 
-// The joint that each link hangs on; kNone: none. No link is below itself. Joints that do not fit
-// are reported (E6220) and used by no link.
+// Returns the parent joint of each link; kNone: none. No link is below itself. Joints that do not
+// fit are reported (E6220) and left out.
 std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& context);
 
 }  // namespace panwright::importers::urdf

@@ -1,4 +1,4 @@
-// Builds the scene of a VRML file; what both versions need of it.
+// Builder of the scene of a VRML file, for both versions.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace panwright::importers::vrml {
 
-// The numbers of a Material of either version, linear as written.
+// Numbers of a Material of either version, linear as written.
 struct Phong {
   Vec3 diffuse{0.8};
   Vec3 specular{0};
@@ -29,42 +29,42 @@ class Builder {
   explicit Builder(ReaderContext& of);
 
   ReaderContext& context;
-  // What is added now is met this once: nothing of it need be remembered.
+  // The nodes being added occur only once: nothing of them need be cached.
   bool once = false;
 
-  // A node of the scene. Its name: `name` with "/" as "_", or if empty `kind` and a number. A shear
-  // needs two nodes; the inner one is returned. Reports W6009 at `where` and returns scene::kNone
-  // for a matrix that flattens space. Throws OverLimit.
+  // Adds a node. Its name: `name` with "/" as "_", or if empty `kind` and a number. A shear needs
+  // two nodes; the inner one is returned. Reports W6009 at `where` and returns scene::kNone for a
+  // matrix that flattens space. Throws OverLimit.
   std::int32_t add_node(std::int32_t parent, const Mat4& parent_from_node, std::string_view name,
                         std::string_view kind, SourceSpan where);
 
-  // Equal ones are stored once. Throws OverLimit for more triangles than the limit.
+  // Adds a shape; equal ones are stored once. Throws OverLimit for more triangles than the limit.
   std::int32_t add_shape(geometry::Shape shape, SourceSpan where);
   std::int32_t add_material(const materials::Material& material, const CadMaterial& cad);
-  // Blinn-Phong with exponent 128·shininess; numbers are clamped to 0…1. Transparency is counted
-  // as lost.
+  // Adds Blinn-Phong with exponent 128·shininess; numbers are clamped to 0…1. Transparency is
+  // counted as lost.
   std::int32_t add_phong(const Phong& phong, std::string_view name, bool textured);
 
-  // The texture that some URLs name, or kNone: as ReaderContext::bytes_of.
+  // Adds the texture of some URLs, or returns kNone: as ReaderContext::bytes_of.
   std::int32_t add_texture(std::span<const std::string_view> urls, SourceSpan where);
-  // The texture of an SFImage, bottom row first in the file; kNone: none, or past the limit.
+  // Adds the texture of an SFImage, bottom row first in the file; kNone: none, or past the limit.
   std::int32_t add_image(std::span<const std::int32_t> image, SourceSpan where);
   std::int32_t add_texture(scene::Texture texture);
-  bool is_grey(std::int32_t texture) const;  // VRML 97: multiplies the diffuse colour then
+  bool is_grey(std::int32_t texture) const;  // VRML 97: then multiplies the diffuse colour
 
   // texture: scene::kNone for none
   void add_instance(std::int32_t node, std::int32_t shape, std::int32_t material,
                     std::int32_t texture, SourceSpan where);
 
-  // Counted for the one note N6007 at the end: a node that makes no surface, by its type.
+  // Counts a node without surface, by its type, for the single note N6007.
   void skipped(std::string_view type);
-  // Counted for the one note W6008.
+  // Counts a lost property for the single note W6008.
   void lost(std::string_view property);
-  // A texture that does not repeat, on a mesh, is lost where the coordinates leave it.
+  // Counts a non-repeating texture as lost if the coordinates of its mesh leave it.
   void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t);
 
-  // Nodes on the way from the top, for cycles and depth. enter() reports E6109 and returns false
-  // when the node stands in itself; throws OverLimit past limits.depth, and for more visits than
+  // Tracks the nodes from the top, for cycles and depth. enter() reports E6109 and returns false
+  // when the node contains itself; throws OverLimit past limits.depth, and for more visits than
   // limits.nodes. Each true enter() needs a leave().
   bool enter(const Node& node);
   void leave(const Node& node);
@@ -76,25 +76,25 @@ class Builder {
 
   scene::Scene& scene() { return out_.scene; }
 
-  std::shared_ptr<Cache97> cache97;  // of what scene97.cpp has made so far
-  std::uint64_t triangles_made = 0;  // by scene10.cpp, also of shapes that turn out to be equal
+  std::shared_ptr<Cache97> cache97;  // results of scene97.cpp so far
+  std::uint64_t triangles_made = 0;  // by scene10.cpp, later deduplicated shapes included
 
-  // Puts the notes into the log, as of the file called so, and gives the result.
+  // Reports the notes for the named file, and returns the result.
   Imported finished(Format format, std::string_view file_name);
 
  private:
   std::int32_t kept_texture(scene::Texture texture, SourceSpan where);
 
   Imported out_;
-  std::unordered_map<std::string, std::uint32_t> kinds_;  // numbers given to nodes without a name
+  std::unordered_map<std::string, std::uint32_t> kinds_;  // numbers given to unnamed nodes
   struct ByLow {
     std::size_t operator()(const Hash128& hash) const { return hash.low; }
   };
   std::unordered_map<Hash128, std::int32_t, ByLow> shapes_;
-  // by name and all that tells materials apart
+  // by name and distinguishing values
   std::multimap<std::pair<std::string, std::vector<double>>, std::int32_t> materials_;
   std::map<std::string, std::int32_t> texture_cache_;  // by path
-  std::map<std::string, std::int32_t> asked_;          // by the file that asks, and all URLs
+  std::map<std::string, std::int32_t> asked_;          // by requesting file, and all URLs
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
   std::map<std::string, std::uint64_t, std::less<>> lost_;
@@ -106,8 +106,8 @@ class Builder {
   std::uint64_t texture_bytes_ = 0;
 };
 
-// Makes scene nodes of a document's below `parent`, by its version. scene97.cpp and scene10.cpp
-// hold one each; the third calls the one that fits, for inlined files.
+// Builds scene nodes of a document below `parent`, by its version. Implemented in scene97.cpp and
+// scene10.cpp; the third calls the fitting one, for inlined files.
 void build97(Builder& builder, Document& document, std::int32_t parent);
 void build10(Builder& builder, Document& document, std::int32_t parent);
 void build(Builder& builder, Document& document, std::int32_t parent);

@@ -1,4 +1,4 @@
-// What the bytes of a VRML text are.
+// Classes of the bytes of a VRML text.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace panwright::importers::vrml {
 
-// Bytes from 0x80 on belong to words, which so may be of any encoding.
+// Class of each byte. Bytes from 0x80 on belong to words, which so may be of any encoding.
 inline constexpr std::array<std::uint8_t, 256> kCharacterClasses = [] {
   std::array<std::uint8_t, 256> out{};  // 1 blank, 2 word, 6 word that may begin a number
   for (int c = 0x21; c < 256; ++c) out[static_cast<std::size_t>(c)] = 2;
@@ -24,7 +24,7 @@ inline bool is_blank(char c) { return class_of(c) == 1; }
 inline bool is_word(char c) { return (class_of(c) & 2) != 0; }
 inline bool may_begin_number(char c) { return class_of(c) == 6; }
 
-// The first byte that is not UTF-8, or npos.
+// Returns the first byte that is not UTF-8, or npos.
 std::size_t first_not_utf8(std::string_view text);
 
 }  // namespace panwright::importers::vrml

@@ -1,4 +1,4 @@
-// A VRML file as read: nodes and their fields, before anything is made of them. Both versions.
+// VRML file as read: nodes and their fields, before conversion. Both versions.
 //
 //   Transform { translation 1 0 0 children [ DEF A Shape { … } USE A ] }
 //   → Node Transform, fields: translation = {1, 0, 0}, children = {p, p}; p → Node Shape, name "A".
@@ -19,9 +19,9 @@
 
 namespace panwright::importers::vrml {
 
-// Thrown when a reading needs more than its limits allow; vrml::read() makes E6002 of it.
+// Exceeded limit; vrml::read() makes E6002 of it.
 struct OverLimit {
-  std::string what;  // "memory", "nodes"…; empty: it has been reported
+  std::string what;  // "memory", "nodes"…; empty: already reported
   SourceSpan where;
 };
 
@@ -35,10 +35,10 @@ class Arena {
   Arena& operator=(const Arena&) = delete;
 
   void* allocate(std::size_t bytes, std::size_t alignment);
-  // Takes over a block that std::malloc made.
+  // Takes over a block of std::malloc.
   void adopt(void* block, std::size_t bytes);
   void count(std::size_t bytes);
-  // Frees a block that was adopted; false: it is none of them.
+  // Frees an adopted block; false: it is none.
   bool release(const void* block, std::size_t bytes);
 
   template <class T>
@@ -94,16 +94,16 @@ enum class FieldType : std::uint8_t {
 
 std::string_view type_name(FieldType type);  // "SFVec3f"
 bool is_list(FieldType type);                // MF…
-// Numbers of one item: 3 for sf_vec3f and mf_vec3f; 0 where items are no numbers.
+// Returns the numbers of one item: 3 for sf_vec3f and mf_vec3f; 0 for other items.
 std::size_t width_of(FieldType type);
 
 struct Node;
 
-// The value of a field. Plain view of memory in an arena or in the text.
+// Value of a field. Plain view of memory in an arena or in the text.
 struct Value {
   FieldType type = FieldType::none;
   const void* data = nullptr;
-  std::size_t size = 0;  // of the span below that fits the type
+  std::size_t size = 0;  // of the span below for the type
 
   // sf/mf_float, time, vec2f, vec3f, color, rotation (axis, angle), matrix (as written): flat
   std::span<const double> numbers() const { return {static_cast<const double*>(data), size}; }
@@ -127,7 +127,7 @@ struct FieldSpec {
   Value initial;  // the standard's default
 };
 
-// A node type of the standard.
+// Node type of the standard.
 struct NodeSpec {
   std::string_view name;
   std::span<const FieldSpec> fields;
@@ -135,11 +135,11 @@ struct NodeSpec {
   const FieldSpec* find(std::string_view field) const;
 };
 
-// Node types by name; nullptr: none of that version.
+// Returns node types by name; nullptr: none of that version.
 const NodeSpec* spec97(std::string_view name);
 const NodeSpec* spec10(std::string_view name);
-std::span<const NodeSpec> specs97();  // the 54 of VRML 97, by name
-std::span<const NodeSpec> specs10();  // those of VRML 1.0, by name
+std::span<const NodeSpec> specs97();  // 54 of VRML 97, by name
+std::span<const NodeSpec> specs10();  // of VRML 1.0, by name
 
 struct Field {
   std::string_view name;
@@ -150,38 +150,38 @@ struct Field {
 
 struct Node;
 
-// A PROTO or EXTERNPROTO.
+// PROTO or EXTERNPROTO.
 struct Prototype {
   std::string_view name;
   SourceSpan where;             // its name
   std::span<FieldSpec> fields;  // the interface; of an EXTERNPROTO without defaults
-  std::span<Node*> body;        // the first is what instances are; the values have `is`
+  std::span<Node*> body;        // the first gives the type of instances; the values have `is`
   bool external = false;        // EXTERNPROTO
-  Value urls;                   // where an external one stands
+  Value urls;                   // of an external one
   SourceSpan urls_where;
-  Prototype* target = nullptr;  // what an external one is, once looked for
+  Prototype* target = nullptr;  // of an external one, once resolved
   bool looked_for = false;
 };
 
 struct Node {
   std::string_view type;           // as written
-  const NodeSpec* spec = nullptr;  // nullptr: not known, or an instance of a prototype
+  const NodeSpec* spec = nullptr;  // nullptr: unknown, or an instance of a prototype
   std::string_view name;           // of its DEF; may be empty. UTF-8
   SourceSpan where;                // its type
-  std::span<Field> fields;         // those written, in order; of instances the interface, whole
-  std::span<Node*> children;       // VRML 1.0, and nodes inside those that are not known
-  Prototype* prototype = nullptr;  // an instance of this
+  std::span<Field> fields;         // those written, in order; of instances the whole interface
+  std::span<Node*> children;       // VRML 1.0, and nodes inside unknown ones
+  Prototype* prototype = nullptr;  // of an instance
   Node* owner = nullptr;           // the instance in whose body this is a copy
   Node* body = nullptr;            // of an instance: see ReaderContext::actual
-  bool expanded = false;           // whether body has been looked for
+  bool expanded = false;           // body was resolved
   bool again = false;              // a USE names it
-  bool has_is = false;             // it or what stands below it takes values of an interface
+  bool has_is = false;             // it or a descendant takes values of an interface
 
-  // The last writing of a field; nullptr: not written.
+  // Returns the last written field; nullptr: not written.
   const Field* find(std::string_view field) const;
 
-  // Values as written, or the standard's default.
-  // Expects: the node type has such a field, of a type that fits.
+  // Returns the written value, or the standard's default.
+  // Expects: the node type has such a field, of a fitting type.
   const Value& value(std::string_view field) const;
   std::span<const double> numbers(std::string_view field) const { return value(field).numbers(); }
   std::span<const std::int32_t> integers(std::string_view field) const {
@@ -202,7 +202,7 @@ struct Node {
 
 // One file.
 struct Document {
-  std::string path;  // as Files knows it
+  std::string path;  // as in Files
   FileId file = kNoFile;
   Format format = Format::vrml97;
   SharedText text;
@@ -211,8 +211,8 @@ struct Document {
   std::vector<Prototype*> prototypes;  // of the top level, in order of definition
 };
 
-// Where item `index` of a list of numbers or strings stands, for messages: found by reading the
-// text again. The whole value for those that do not stand there.
+// Returns the place of item `index` of a list of numbers or strings, by reading the text again. The
+// whole value for items not in the text.
 SourceSpan place_of_item(const SourceMap& sources, const Field& field, std::size_t index);
 
 }  // namespace panwright::importers::vrml

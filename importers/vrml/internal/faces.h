@@ -1,4 +1,4 @@
-// Faces of a VRML node → mesh.
+// Meshes from the faces of VRML nodes.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace panwright::importers::vrml {
 
-// A list of a node that has faces.
+// List of a node with faces.
 enum class List : std::uint8_t {
   none,  // the node as a whole
   points,
@@ -33,28 +33,27 @@ enum class List : std::uint8_t {
   orientations,
 };
 
-// What is wrong with a list, once for each kind of problem: the message says how often.
+// Problem of a list, once for each kind; the message gives the count.
 struct ListProblem {
   Code code;  // E6002, E6107, E6113, W6114
   List list = List::none;
-  std::size_t item =
-      0;                // of the list: the first that is wrong; texcoords, points: of whole vectors
+  std::size_t item = 0;  // of the list: the first invalid one; texcoords, points: of whole vectors
   std::string message;  // one lower-case sentence
 };
 using ListProblems = std::vector<ListProblem>;
 
-// What a file does not say.
+// Options not given by the file.
 struct FaceOptions {
-  double crease_angle = 0;                   // radians, where the node states none
+  double crease_angle = 0;                   // radians, if the node gives none
   std::uint64_t max_triangles = 1ull << 27;  // of the mesh
-  std::uint64_t max_memory = 8ull << 30;     // bytes, while it is made
-  bool texcoords = false;                    // are made where the node has none
-  std::function<void(List)> served = {};     // called for points and coord_index of a face set
-                                             // that are read no more
+  std::uint64_t max_memory = 8ull << 30;     // bytes, during construction
+  bool texcoords = false;                    // made if the node has none
+  std::function<void(List)> served =
+      {};  // called when points and coord_index of a face set are no longer needed
 };
 
-// An IndexedFaceSet of either version of VRML. Lists are as in the file; an empty index list means
-// what the standard says: the coordinates' own, or one per face in order.
+// IndexedFaceSet of either version of VRML. Lists are as in the file; an empty index list has the
+// standard's meaning: the coordinates' own, or one per face in order.
 struct FaceSet {
   std::span<const double> points;              // 3*P
   std::span<const std::int32_t> coord_index;   // below 0 ends a face
@@ -67,23 +66,23 @@ struct FaceSet {
   std::span<const double> texcoords;             // 2*T, (0,0) the image's bottom left; empty: none
   std::span<const std::int32_t> texcoord_index;  // like coord_index
   bool ccw = true;
-  bool convex = true;  // not believed
+  bool convex = true;  // ignored
   std::optional<double> crease_angle;
 };
 
-// The mesh of a face set: n − 2 triangles for each face of n corners, in order of the faces, also
-// those without area; see geometry/tessellate/polygon.h. Vertices are distinct (coordinate, normal,
-// colour, texcoord), in order of first use; unused ones are not there.
+// Makes the mesh of a face set: n − 2 triangles for each face of n corners, in order of the faces,
+// also those without area; see geometry/tessellate/polygon.h. Vertices are distinct (coordinate,
+// normal, colour, texcoord), in order of first use; without unused ones.
 //
 //   returns  colours replace the material's diffuse colour; always normals: the file's, else by
-//            crease angle (geometry::compute_normals). closed and error are not set. Faces that
-//            name what is not there are left out; lists of normals, colours or texcoords that do
-//            are dropped as a whole. No triangles: nothing can be seen, or E6002.
+//            crease angle (geometry::compute_normals). closed and error are not set. Faces with
+//            invalid indices are left out; lists of normals, colours or texcoords with some are
+//            dropped as a whole. No triangles: nothing visible, or E6002.
 //
 // Reports E6002, E6107, E6113, W6114. Cost: O(corners), and that of the polygons and normals.
 geometry::Mesh mesh_of(const FaceSet& faces, const FaceOptions& options, ListProblems& problems);
 
-// Heights over the plane y = 0. Quadrilaterals look up (+y) where ccw is true.
+// Heights over the plane y = 0. Quadrilaterals face up (+y) if ccw is true.
 struct ElevationGrid {
   std::int32_t x_dimension = 0;
   std::int32_t z_dimension = 0;
@@ -103,7 +102,7 @@ struct ElevationGrid {
 geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
                        ListProblems& problems);
 
-// A cross-section carried along a spine.
+// Cross-section swept along a spine.
 struct Extrusion {
   std::span<const double> cross_section;  // 2*S, x and z
   std::span<const double> spine;          // 3*P
@@ -112,12 +111,12 @@ struct Extrusion {
   bool begin_cap = true;
   bool end_cap = true;
   bool ccw = true;
-  bool convex = true;  // not believed
+  bool convex = true;  // ignored
   std::optional<double> crease_angle;
 };
 
 // As for face sets: two triangles for each of (S − 1)(P − 1) quadrilaterals, then the begin cap,
-// then the end cap; a spine that comes back to its first section has none.
+// then the end cap; a closed spine has none.
 geometry::Mesh mesh_of(const Extrusion& extrusion, const FaceOptions& options,
                        ListProblems& problems);
 

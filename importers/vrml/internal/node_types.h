@@ -8,10 +8,11 @@
 
 namespace panwright::importers::vrml {
 
-// "SFVec3f", and names of VRML 1.0 and later standards that mean the same.
+// Parses "SFVec3f", and equivalent names of VRML 1.0 and later standards.
 std::optional<FieldType> field_type(std::string_view name);
 
-// Whether a node of VRML 1.0 transforms what follows it, and VRML 97 has no node of that name.
+// Returns true if a node of VRML 1.0 transforms its successors, and VRML 97 has no node of that
+// name.
 bool is_transform10(std::string_view name);
 
 }  // namespace panwright::importers::vrml

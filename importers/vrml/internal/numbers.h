@@ -1,4 +1,4 @@
-// Numbers of a text that ends in a NUL, fast and correctly rounded.
+// Fast and correctly rounded numbers of a NUL-terminated text.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@ enum class NumberKind : std::uint8_t { none, good, too_large };
 
 inline bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
 
-// A number without its sign that the quick way cannot do: [begin, end), exponent as written.
+// Reads a number without its sign that needs the slow path: [begin, end), exponent as written.
 NumberKind read_hard_number(const char* begin, const char* end, std::int64_t exponent, double& out);
 
 // Reads a decimal number, "+1", ".5" and "5." included, and moves p past it. Underflow gives 0 or
-// the nearest number below the normal ones. Where the digits fit into 53 bits and the power of ten
-// is exact, one rounding does (W. Clinger, "How to read floating point numbers accurately", 1990).
+// the nearest number below the normal ones. If the digits fit into 53 bits and the power of ten is
+// exact, one rounding suffices (W. Clinger, "How to read floating point numbers accurately", 1990).
 inline NumberKind read_number(const char*& p, double& out) {
   static constexpr double kTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                     1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -59,8 +59,8 @@ inline NumberKind read_number(const char*& p, double& out) {
   return NumberKind::good;
 }
 
-// Reads a whole number, decimal or "0x…" (whose 32 bits are taken), and moves p past it. A decimal
-// one that goes on like 1.5 or 1e3 is none.
+// Reads an integer, decimal or "0x…" (as 32 bits), and moves p past it. Decimals that continue as
+// 1.5 or 1e3 are refused.
 NumberKind read_hexadecimal(const char*& p, std::int32_t& out);
 inline NumberKind read_integer(const char*& p, std::int32_t& out) {
   const char* at = p;

@@ -1,5 +1,5 @@
-// Text → document. One parser for both versions: they share tokens and values; how nodes nest
-// differs.
+// Parser of text into a document, for both versions: they share tokens and values, not the nesting
+// of nodes.
 #pragma once
 
 #include <cstdlib>
@@ -16,7 +16,7 @@
 
 namespace panwright::importers::vrml {
 
-// A list of numbers that grows without copying what is large, and is then given to an arena.
+// Growing list of numbers that does not copy large blocks, and is then given to an arena.
 template <class T>
 class Growing {
  public:
@@ -34,7 +34,7 @@ class Growing {
   }
 
   std::span<const T> given_to(Arena& arena) {
-    constexpr std::size_t kLarge = std::size_t{16} << 10;  // bytes: those stay where they are
+    constexpr std::size_t kLarge = std::size_t{16} << 10;  // bytes: larger blocks are not copied
     const std::size_t count = std::exchange(size_, 0);
     if (count * sizeof(T) < kLarge) return arena.copied(std::span<const T>(data_, count));
     void* block = std::realloc(data_, count * sizeof(T));
@@ -70,15 +70,15 @@ class Parser {
   // Names, from where they are defined to the end of a file or prototype.
   struct Scope {
     Scope* around = nullptr;
-    Prototype* prototype = nullptr;  // whose body this is
+    Prototype* prototype = nullptr;  // of this body
     std::map<std::string_view, Node*> nodes;
     std::map<std::string_view, Prototype*> prototypes;
   };
-  // What a node may hold while it is read.
+  // Permitted contents of a node being read.
   struct Body {
     Node* node;
     std::span<const FieldSpec> specs;  // of its fields
-    bool known;                        // whether there are no others
+    bool known;                        // true: there are no other fields
     bool script = false;
     std::vector<FieldSpec> declared{};  // of a script, or by `fields` of VRML 1.0
   };
@@ -95,7 +95,7 @@ class Parser {
   std::string_view as_utf8(std::string_view text);
   bool accept(char c);  // after blanks
   bool accept_word(std::string_view text);
-  bool brace_follows();  // after the word here stands "{"
+  bool brace_follows();  // "{" follows the word
   std::string_view token_here();
   SourceSpan span(const char* begin, const char* end) const;
   SourceSpan here();  // the token at this place
@@ -103,13 +103,13 @@ class Parser {
   // ---- messages
   void report(Code code, SourceSpan where, std::string message, std::string hint = {});
   void text_ends(SourceSpan where, std::string_view what);
-  bool terse();  // many problems already: spare the details
+  bool terse();  // many problems already: skip details
 
   // ---- nodes
   void drop_padding();  // NUL bytes and the like at the end
   void statement(std::vector<Node*>& out);
-  bool declaration();  // PROTO, EXTERNPROTO or ROUTE, if one stands here
-  // A node where one is expected: DEF, USE, NULL or a type. *there: false when none stands here.
+  bool declaration();  // PROTO, EXTERNPROTO or ROUTE, if next
+  // Reads a node: DEF, USE, NULL or a type. *there: false if none is next.
   Node* node_value(bool* there);
   Node* use();
   Node* typed_node(std::string_view def);
@@ -167,9 +167,9 @@ class Parser {
   const FieldSpec* route_end(std::string_view text, SourceSpan where, bool source);
 
   // ---- recovery
-  void skip_value();            // of a field that is not known
-  void skip_braces();           // from "{" or "[" to what closes it
-  void skip_stray(char close);  // tokens that mean nothing here, with one message
+  void skip_value();            // of an unknown field
+  void skip_braces();           // from "{" or "[" to its closing one
+  void skip_stray(char close);  // unexpected tokens, with one message
   void skip_string();
 
   ReaderContext& context_;
@@ -180,18 +180,18 @@ class Parser {
   const char* end_;
   const char* p_;
   const char* forgotten_;  // up to here
-  const char* forget_at_;  // it is worth it from here on
+  const char* forget_at_;  // worthwhile from here on
   bool vrml97_;
   bool latin1_ = false;
   Scope* scope_ = nullptr;
   std::uint32_t depth_ = 0;
-  std::uint32_t unknown_depth_ = 0;  // of nodes that are not known
+  std::uint32_t unknown_depth_ = 0;  // of unknown nodes
   std::uint32_t problems_ = 0;
   bool whole_reported_ = false;
   bool end_reported_ = false;
-  std::size_t nonfinite_ = 0;  // in the list that is read; the first is
+  std::size_t nonfinite_ = 0;  // in the current list; position of the first
   SourceSpan nonfinite_at_;
-  const Body* field_names_ = nullptr;  // of the node whose value is read
+  const Body* field_names_ = nullptr;  // of the current node
   Growing<double> doubles_;
   Growing<std::int32_t> integers_;
   std::vector<std::string_view> strings_;

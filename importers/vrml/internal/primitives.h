@@ -1,5 +1,4 @@
-// The surfaces of revolution and boxes of both versions, which stand on y, as ours, which stand on
-// z.
+// Surfaces of revolution and boxes of both versions, which stand on y, as ours, which stand on z.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +13,10 @@ struct Primitive {
   Mat4 theirs_from_shape{1};
 };
 
-// textured: textures are upright along the z of our boxes, so that they are turned.
+// textured: rotated, as textures are upright along the z of our boxes.
 Primitive box_of(const Vec3& size, bool textured);
 
-// What is left of a box with one side of 0 and two above: an open sheet, upright as that side of
+// Returns the sheet of a box with one side of 0 and two above: open, and upright as that side of
 // the box. Nothing for other boxes.
 std::optional<Primitive> sheet_of(const Vec3& size);
 
@@ -27,7 +26,7 @@ std::optional<Primitive> sheet_of(const Vec3& size);
 Primitive sphere_of(double radius, std::uint32_t segments);
 Primitive cylinder_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
 Primitive cone_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
-// At height y, looking up or down, with the outline of the surfaces of revolution.
+// Returns a disc at height y, facing up or down, with the outline of the surfaces of revolution.
 Primitive disc_of(double radius, double y, bool up, std::uint32_t segments);
 
 }  // namespace panwright::importers::vrml

@@ -1,4 +1,4 @@
-// What the files of one model share while they are read.
+// Shared state of reading the files of one model.
 #pragma once
 
 #include <cstdint>
@@ -31,36 +31,36 @@ class ReaderContext {
   std::uint64_t memory_used = 0;             // by documents, bytes
   std::vector<scene::Input> further_inputs;  // in order of first use, without the model itself
 
-  // Reads the model. Reports E6101 and returns nullptr when it is no VRML.
+  // Reads the model. Reports E6101 and returns nullptr if it is no VRML.
   Document* open(const InputFile& file);
 
-  // The document that the first usable of some URLs names, read once; the fragment ("#Name") is
-  // dropped. Reports E6010 at `where` and returns nullptr when there is none.
+  // Returns the document of the first usable URL, read once; the fragment ("#Name") is dropped.
+  // Reports E6010 at `where` and returns nullptr without any.
   //
   //   where  the field with the URLs; they are relative to its file
   Document* inlined(std::span<const std::string_view> urls, SourceSpan where);
 
-  // The bytes of a texture named so: W6004, W6005. Its path is stored in *path.
+  // Reads the bytes of a texture: W6004, W6005. Its path is stored in *path.
   SharedText bytes_of(std::span<const std::string_view> urls, SourceSpan where, std::string* path);
 
-  // The first node of the body of an instance of a prototype, made at the first call; nullptr: no
-  // body, or one that contains itself (reported). Not an instance itself: instances in instances
-  // are followed. Any other node is returned as it is; nullptr stays.
+  // Returns the first node of an instance's body, made at the first call; nullptr: no body, or one
+  // that contains itself (reported). Not an instance itself: instances in instances are followed.
+  // Any other node is returned as it is; nullptr stays.
   Node* actual(Node* node);
 
-  // Frees a large list that is read no more, and leaves the field empty. Small ones stay.
+  // Frees a large list that is no longer needed, and empties the field. Small ones stay.
   //
-  //   Expects: no other field holds the same list, as those of instances and their bodies may.
+  //   Expects: no other field shares the list, as those of instances and their bodies may.
   void release(Node& node, std::string_view field);
 
   const std::string& path_of(FileId file) const;
 
  private:
   struct Loaded {
-    std::unique_ptr<Document> document;  // null: not readable
+    std::unique_ptr<Document> document;  // null: unreadable
   };
   Document* load(const InputFile& file, bool top);
-  // texture: one may lie beside the model where its name leads out of the folder
+  // texture: one may lie beside the model if its name leads out of the folder
   SharedText read(std::string_view url, SourceSpan where, bool texture, std::string& path,
                   std::string& problem, Code& code);
   void report_missing_part(SourceSpan where, const std::string& problem, Code code);

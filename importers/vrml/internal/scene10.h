@@ -1,4 +1,4 @@
-// VRML 1.0 → scene: nodes change a state, and shapes are made of it.
+// Conversion of VRML 1.0 to a scene: nodes change a state, from which shapes are made.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace panwright::importers::vrml {
 
-// What the items of Material and Normal are given to.
+// Assignment of the items of Material and Normal.
 enum class Binding : std::uint8_t {
-  standard,  // none is stated
+  standard,  // none given
   overall,
   face,  // parts and faces
   face_indexed,
@@ -25,9 +25,9 @@ enum class Binding : std::uint8_t {
   vertex_indexed,
 };
 
-// What has been read before a shape and holds for it.
+// State of the preceding nodes at a shape.
 struct State10 {
-  std::int32_t anchor = 0;  // node of the scene; scene::kNone: what comes is left out
+  std::int32_t anchor = 0;  // node of the scene; scene::kNone: following nodes are left out
   Mat4 anchor_from_here{1};
   Node* coordinates = nullptr;
   std::size_t coordinates_level = 0;  // of levels_: those around it
@@ -41,15 +41,14 @@ struct State10 {
   Mat3 texture_transform{1};  // of (s, t, 1)
 };
 
-// The items of a Material node. Where its lists differ in length the longest counts, and the
-// others hold their last.
+// Items of a Material node: as many as its longest list; the others repeat their last.
 class Materials10 {
  public:
   explicit Materials10(const Node* material);  // nullptr: the standard's
   std::size_t size() const { return size_; }
-  Phong at(std::size_t item) const;  // counts round
+  Phong at(std::size_t item) const;  // wraps around
   bool only_diffuse_varies() const { return others_ <= 1; }
-  bool lit() const { return lit_; }            // false: its colours were emissive alone
+  bool lit() const { return lit_; }            // false: its colours were only emissive
   std::vector<double> diffuse_colors() const;  // 3*size
   std::string_view name() const;
 
@@ -63,7 +62,7 @@ class Materials10 {
   bool lit_ = true;
 };
 
-// A face set of VRML 1.0, or a shape made of faces as one.
+// Face set of VRML 1.0, or a shape of faces treated as one.
 struct Faces10 {
   std::span<const double> points;
   std::span<const std::int32_t> coord_index;
@@ -71,10 +70,10 @@ struct Faces10 {
   std::span<const std::int32_t> normal_index;
   std::span<const double> texcoords;
   std::span<const std::int32_t> texcoord_index;
-  bool own_texcoords = true;  // asked for by the node, not left by one before it
+  bool own_texcoords = true;  // from the node, not inherited from an earlier one
 };
 
-// How a binding finds items: the index, and whether it is one per corner.
+// Index lookup of a binding, and true for one item per corner.
 struct Bound10 {
   std::vector<std::int32_t> owned;
   std::span<const std::int32_t> index;
@@ -86,15 +85,14 @@ class Scene10 {
   Scene10(Builder& builder, std::int32_t parent) : builder_(builder) { state_.anchor = parent; }
 
   void visit(Node& node);
-  // apart: what they change ends with them
+  // apart: their changes end with them
   void visit_all(std::span<Node* const> nodes, bool apart);
 
  private:
   using Visitor = void (Scene10::*)(Node&);
   static const std::map<std::string_view, Visitor>& visitors();
 
-  // A node of the scene that is made when something stands in it, where the transforms before that
-  // have led.
+  // Node of the scene, made on first use, at the transforms so far.
   struct Frame {
     std::string_view name;
     std::string_view kind;
@@ -151,13 +149,13 @@ class Scene10 {
   void add_faces(Node& node, const Faces10& faces);
   std::vector<Part> parts_of(Node& node, const Faces10& faces);
   FaceSet set_of(Node& node, const Faces10& faces, const Bound10& normals);
-  // once: the lists of the node and its coordinates are not asked for again
+  // once: the lists of the node and its coordinates are not needed again
   void add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong, bool once,
                 std::vector<Part>& parts);
   bool coordinates_are_served() const;
   void report(const Node& node, const ListProblems& problems);
 
-  // What a face set came out as, for its further uses in the same state.
+  // Result of a face set, for further uses in the same state.
   struct Use {
     std::array<const void*, 7> nodes;
     std::array<Binding, 2> bindings;
@@ -170,14 +168,14 @@ class Scene10 {
   Frame frame_;
   std::int32_t which_child_ = -1;  // of the innermost Switch
   std::map<Use, std::vector<Part>> parts_;
-  // The lists of nodes around the one that is visited.
+  // Lists of nodes around the current one.
   struct Level {
-    bool apart;  // what they change ends with them
-    bool last;   // nothing after that node can hold faces
+    bool apart;  // their changes end with them
+    bool last;   // no later node can hold faces
   };
   std::vector<Level> levels_;
   std::map<const Node*, std::int32_t> images_;  // textures of Texture2 nodes
-  // the last node that was made for a shape without a name
+  // last node made for an unnamed shape
   std::int32_t last_anchor_ = scene::kNone;
   std::int32_t last_place_ = scene::kNone;
   Mat4 last_matrix_{1};

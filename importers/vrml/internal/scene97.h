@@ -1,4 +1,4 @@
-// VRML 97 → scene. Private to scene97*.cpp.
+// Conversion of VRML 97 to a scene. Private to scene97*.cpp.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace panwright::importers::vrml {
 
-// The matrix of a Transform: p' = T·C·R·SR·S·−SR·−C·p (ISO/IEC 14772-1, 6.52). Of either version:
+// Matrix of a Transform: p' = T·C·R·SR·S·−SR·−C·p (ISO/IEC 14772-1, 6.52). Of either version:
 // rotation and orientation as axis and angle, as written.
 struct TransformFields {
   Vec3 translation{0};
@@ -25,14 +25,14 @@ Mat4 pivot_of(const TransformFields& fields);
 Mat4 below_pivot(const TransformFields& fields);
 Mat4 matrix_of(const TransformFields& fields);
 
-// Of Translation, Rotation, Scale and MatrixTransform of VRML 1.0; nothing for other nodes. Reports
-// W6118.
+// Returns the matrix of Translation, Rotation, Scale and MatrixTransform of VRML 1.0; nothing for
+// other nodes. Reports W6118.
 std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log);
 
 // An axis and an angle; the identity for an axis without direction.
 Quat rotation_of(std::span<const double> axis_angle);
 
-// What has been made of nodes, which may stand in several places.
+// Results for nodes, which may occur repeatedly.
 struct Cache97 {
   struct Key {
     const Node* node = nullptr;
@@ -51,12 +51,12 @@ struct Cache97 {
     std::int32_t shape = scene::kNone;
     bool colored = false;
   };
-  // by geometry, texture transform, whether it has a texture, and that one is in colour
+  // by geometry, texture transform, presence of a texture, and of one in colour
   std::unordered_map<Key, Meshed, KeyHash> meshes;
-  std::unordered_set<const Node*> textured;  // of them, geometries made for a texture
+  std::unordered_set<const Node*> textured;  // geometries made for a texture
   std::uint64_t made_again = 0;              // triangles of the meshes after the first for each
   std::unordered_map<const Node*, std::int32_t> pixels;  // by PixelTexture
-  // by appearance, whether it has a texture, and its diffuse colour is replaced
+  // by appearance, presence of a texture, and replacement of its diffuse colour
   std::unordered_map<Key, std::int32_t, KeyHash> materials;
 };
 
@@ -65,14 +65,14 @@ class Scene97 {
   Scene97(Builder& builder, Cache97& cache)
       : builder_(builder), context_(builder.context), cache_(cache) {}
 
-  // Returns the node of the scene that stands for it, or scene::kNone.
+  // Returns the corresponding node of the scene, or scene::kNone.
   std::int32_t add(Node* node, std::int32_t parent);
 
-  // The nodes of a group or a file. Transforms of VRML 1.0 among them hold for those behind them.
+  // Adds the nodes of a group or a file. Transforms of VRML 1.0 apply to the nodes after them.
   void add_all(std::span<Node* const> nodes, std::int32_t parent);
 
  private:
-  // What a shape looks like.
+  // Appearance of a shape.
   struct Look {
     const Node* appearance = nullptr;
     const Node* material = nullptr;

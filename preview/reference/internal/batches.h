@@ -17,11 +17,11 @@
 
 namespace panwright::preview::reference {
 
-// What all samples of a view share.
+// Shared state of all samples of a view.
 struct ViewSamples {
   const TraceScene& scene;  // with the camera in it
   std::span<const Sun> suns;
-  world::Camera camera;  // its image may be larger than the one that is wanted
+  world::Camera camera;  // its image may be larger than the requested one
   PathOptions path;
   std::uint64_t seed = 0;
   // powers of two: each batch has columns·rows samples in every cell
@@ -31,20 +31,20 @@ struct ViewSamples {
   std::uint32_t batch_samples() const { return columns * rows; }
 };
 
-// One sample of a cell.
+// Sample of a cell.
 struct Sample {
   Vec2 place;  // on the image, pixels
   Light light;
 };
-// Sample `number` of a cell in a batch: jittered on the grid, and likewise on the Sun's disc and
-// over the directions of the first bounce, each in an order of its own.
+// Sampler of a cell in a batch: jittered on the grid, and likewise on the Sun's disc and over the
+// directions of the first bounce, each in an order of its own.
 class CellSampler {
  public:
   CellSampler(const ViewSamples& view, const Cell& cell, std::uint32_t batch);
   Sample operator()(std::uint32_t number, RayCounts& counts) const;
 
  private:
-  // Where a number comes in an order of the batch's samples.
+  // Returns the position of a number in an order of the batch's samples.
   std::uint32_t shuffled(std::uint32_t number, std::size_t order) const;
 
   const ViewSamples& view_;
@@ -53,14 +53,14 @@ class CellSampler {
   std::array<std::uint32_t, 4> words_{};  // at random, two for each order
 };
 
-// Work for one thread: samples [first, first + count) of the cells [begin, end).
+// Work of one thread: samples [first, first + count) of the cells [begin, end).
 struct Unit {
   std::size_t begin = 0;
   std::size_t end = 0;
   std::uint32_t first = 0;
   std::uint32_t count = 0;
 };
-// Each of some thousand samples, whatever the number of threads.
+// Returns units of some thousand samples, whatever the number of threads.
 std::vector<Unit> units_of(std::size_t cells, std::uint32_t batch_samples);
 
 // Batches so far, of the image and of its total.
@@ -68,7 +68,7 @@ class Batches {
  public:
   virtual ~Batches() = default;
 
-  Job job;  // asked while rays are traced: add() throws Cancelled
+  Job job;  // polled while rays are traced: add() throws Cancelled
 
   virtual void add(std::uint32_t batches) = 0;
   // Sets radiance, coverage and standard errors. Expects: layers of their size, all 0.
@@ -84,20 +84,20 @@ class Batches {
   RayCounts counts_;
 };
 
-// Pixels are means over their squares.
+// Makes batches whose pixels are means over their squares.
 //
 //   weights  of each cell's pixel in the total
 std::unique_ptr<Batches> box_batches(const ViewSamples& view, std::span<const Cell> cells,
                                      std::vector<double> weights);
 
-// The same of the image blurred by a Gaussian. The image that is wanted lies `margin` pixels within
+// The same for the image convolved with a Gaussian. The requested image lies `margin` pixels within
 // that of the view.
 //
-//   weight  of a pixel of the wanted image in the total, by column and row
+//   weight  of a pixel of the requested image in the total, by column and row
 std::unique_ptr<Batches> blurred_batches(
     const ViewSamples& view, std::span<const Cell> cells, double sigma, std::uint32_t margin,
     std::function<double(std::uint32_t, std::uint32_t)> weight);
-// Pixels that a blur reaches.
+// Returns the reach of a blur, pixels.
 std::uint32_t blur_margin(double sigma);
 
 }  // namespace panwright::preview::reference

@@ -1,4 +1,4 @@
-// The parts of an image where a target may be seen. Private to preview/reference.
+// Parts of an image in which a target may be visible. Private to preview/reference.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace panwright::preview::reference {
 
-// The part of a pixel that is sampled; outside of it there is background.
+// Sampled part of a pixel; background outside.
 struct Cell {
   std::uint32_t column = 0;
   std::uint32_t row = 0;
@@ -18,9 +18,9 @@ struct Cell {
   Vec2 high{1};  // > low
 };
 
-// Cells by rows, from the left: in each pixel the bounding rectangle of what of the targets' parts
-// may fall there, by their boxes, or, where those are smaller than a few pixels, by their vertices.
-// Cost: O(parts + pixels); O(vertices) for small parts.
+// Returns cells by rows, from the left: in each pixel the bounding rectangle of the targets'
+// possible parts, by their boxes, or, for boxes below a few pixels, by their vertices. Cost:
+// O(parts + pixels); O(vertices) for small parts.
 std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera);
 
 }  // namespace panwright::preview::reference

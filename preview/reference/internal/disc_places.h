@@ -1,4 +1,4 @@
-// Places on the Sun's disc, drawn for narrow lobes. Private to preview/reference.
+// Sampling of the Sun's disc for narrow lobes. Private to preview/reference.
 #pragma once
 
 #include "base/math.h"
@@ -6,15 +6,15 @@
 
 namespace panwright::preview::reference {
 
-// Places in the unit disc with a density that a narrow lobe's light has there. Drawn evenly, hardly
-// any would be where the flank of a lobe beside the disc is, which is all that is seen then.
+// Places in the unit disc, with the density of a narrow lobe's light. Uniform samples would rarely
+// hit the flank of a lobe beside the disc, which is then all that is visible.
 class DiscPlaces {
  public:
   explicit DiscPlaces(const materials::DiscLobes& lobes);
 
-  // From u in the unit square: evenly, or by one of the lobes that look beside the disc.
+  // Samples a place from u in the unit square: uniformly, or by one of the lobes beside the disc.
   Vec2 sample(const Vec2& u) const;
-  // Of sample(), over the disc; 0 outside.
+  // Returns the density of sample(), over the disc; 0 outside.
   double pdf(const Vec2& place) const;
 
  private:

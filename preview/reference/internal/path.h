@@ -1,4 +1,4 @@
-// The light that arrives along one ray. Private to preview/reference.
+// Light that arrives along one ray. Private to preview/reference.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace panwright::preview::reference {
 
-// Names one sample of an image: its random numbers are functions of this.
+// Random stream key of one sample of an image.
 struct StreamKey {
   std::uint32_t pixel = 0;
   std::uint32_t batch = 0;
@@ -27,12 +27,12 @@ struct RayCounts {
 
 struct PathResult {
   Vec3 radiance{0};
-  bool covered = false;  // something was seen
+  bool covered = false;  // a surface was hit
 };
 
-// Numbers in the unit square and interval for the surface that is seen.
+// Numbers in the unit square and interval for the first surface.
 struct FirstRandoms {
-  Vec2 sun{0};  // where on the disc
+  Vec2 sun{0};  // place on the disc
   Vec2 bounce{0};
   double lobe = 0;
 };
@@ -42,17 +42,17 @@ struct PathOptions {
   bool flat = false;
 };
 
-// Light along a ray from the camera: the Sun at every surface on the way, sampled by its disc and,
-// where a lobe is narrow, by the lobe (balanced by the power heuristic of E. Veach, "Robust Monte
-// Carlo methods for light transport simulation", 1997, 9.2), and what the surfaces emit.
+// Traces the light along a ray from the camera: emission, and the Sun at every surface on the way.
+// The Sun is sampled by its disc and, for narrow lobes, by the lobe (power heuristic of E. Veach,
+// "Robust Monte Carlo methods for light transport simulation", 1997, 9.2).
 //
 //   suns   one for each of the scene's targets
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
                   const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                   RayCounts& counts);
 
-// The numbers in (0, 1) of a sample for one use.
+// Returns the numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use);
-// Uses: 0 and 1 are free for who makes the ray; traced() has those from 2.
+// Uses: 0 and 1 are free for the ray's maker; traced() has those from 2.
 
 }  // namespace panwright::preview::reference

@@ -1,4 +1,4 @@
-// Where things stand, from the records of a pan and the state of a world. Private to
+// Placement of targets and cameras, from the records of a pan and the state of a world. Private to
 // preview/reference.
 #pragma once
 
@@ -11,22 +11,22 @@
 
 namespace panwright::preview::reference {
 
-// p' = linear·p + offset.
+// Affine map: p' = linear·p + offset.
 struct Affine {
   Mat3 linear{1};
   Vec3 offset{0};
   Vec3 operator()(const Vec3& p) const { return linear * p + offset; }
 };
 
-// `outer` after `inner`.
+// Composes `outer` after `inner`.
 inline Affine operator*(const Affine& outer, const Affine& inner) {
   return {outer.linear * inner.linear, outer(inner.offset)};
 }
 
-// The rotation of a quaternion of any length but zero.
+// Returns the rotation of a quaternion of any length but zero.
 Mat3 rotation_matrix(const Quat& q);
 
-// A rigid frame in the world: where a target or a camera stands.
+// Rigid frame in the world, of a target or a camera.
 struct RigidFrame {
   Mat3 world_from{1};
   Vec3 position{0};
@@ -34,18 +34,19 @@ struct RigidFrame {
 RigidFrame frame_of(const world::Pose& pose);
 RigidFrame frame_of(const world::Camera& camera);
 
-// `to`'s frame from `from`'s. The positions are subtracted first, so that large ones cancel.
+// Returns `to`'s frame from `from`'s. The positions are subtracted first, so that large ones
+// cancel.
 Affine between(const RigidFrame& to, const RigidFrame& from);
 
-// Every node of a target in its model's frame, and whether it is to be seen.
+// Every node of a target in its model's frame, and its visibility.
 struct PlacedNodes {
   std::vector<Affine> model_from_node;
-  std::vector<std::uint8_t> visible;  // 0 or 1, what is above a node included
+  std::vector<std::uint8_t> visible;  // 0 or 1, ancestors included
 };
 PlacedNodes placed_nodes(const world::Instance& instance);
 
-// Takes outward normals to outward normals, of any length: the inverse transposed but for its
-// length, finite where there is no inverse.
+// Returns the map of outward normals to outward normals, of any length: the inverse transposed up
+// to scale, finite for singular matrices.
 Mat3 normal_matrix(const Mat3& linear);
 
 }  // namespace panwright::preview::reference

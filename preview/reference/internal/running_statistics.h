@@ -1,4 +1,4 @@
-// Means over independent batches, and what they tell of their errors. Private to preview/reference.
+// Means over independent batches, and their standard errors. Private to preview/reference.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +14,16 @@ namespace panwright::preview::reference {
 // RGB and coverage.
 using Light = Vec4;
 
-// One standard error of the mean of `batches` values with this sum of squared deviations, widened
-// by √((n−1)/(n−3)): errors of a mean divided by it have an RMS of 1, where those divided by the
-// usual estimate, of few values, have Student's wide tails. 0 for fewer than four batches.
+// Returns one standard error of the mean of `batches` values with this sum of squared deviations,
+// widened by √((n−1)/(n−3)). Errors of a mean divided by it then have an RMS of 1, without
+// Student's wide tails for few values. 0 for fewer than four batches.
 inline double standard_error(double squares, std::uint32_t batches) {
   if (batches < 4) return 0;
   return std::sqrt(std::max(0.0, squares) / (static_cast<double>(batches) * (batches - 3.0)));
 }
 
-// B. P. Welford, "Note on a method for calculating corrected sums of squares and products", 1962.
+// Running mean and squared deviations. B. P. Welford, "Note on a method for calculating corrected
+// sums of squares and products", 1962.
 class RunningStatistics {
  public:
   explicit RunningStatistics(std::size_t count = 0) : mean_(count), squares_(count) {}

@@ -1,4 +1,4 @@
-// Maps from the unit square that keep areas, and frames about a direction. Private to
+// Area-preserving maps from the unit square, and frames about a direction. Private to
 // preview/reference.
 #pragma once
 
@@ -15,7 +15,7 @@ struct Frame {
   Vec3 y;
 };
 
-// T. Duff et al., "Building an orthonormal basis, revisited", 2017.
+// Builds a frame. T. Duff et al., "Building an orthonormal basis, revisited", 2017.
 inline Frame frame_about(const Vec3& z) {
   const double sign = std::copysign(1.0, z.z);
   const double a = -1 / (sign + z.z);
@@ -24,7 +24,7 @@ inline Frame frame_about(const Vec3& z) {
           Vec3(b, sign + z.y * z.y * a, -z.y)};
 }
 
-// The unit disc. P. Shirley, K. Chiu, "A low distortion map between disk and square", 1997.
+// Maps to the unit disc. P. Shirley, K. Chiu, "A low distortion map between disk and square", 1997.
 inline Vec2 on_disc(const Vec2& u) {
   const Vec2 p = 2.0 * u - 1.0;
   if (p.x == 0 && p.y == 0) return Vec2(0);
@@ -35,7 +35,7 @@ inline Vec2 on_disc(const Vec2& u) {
   return radius * (wide ? Vec2(turn.cos, turn.sin) : Vec2(turn.sin, turn.cos));
 }
 
-// Directions about a unit normal with the density cos / π.
+// Maps to directions about a unit normal with the density cos / π.
 inline Vec3 in_cosine_lobe(const Vec3& normal, const Vec2& u) {
   const Vec2 place = on_disc(u);
   const Frame frame = frame_about(normal);

@@ -1,4 +1,4 @@
-// What a surface does with light, for the path tracer. Private to preview/reference.
+// Scattering by a surface, for the path tracer. Private to preview/reference.
 #pragma once
 
 #include "materials/material.h"
@@ -6,8 +6,8 @@
 
 namespace panwright::preview::reference {
 
-// A material's laws, and whether its lobe is so narrow that directions to the Sun's disc, taken at
-// random, miss the most of it: then directions that the lobe draws have to look for the Sun, too.
+// BRDFs of a material, and a mark for lobes so narrow that uniform directions to the Sun's disc
+// mostly miss them: then the Sun is also sampled by the lobe.
 struct Scatter {
   materials::Scattering scattering;
   double slope = 1;  // RMS, of its narrowest lobe
@@ -18,9 +18,10 @@ struct Scatter {
       : scattering(std::move(brdf_model)), slope(least_slope), has_mirror(scattering.has_delta()) {}
 
   bool is_narrow() const;
-  // With slopes times what a roughness map says, as preview/shaders/shading.frag.
+  // Returns the same with slopes times the value of a roughness map, as
+  // preview/shaders/shading.frag.
   Scatter roughened(double factor) const;
-  // With what a reflectance map says.
+  // Returns the same with the value of a reflectance map.
   Scatter reflecting(const Vec3& reflectance) const;
 };
 

@@ -6,7 +6,7 @@
 
 namespace panwright::preview::reference {
 
-// In the frame of a target's model. The whole disc gives `irradiance` to a plane that faces its
+// Sun in the frame of a target's model. The whole disc gives `irradiance` to a plane that faces its
 // centre.
 class Sun {
  public:
@@ -16,22 +16,22 @@ class Sun {
   bool has_disc() const { return sine_ > 0; }
   const Vec3& irradiance() const { return irradiance_; }
 
-  // A direction to the Sun and the irradiance that it stands for on a plane perpendicular to it:
-  // the mean over u in the unit square is exact.
+  // Direction to the Sun, and its irradiance on a plane perpendicular to it: the mean over u in the
+  // unit square is exact.
   struct Sample {
     Vec3 to_light;  // unit
     Vec3 irradiance;
   };
   Sample sample(const Vec2& u) const;
 
-  // The same of a place in the unit disc: divide by pi times the density of places.
+  // The same for a place in the unit disc: divide by pi times the density of places.
   Sample at(const Vec2& place) const;
-  // The place of a direction, beyond 1 beside the disc or behind. Expects: has_disc().
+  // Returns the place of a direction, beyond 1 beside the disc or behind. Expects: has_disc().
   Vec2 place(const Vec3& direction) const;
   const Vec3& centre() const { return centre_; }
   double sine() const { return sine_; }  // of the angular radius; 0: a point
 
-  // 0 beside the disc. Expects: has_disc().
+  // Returns the radiance; 0 beside the disc. Expects: has_disc().
   Vec3 radiance(const Vec3& direction) const;
 
  private:

@@ -1,4 +1,4 @@
-// Where u grows along a mesh, for normal maps and for surfaces that are not isotropic. Private to
+// Tangents of a mesh along u, for normal maps and anisotropic surfaces. Private to
 // preview/reference.
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace panwright::preview::reference {
 
-// The tangents at the corners of a mesh's triangles.
+// Tangents at the corners of a mesh's triangles.
 class TangentField {
  public:
-  // A corner takes the mean of the directions of u, each in the plane of the corner's normal and
-  // weighted by its triangle's angle there, over all triangles that have a corner of this place,
-  // normal and texel, whole repeats of the texture apart, and show the texture the same way round.
-  // Triangles without an area in the texture count nowhere; where all are such, any direction
+  // Computes the tangents. A corner takes the mean of the directions of u, each in the plane of the
+  // corner's normal and weighted by its triangle's angle there. The mean is over all triangles with
+  // a corner of this place, normal and texel (whole repeats apart), and the same orientation of the
+  // texture. Triangles without area in the texture are ignored; if all are such, any direction
   // perpendicular to the normal.
   //
   // Expects: texture coordinates. Cost: O(T).
   explicit TangentField(const pan::MeshView& mesh);
 
-  // tangent: interpolated, any length. handed: 1, or −1 where the texture is mirrored.
+  // tangent: interpolated, any length. handed: 1, or −1 if the texture is mirrored.
   struct At {
     Vec3 tangent{0};
     double handed = 1;

@@ -1,5 +1,4 @@
-// The textures of a model at a point, from their bytes as they stand in the pan. Private to
-// preview/reference.
+// Textures of a model at a point, read from the bytes of the pan. Private to preview/reference.
 #pragma once
 
 #include <array>
@@ -10,8 +9,8 @@
 
 namespace panwright::preview::reference {
 
-// A texture at full resolution, decoded in double where it is read and bilinear between texel
-// centres. (0, 0) is the lower left corner. It repeats, but for clamped(), whose edge goes on.
+// Texture at full resolution, decoded in double on access and bilinear between texel centres. (0,
+// 0) is the lower left corner. It repeats, except for clamped(), whose edge continues.
 class Texture {
  public:
   // rgba: 4*H*W codes, row 0 at the top; it outlives the texture. linear: RGB is not sRGB encoded.
@@ -19,19 +18,19 @@ class Texture {
           bool linear);
 
   Vec3 color(const Vec2& at) const;
-  // RGB times A before the interpolation, and A: the color of a transparent texel counts nowhere.
+  // Returns RGB times A before the interpolation, and A: transparent texels contribute no colour.
   Vec4 premultiplied(const Vec2& at) const;
   Vec4 clamped_premultiplied(const Vec2& at) const;
-  // A normal map's RGB as it is: the mean of unit normals, never inwards; shorter than 1 where
+  // Returns a normal map's RGB: the mean of unit normals, never inwards; shorter than 1 if
   // neighbours differ.
   Vec3 normal(const Vec2& at) const;
   double red(const Vec2& at) const;  // code / 255, whatever the encoding
-  // A. Each texel is rounded to float, as a threshold is that a pan holds: a texel whose alpha is
-  // the threshold reaches it.
+  // Returns A. Each texel is rounded to float, as a pan's threshold is: an alpha equal to the
+  // threshold reaches it.
   double alpha(const Vec2& at) const;
 
  private:
-  // The four texels around a place, and the share of the right and of the upper ones.
+  // Four texels around a place, and the share of the right and of the upper ones.
   struct Corners {
     std::array<const std::uint8_t*, 4> texel;  // lower left, lower right, upper left, upper right
     double right;

@@ -1,4 +1,4 @@
-// A model with its textures, ready for rays: what does not change with a world. Private to
+// Model with its textures, ready for rays: the part independent of a world. Private to
 // preview/reference.
 #pragma once
 
@@ -20,29 +20,29 @@
 
 namespace panwright::preview::reference {
 
-// A point of a model that a ray has hit, in the model's frame.
+// Hit point of a ray, in the model's frame.
 struct Point {
-  Vec3 start{0};    // where rays leave it: past the chord error, towards the smooth surface
-  Vec3 normal{0};   // as shaded, unit, on the side that is seen
+  Vec3 start{0};    // origin of further rays: past the chord error, towards the smooth surface
+  Vec3 normal{0};   // as shaded, unit, on the visible side
   Vec3 tangent{0};  // along u of the texture coordinates, unit and perpendicular to the normal;
                     // 0: none
   Vec3 tint{1};     // multiplies the diffuse colour
   const Scatter* scatter = nullptr;
-  std::optional<Scatter> own;  // of maps of roughness and reflectance, in the place of scatter
+  std::optional<Scatter> own;  // with maps of roughness and reflectance: replaces scatter
   Vec3 emitted{0};             // radiance for an irradiance of 1
 
   const Scatter& surface() const { return own ? *own : *scatter; }
 };
 
-// Where an instance of a model stands in the model's frame.
+// Placement of an instance in the model's frame.
 struct Placement {
   Affine model_from_mesh;  // of float positions, the mesh's origin included
-  Mat3 normals{1};         // takes outward normals to outward normals of any length
+  Mat3 normals{1};         // maps outward normals to outward normals of any length
 };
 
 class TraceModel {
  public:
-  // What of an instance does not move. They are numbered as in the model.
+  // Fixed data of an instance. Numbered as in the model.
   struct Part {
     pan::MeshView mesh;
     std::uint32_t mesh_index = 0;
@@ -50,9 +50,9 @@ class TraceModel {
     std::uint32_t material = 0;
     Vec3 origin{0};        // of the mesh
     Vec3 low{0}, high{0};  // bounds of the float positions
-    bool closed = false;   // its inside is not seen: closed, and without holes to see it
+    bool closed = false;   // its inside is invisible: closed, and without holes
     bool has_holes = false;
-    const TangentField* tangents = nullptr;  // with a normal map, or a BRDF that has a direction
+    const TangentField* tangents = nullptr;  // with a normal map, or an anisotropic BRDF
     double offset = 0;       // mesh metres: past its chord error and float's rounding
     double flat_offset = 0;  // past float's rounding
     Vec3 diffuse{0};         // colour of the material
@@ -67,42 +67,42 @@ class TraceModel {
     double threshold = 0;               // of the cutout
     std::vector<std::uint32_t> decals;  // from the lowest
     std::int32_t back = -1;             // into backs_; -1: both sides are alike
-    bool is_back = false;               // a material by itself
+    bool is_back = false;               // material of a back
   };
 
-  // Expects: checked. Cost: about 150 bytes a triangle; textures are read where they lie.
+  // Expects: checked. Cost: about 150 bytes a triangle; textures are read in place.
   TraceModel(world::ModelPtr model, const Job& job);
   TraceModel(const TraceModel&) = delete;
   TraceModel& operator=(const TraceModel&) = delete;
 
   const world::ModelPtr& model() const { return model_; }
   std::span<const Part> parts() const { return parts_; }
-  // Of the meshes that are placed; null for others.
+  // Returns the search mesh of a placed mesh; null for others.
   const geometry::SearchMesh& search_mesh(std::uint32_t mesh) const { return meshes_[mesh]; }
   Placement placement(std::uint32_t part, const PlacedNodes& nodes) const;
 
-  // Not in a hole.
+  // Returns false in a hole.
   bool is_there(std::uint32_t part, const geometry::InstanceHit& hit) const;
 
   // flat: by the triangles' own normals.
   Point point(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
               bool flat) const;
 
-  // The normal on the side that is seen, without a normal map, in the model's frame: unit, or 0.
+  // Returns the normal on the visible side, without a normal map, in the model's frame: unit, or 0.
   Vec3 normal(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
               bool flat) const;
 
  private:
-  // Where a hit lies in its triangle.
+  // Place of a hit in its triangle.
   struct Place {
     std::array<std::uint32_t, 3> corner{};
     Vec3 weight{0};
   };
-  // A place on a mesh, in its own frame.
+  // Place on a mesh, in its own frame.
   struct Surface {
     Vec3 position;  // relative to the mesh's origin
     Vec3 facet;     // unit
-    Vec3 smooth;    // interpolated; facet where it is flat
+    Vec3 smooth;    // interpolated; facet if flat
   };
   struct Decal {
     Mat4 decal_from_mesh;  // the mesh's coordinates, its origin added
@@ -113,7 +113,7 @@ class TraceModel {
   void add_parts();
   void wear(Part& part, const pan::layout::Instance& instance, std::uint32_t material, bool back);
   void lay_decals_over(Part& part);
-  // What of a part is seen.
+  // Returns the visible side of a part.
   const Part& seen(std::uint32_t part, bool front) const {
     const Part& outside = parts_[part];
     return front || outside.back < 0 ? outside : backs_[static_cast<std::size_t>(outside.back)];

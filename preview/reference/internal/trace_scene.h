@@ -1,4 +1,4 @@
-// A world, ready for rays. Private to preview/reference.
+// World, ready for rays. Private to preview/reference.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace panwright::preview::reference {
 
-// One state of a target: everything in its model's frame, whatever its pose.
+// State of a target: everything in its model's frame, whatever its pose.
 class TraceTarget {
  public:
   TraceTarget(std::shared_ptr<const TraceModel> model, const world::Instance& instance,
@@ -27,12 +27,13 @@ class TraceTarget {
   TraceTarget& operator=(const TraceTarget&) = delete;
 
   const TraceModel& model() const { return *model_; }
-  // The parts that are to be seen, ascending, and where they stand; numbered as hits are.
+  // Visible parts, ascending, and their placements; numbered as hits are.
   std::span<const std::uint32_t> parts() const { return parts_; }
   std::span<const Placement> placements() const { return placements_; }
-  const geometry::AxisBox& bounds() const { return bounds_; }  // empty: nothing is to be seen
+  const geometry::AxisBox& bounds() const { return bounds_; }  // empty: fully hidden
 
-  // The nearest surface, holes apart; the inside of closed meshes counts, or, for a camera, not.
+  // Returns the nearest surface, except holes; the inside of closed meshes counts, unless by a
+  // camera.
   std::optional<geometry::InstanceHit> closest(const geometry::Ray& ray, bool by_camera) const;
   bool any(const geometry::Ray& ray) const;
 
@@ -58,7 +59,7 @@ class TraceTarget {
   bool has_holes_ = false;
 };
 
-// A ray in the frame of a target's model, or of the camera.
+// Ray in the frame of a target's model, or of the camera.
 struct TraceRay {
   static constexpr std::uint32_t kCamera = ~0u;
   std::uint32_t frame = kCamera;  // into the scene's targets
@@ -71,15 +72,15 @@ struct TraceHit {
   Vec3 direction{0};  // the ray's, in the frame of the target's model
 };
 
-// The targets that are to be seen, and a camera among them.
+// Visible targets, and a camera among them.
 //
-// Rays stay in the frame of what they leave. On their way to another target they are taken into
-// its model's frame, where the difference of the two positions is formed first: so neither the
-// distance between targets nor that to the camera or to the world's origin costs more precision
-// than its own rounding, and what lies on one target is exact in its own frame.
+// Rays stay in the frame of their origin. For another target they are transformed into its model's
+// frame, forming the difference of the two positions first. So distances between targets, to the
+// camera and to the world's origin cost only their own rounding. Points of a target are exact in
+// its own frame.
 class TraceScene {
  public:
-  // One target: its state and its pose.
+  // Placed target: its state and its pose.
   struct Placed {
     std::shared_ptr<const TraceTarget> target;
     RigidFrame frame;
@@ -87,18 +88,18 @@ class TraceScene {
     Affine from_camera;       // to the model's frame
   };
 
-  // Brings everything up to date: what has the stamps of the last world stays.
+  // Updates to a world: parts with unchanged stamps stay.
   void update(const world::World& world, const Job& job);
-  // Puts a camera in; after update().
+  // Sets the camera; after update().
   void place_camera(const world::Camera& camera);
 
   std::span<const Placed> targets() const { return targets_; }
   const RigidFrame& camera() const { return camera_; }
   const ReferenceWork& work() const { return work_; }
 
-  // What the camera sees: not the insides of closed meshes, and through holes.
+  // Returns the hit visible to the camera: not the insides of closed meshes, and through holes.
   std::optional<TraceHit> seen(const TraceRay& ray) const;
-  // The nearest surface, holes apart; insides of closed meshes count.
+  // Returns the nearest surface, except holes; insides of closed meshes count.
   std::optional<TraceHit> closest(const TraceRay& ray) const;
   bool any(const TraceRay& ray) const;
 

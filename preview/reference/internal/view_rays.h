@@ -1,4 +1,4 @@
-// A camera's pixels as rays and as solid angles. Private to preview/reference.
+// Rays and solid angles of a camera's pixels. Private to preview/reference.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace panwright::preview::reference {
 
-// The ray through a place on the image, in the camera's frame, unit direction. Orthographic rays
-// start on the plane through the camera.
+// Returns the ray through a place on the image, in the camera's frame, unit direction. Orthographic
+// rays start on the plane through the camera.
 geometry::Ray view_ray(const world::Camera& camera, const Vec2& place);
 
-// What a pixel's radiance is multiplied by in the total flux: its solid angle, steradians, or its
+// Returns the weight of a pixel's radiance in the total flux: its solid angle, steradians, or its
 // area, m², for an orthographic camera. Exact to some roundings.
 double pixel_weight(const world::Camera& camera, std::uint32_t column, std::uint32_t row);
 

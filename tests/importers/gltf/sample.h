@@ -14,7 +14,7 @@ namespace panwright::importers {
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
               kUnsignedInt = 5125, kFloat = 5126;
 
-// A file while it is put together: JSON, and the bytes of its one buffer.
+// File under construction: JSON, and the bytes of its one buffer.
 struct Sample {
   nlohmann::json json = {{"asset", {{"version", "2.0"}}}};
   std::string bytes;

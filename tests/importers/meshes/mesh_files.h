@@ -17,7 +17,7 @@
 
 namespace panwright::importers {
 
-// What was read, with what was said of it.
+// Result of a reading, with its diagnostics.
 struct MeshReading {
   std::vector<MemoryFile> files;  // the log shows their text
   DiagnosticLog log{1000};

@@ -18,7 +18,7 @@ class Sample {
  public:
   Sample();
 
-  // A part with a name; by itself at the top of the document.
+  // A part with a name; alone at the top of the document.
   TDF_Label part(const TopoDS_Shape& shape, const std::string& name);
   // An empty assembly.
   TDF_Label assembly(const std::string& name);

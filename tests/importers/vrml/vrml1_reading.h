@@ -1,4 +1,4 @@
-// VRML 1.0 texts in memory, and what is asked of their scenes.
+// VRML 1.0 texts in memory, and queries of their scenes.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -14,7 +14,7 @@ namespace panwright::importers::vrml {
 
 inline const std::string kHeader97 = "#VRML V2.0 utf8\n";
 
-// A text → scene.
+// Reading of a text into a scene.
 struct Reading {
   std::vector<MemoryFile> files;  // the log shows their text
   DiagnosticLog log{100000};
@@ -64,7 +64,7 @@ inline std::unique_ptr<Reading> read97(const std::string& body, const Options& o
   return read_files({{"model.wrl", kHeader97 + body}}, options);
 }
 
-// A text → document, for what does not reach the scene.
+// Reading of a text into a document, for contents outside the scene.
 struct Parsed {
   std::vector<MemoryFile> stored;
   std::unique_ptr<Files> files;
