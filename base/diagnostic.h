@@ -96,7 +96,7 @@ class DiagnosticLog {
   std::size_t kept_others_ = 0;
 };
 
-// The process exit code that a log asks for (docs/conventions.md 15): 0 without errors; otherwise
+// The process exit code that a log asks for (docs/conventions.md 18): 0 without errors; otherwise
 // 130 cancelled, 2 usage, 3 I/O, 4 a damaged pan, 1 anything else, the first of these that occurs.
 int exit_code(const DiagnosticLog& log);
 

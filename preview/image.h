@@ -1,5 +1,5 @@
 // Images of linear radiance with their ground truth layers, and the files they are written to
-// (docs/conventions.md 4 and 8). Nothing here needs OpenGL.
+// (docs/image-files.md). Nothing here needs OpenGL.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What made an image, as text in its file, and back (docs/views.md).
+// What made an image, as text in its file, and back (docs/image-files.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Small targets, drawn by themselves and finer than pixels. Private to preview; nothing here needs
-// OpenGL. docs/imposters.md says why, and how right it is.
+// OpenGL. docs/accuracy/imposters.md says why, and how right it is.
 #pragma once
 
 #include <cmath>

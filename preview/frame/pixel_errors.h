@@ -15,7 +15,7 @@ namespace panwright::preview {
 // centre by what bends: the largest second difference of the radiance along the rows, the columns
 // and both diagonals, which sees edges, the borders of shadows and highlights alike, and no even
 // slope; and a part of what its neighbours bend, where thin things may run on between the samples.
-// The factors are measured (docs/sampling.md).
+// The factors are measured (docs/accuracy/sampling.md).
 class ErrorPredictor {
  public:
   // patternless: of each pixel of the part, what stands for its radiance (solar cells, whose
@@ -45,8 +45,8 @@ class ErrorPredictor {
 float least_error_above(std::span<const float> errors, double budget);
 
 // Which pixels get how many samples next. The error of N×N samples is taken to fall with N^1.4
-// (measured: docs/sampling.md) and their cost grows with N², so the fewest samples for a sum of
-// squares go to each pixel with N as its error to the power of 1 / 2.4, in steps of `sides`. A draw
+// (measured: docs/accuracy/sampling.md) and their cost grows with N², so the fewest samples for a
+// sum of squares go to each pixel with N as its error to the power of 1 / 2.4, in steps of `sides`. A draw
 // of its own for a few pixels costs more than it saves: no level is used that the budget can do
 // without.
 class Allocation {

@@ -1,5 +1,5 @@
 // Samples where they change the pixel: one for most, N×N for the others. Private to preview.
-// docs/sampling.md says what decides, and how well.
+// docs/accuracy/sampling.md says what decides, and how well.
 #pragma once
 
 #include <cstdint>

@@ -39,8 +39,8 @@ struct ReferenceImage {
   Image image;
   // 3*H*W one standard error of the radiance, in its unit: what the pixel's samples and those
   // around it tell, so that 99 % of pixels with light lie within three of them, also with few
-  // samples (docs/reference-renderer.md). Larger than the true error on the average, at most by
-  // half; for sums over pixels take flux_error.
+  // samples (docs/accuracy/reference-renderer.md). Larger than the true error on the average, at
+  // most by half; for sums over pixels take flux_error.
   std::vector<float> standard_error;
 
   // Sum of radiance × solid angle of the pixel, the irradiance at a perspective camera; × area,
@@ -73,8 +73,8 @@ struct ReferenceWork {
 // disc, whole, whose irradiance on a plane that faces it is that of the world, from what emits, and
 // by `bounces` interreflections; targets shadow and light each other. A point is lit where its
 // shading normal faces the Sun and a ray to it, started past the chord error of the mesh towards
-// the smooth surface, is free (docs/conventions.md 14). Sides, maps, decals and ground truth layers
-// as in renderer.h, but that holes are always sharp.
+// the smooth surface, is free (docs/conventions-models.md 13). Sides, maps, decals and ground
+// truth layers as in renderer.h, but that holes are always sharp.
 //
 // It shares the formulas of materials/, the reader of pan files and the ray caster with the
 // preview, and nothing else: placement, textures, decals, tangents, view rays and truth are its
