@@ -46,9 +46,9 @@ float least_error_above(std::span<const float> errors, double budget);
 
 // Which pixels get how many samples next. The error of N×N samples is taken to fall with N^1.4
 // (measured: docs/accuracy/sampling.md) and their cost grows with N², so the fewest samples for a
-// sum of squares go to each pixel with N as its error to the power of 1 / 2.4, in steps of `sides`. A draw
-// of its own for a few pixels costs more than it saves: no level is used that the budget can do
-// without.
+// sum of squares go to each pixel with N as its error to the power of 1 / 2.4, in steps of `sides`.
+// A draw of its own for a few pixels costs more than it saves: no level is used that the budget can
+// do without.
 class Allocation {
  public:
   // errors: of each pixel, with as many samples as it has; levels: into sides, which ascend.
