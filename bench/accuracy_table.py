@@ -203,6 +203,14 @@ def far_curves():
     return out
 
 
+def proofs():
+    """Links to the pages that hold the measurements of one feature each."""
+    pages = sorted((ROOT / "docs/accuracy").glob("*.md"))
+    titles = [page.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for page in pages]
+    return "\n## Measurements by feature\n\n" + "".join(
+        f"- [{title}](accuracy/{page.name})\n" for title, page in zip(titles, pages))
+
+
 def far():
     ways = spheres()
     radii = sorted({radius for points in ways.values() for radius, _, _ in points})
@@ -268,7 +276,7 @@ def page():
             out += (f"| {setting[len(subject) + 2:]} | {flux[0]:.1e} | {flux[1]:.0e} | {rmse[0]:.1e} | {rmse[1]:.0e} "
                     f"| {flip[0]:.4f} | {values['ms']:.0f} |\n")
         out += "\n"
-    return (out + sides(table) + far() + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES
+    return (out + sides(table) + far() + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES + proofs()
 
 
 def main():
