@@ -96,7 +96,7 @@ class DiagnosticLog {
   std::size_t kept_others_ = 0;
 };
 
-// Returns the process exit code of a log (docs/conventions.md 15): 0 without errors; otherwise the
+// Returns the process exit code of a log (docs/conventions.md 18): 0 without errors; otherwise the
 // first that occurs of 130 cancelled, 2 usage, 3 I/O, 4 damaged pan, 1 else.
 int exit_code(const DiagnosticLog& log);
 

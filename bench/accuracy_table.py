@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 INTRO = """# How right is the preview?
 
-The OpenGL preview against the reference renderer (`docs/reference-renderer.md`), BRDF by BRDF: a sphere that fills nine tenths of the
+The OpenGL preview against the reference renderer ([reference renderer](reference-renderer.md)), BRDF by BRDF: a sphere that fills nine tenths of the
 image, and the servicer of the examples with every surface of that BRDF; 256 × 256 pixels, 4 × 4 points each, the Sun 60° (sphere)
 and 56° (servicer) from the line of sight. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
 `panwright-bench accuracy` measures, and from `glint.csv`, `moments.csv`, `wide.csv` and `error_bars.csv`.
@@ -47,7 +47,7 @@ that sees the sphere's own pixels alone. `panwright-bench imposters` and `impost
 
 CRAFT = """
 The servicer with the finest foil, on an approach from 1,000 km to 2.8 m, against an image of a thousand pixels with 8 × 8 samples each, nearer than 20 m of as many with 16 × 16, and shadow maps of 8,192 texels (twice as many samples a side change less than 1e-4). Imposters end at 511 pixels,
-where samples to `--pixel-error 5%` take over: right to 2 % in the pixels, and up to 0.1 % too dark ([why](imposters.md)).
+where samples to `--pixel-error 5%` take over: right to 2 % in the pixels, and up to 0.1 % too dark ([why](accuracy/imposters.md)).
 
 ![flux error over the range](images/far-range.svg)
 
@@ -56,7 +56,7 @@ where samples to `--pixel-error 5%` take over: right to 2 % in the pixels, and u
 BARS = """
 ## Error bars of the reference
 
-How right the standard error is that the reference states for each pixel (`docs/reference-renderer.md`), with few samples: 48 × 48 pixels, three bounces, the disc of the Sun, 16
+How right the standard error is that the reference states for each pixel ([formula](accuracy/reference-renderer.md#error-bars)), with few samples: 48 × 48 pixels, three bounces, the disc of the Sun, 16
 to 64 seeds each against 4096 samples of another seed. Of pixels with any light: the share within three standard errors (99 % are
 wanted), and the mean stated error over the mean true one, the RMS of the seeds (at most 1.5 is wanted). Written from `bench/results/error_bars.csv`, which
 `panwright-bench error_bars` measures.
@@ -66,7 +66,7 @@ wanted), and the mean stated error over the mean true one, the RMS of the seeds 
 WIDE = """## Shadows in wide models
 
 A cube of 10 cm on a plate, seen from 1.2 m with a field of view of 25°, and a deck of 120 m with a rail on posts, seen along it: a shadow map
-consists of tiles where one map of the whole model would be too coarse (`docs/conventions.md`). 256 × 256 pixels, 4 × 4 points each, against the
+consists of tiles where one map of the whole model would be too coarse ([conventions](conventions-models.md) 13). 256 × 256 pixels, 4 × 4 points each, against the
 reference renderer without disc and bounces; RMSE over the RMS of the image, of which the edges of shadows are nearly all. Times are those
 of 1024 × 1024 pixels with a map drawn anew, beside the first line's. `panwright-bench wide` measures them.
 
@@ -79,7 +79,7 @@ NOTES = """
 
 - Light between surfaces ("with light between surfaces" above has three bounces in the reference). A concave spacecraft gets a few
   per cent more light than the preview shows.
-- With `--samples N`, unless `--shadows soft`: the half shadow at the edges of shadows, 9.3 mm wide for each metre between caster and receiver (`docs/shadows.md`).
+- With `--samples N`, unless `--shadows soft`: the half shadow at the edges of shadows, 9.3 mm wide for each metre between caster and receiver ([shadows](shadows.md)).
 - Lobes wider than a slope of 0.15 (GGX: 0.2) are those of a point Sun, from 0.98 AU on: 2 % of their peak at 85°, 0.1 % at normal incidence.
 - Retroreflectors: their lobe is the mean over the Sun's disc of a Gaussian; what depends on the angle of incidence is taken at the disc's centre.
 """
@@ -203,6 +203,14 @@ def far_curves():
     return out
 
 
+def proofs():
+    """Links to the pages that hold the measurements of one feature each."""
+    pages = sorted((ROOT / "docs/accuracy").glob("*.md"))
+    titles = [page.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for page in pages]
+    return "\n## Measurements by feature\n\n" + "".join(
+        f"- [{title}](accuracy/{page.name})\n" for title, page in zip(titles, pages))
+
+
 def far():
     ways = spheres()
     radii = sorted({radius for points in ways.values() for radius, _, _ in points})
@@ -273,7 +281,7 @@ def page():
             out += (f"| {setting[len(subject) + 2:]} | {flux[0]:.1e} | {flux[1]:.0e} | {rmse[0]:.1e} | {rmse[1]:.0e} "
                     f"| {flip[0]:.4f} | {values['ms']:.0f} |\n")
         out += "\n"
-    return (out + sides(table) + far() + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES
+    return (out + sides(table) + far() + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES + proofs()
 
 
 def main():

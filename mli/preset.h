@@ -22,7 +22,7 @@ std::span<const Preset> presets();
 // Returns the operations of a preset; nothing: another name. Sizes are in metres, whatever the
 // sheet's; seams are half a metre apart about the middle of the height.
 //
-// Slopes are guesses: no measured RMS slope of flight blankets is published (docs/mli.md).
+// Slopes are guesses: no measured RMS slope of flight blankets is published (docs/accuracy/mli.md).
 std::optional<std::vector<Operation>> preset_operations(std::string_view name, double height);
 
 }  // namespace panwright::mli

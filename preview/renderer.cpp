@@ -53,8 +53,8 @@ std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
 
 constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
 
-// What coarse texels lose of the light of foil and trusses is said in docs/shadows.md. Imposters'
-// come in steps of a half octave, so that one map serves draws that differ little.
+// What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
+// Imposters' come in steps of a half octave, so that one map serves draws that differ little.
 unsigned shadow_side_for(std::uint32_t texels, unsigned samples) {
   constexpr double kOfTexels = 5;
   constexpr double kLeast = 256;

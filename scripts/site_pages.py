@@ -13,19 +13,25 @@ import urllib.parse
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 JQUERY = pathlib.Path("/usr/share/javascript/jquery/jquery.min.js")
-# title, page; what is not here stands under More
+# title, page; what is not here stands under More or Proofs
 NAVIGATION = [
     ("Start", "index.md"),
     ("Map", "map.md"),
     ("Language tour", "language-tour.md"),
+    ("Whole models", "language-tour-models.md"),
     ("Language reference", "pxn-reference.md"),
     ("CAD files", "importing.md"),
     ("glTF", "importing-gltf.md"),
     ("Cleaning", "cleaning.md"),
     ("Compiling again", "compiling.md"),
     ("Materials", "choosing-a-material.md"),
+    ("Foil", "mli.md"),
     ("Joints", "articulation.md"),
-    ("Sampling", "sampling.md"),
+    ("Window", "studio.md"),
+    ("Samples", "sampling.md"),
+    ("Shadows", "shadows.md"),
+    ("Imposters", "imposters.md"),
+    ("Many views", "views.md"),
     ("Reference renderer", "reference-renderer.md"),
     ("Accuracy", "accuracy.md"),
     ("Conventions", "conventions.md"),
@@ -65,20 +71,24 @@ def lay_out(folder):
     shutil.copy(JQUERY, pages / "js/jquery-3.6.0.min.js")
     (pages / "js/theme_extra.js").write_text("", encoding="utf-8")
     known = {page for _, page in NAVIGATION}
-    more = []
+    more, proofs = [], []
     for page in sorted(pages.rglob("*.md")):
         text = page.read_text(encoding="utf-8")
         # what lies outside of the site is named and not linked
-        text = re.sub(r"\[([^\]]+)\]\((?:\.\./|bench/|examples/|schemas/)[^)]*\)", r"\1", text)
+        up = r"\.\./" * len(page.relative_to(pages).parts)
+        text = re.sub(rf"\[([^\]]+)\]\((?:{up}|bench/|examples/|schemas/)[^)]*\)", r"\1", text)
         page.write_text(with_lists(text), encoding="utf-8")
         name = page.relative_to(pages).as_posix()
-        if name not in known:
+        if name.startswith("accuracy/"):
+            proofs.append((title_of(text), name))
+        elif name not in known:
             more.append((title_of(text), name))
     quote = lambda words: '"' + words.replace("\\", "\\\\").replace('"', '\\"') + '"'
     lines = ["site_name: Panwright", "docs_dir: pages", "theme:", "  name: readthedocs", "use_directory_urls: false",
              "plugins:", "  - search", "markdown_extensions:", "  - tables", "  - fenced_code", "  - toc:", "      permalink: true", "nav:"]
     lines += [f"  - {quote(title)}: {page}" for title, page in NAVIGATION if (pages / page).is_file()]
-    lines += ["  - More:"] + [f"    - {quote(title)}: {page}" for title, page in more]
+    for group, members in (("More", more), ("Proofs", proofs)):
+        lines += [f"  - {group}:"] + [f"    - {quote(title)}: {page}" for title, page in members]
     (folder / "mkdocs.yml").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -13,7 +13,7 @@
 
 namespace panwright::studio {
 
-// One step of a script, as docs/studio.md has it.
+// One step of a script, as docs/studio-scripts.md has it.
 struct Step {
   enum class Kind {
     click,       // a widget

@@ -12,7 +12,7 @@ namespace panwright::preview {
 namespace {
 
 // The error of a pixel in parts of its second difference, rms: 0.15 to 0.2 on the views of
-// docs/sampling.md, the rest is for what varies from pixel to pixel.
+// docs/accuracy/sampling.md, the rest is for what varies from pixel to pixel.
 constexpr float kShare = 0.3f;
 // The same of its neighbours' second differences.
 constexpr float kNeighbourShare = 0.05f;

@@ -14,7 +14,7 @@ struct Seen {
 };
 
 // Sums over side² pieces of each triangle: normals are interpolated and made unit, triangles that
-// face away do not count (docs/conventions.md 14).
+// face away do not count (docs/conventions-models.md 13).
 inline Seen seen_by(const geometry::Mesh& mesh, const Vec3& to_light, const Vec3& to_viewer,
                     int side) {
   Seen sum;

@@ -1,4 +1,5 @@
-// The sheets and forms of docs/mli.md: their checksums, or files of numpy.
+// The sheets and forms of docs/mli-operations.md and docs/mli-forms.md: their checksums, or files
+// of numpy.
 //
 //   mli_sheets THREADS          a line each: its name, checksums of heights and statistics, or of
 //   positions mli_sheets --write FOLDER   FOLDER/NAME.npy: heights (rows, columns), row 0 at the

@@ -254,7 +254,7 @@ def main():
     memory = said["memory"]["mib"]
     part = len(memory) // 4
     before, after = sorted(memory[part:2 * part])[part // 2], sorted(memory[-part:])[part // 2]
-    # measured: 862.5 and 862.9 MiB; docs/studio.md has 500 readings of the servicer
+    # measured: 862.5 and 862.9 MiB; docs/accuracy/studio.md has 500 readings of the servicer
     print(f"memory: {before} MiB, later {after} MiB")
     expect(f"memory grew from {before} to {after} MiB: {memory}", after < 1.2 * before)
 

@@ -55,7 +55,7 @@ TEST(Program, CompilesAndShowsFigure8) {
   EXPECT_EQ(out["materials"].size(), 1u);
   EXPECT_EQ(out["materials"][0]["specular_model"], "cook-torrance");
   EXPECT_EQ(out["meshes"][0]["triangles"], 11880);
-  // docs/conventions.md 11: off by 1.494e-3 of the radius
+  // docs/conventions-models.md 11: off by 1.494e-3 of the radius
   EXPECT_NEAR(out["meshes"][0]["error"].get<double>(), 1.494e-3, 2e-6);
   for (const int axis : {0, 1, 2}) {
     EXPECT_NEAR(out["bounds"]["min"][axis].get<double>(), -1, 2e-3);

@@ -14,7 +14,8 @@ namespace {
 // before it was written with seven digits gets no axis from them.
 constexpr double kNoBend = 1e-5;
 
-// Peak while a mesh is made, with its arrays, as measured with textures (docs/importing.md).
+// Peak while a mesh is made, with its arrays, as measured with textures
+// (docs/accuracy/importing.md).
 constexpr double kBytesPerTriangle = 110;
 
 Vec2 vec2_at(std::span<const double> values, std::size_t i) {
