@@ -1,5 +1,5 @@
 // Imposters: small targets, drawn separately and finer than pixels. Private to preview; nothing
-// here needs OpenGL. Reasons and accuracy: docs/imposters.md.
+// here needs OpenGL. Reasons and accuracy: docs/accuracy/imposters.md.
 #pragma once
 
 #include <cmath>

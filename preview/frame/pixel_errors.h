@@ -15,7 +15,7 @@ namespace panwright::preview {
 // largest second difference of radiance along rows, columns and both diagonals. It detects edges,
 // borders of shadows and highlights, and no linear slope. A share of the neighbours' differences is
 // added, for thin parts that continue between the samples. The factors are measured
-// (docs/sampling.md).
+// (docs/accuracy/sampling.md).
 class ErrorPredictor {
  public:
   // patternless: of each pixel of the part, its radiance without patterns (solar cells, which are
@@ -44,7 +44,7 @@ class ErrorPredictor {
 float least_error_above(std::span<const float> errors, double budget);
 
 // Allocation of further samples to pixels. The error of N×N samples is assumed to fall with N^1.4
-// (measured: docs/sampling.md) and their cost grows with N². The fewest samples for a sum of
+// (measured: docs/accuracy/sampling.md) and their cost grows with N². The fewest samples for a sum of
 // squares are N proportional to the error to the power of 1 / 2.4, in steps of `sides`. Levels for
 // few pixels are skipped, as a draw costs more than it saves.
 class Allocation {

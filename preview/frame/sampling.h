@@ -1,5 +1,5 @@
 // Adaptive sampling: one sample for most pixels, N×N for the others. Private to preview. Criteria
-// and accuracy: docs/sampling.md.
+// and accuracy: docs/accuracy/sampling.md.
 #pragma once
 
 #include <cstdint>
