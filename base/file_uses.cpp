@@ -1,6 +1,6 @@
 #include "base/file_uses.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <map>

@@ -1,7 +1,7 @@
 // OpenGL against the reference renderer, BRDF by BRDF: a sphere, and the servicer in some of them
 // and from twelve sides.
 // Three rows each: flux, RMSE, FLIP, beside the time of a frame.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Budgets: what models become for cameras far and near, and what their images lose by it.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <chrono>

@@ -1,5 +1,5 @@
 // Examination of meshes and computed normals.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Cleaning of meshes: speed against error.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

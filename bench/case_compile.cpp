@@ -1,5 +1,5 @@
 // pxn text → pan file, as whole processes.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

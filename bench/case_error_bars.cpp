@@ -1,6 +1,6 @@
 // The reference renderer's error bars: how many pixels lie within three of them, and how wide they
 // are beside the true errors, on twelve scenes.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

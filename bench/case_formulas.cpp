@@ -1,5 +1,5 @@
 // Reflectance formulas: time of one evaluation in float and double, and the error of float.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
 

@@ -1,6 +1,6 @@
 // Runs of views, from the models to the files: frames a second, what a second target costs, and
 // what goes to the context when a target moves.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The Sun's glint on a flat plate: OpenGL against a quadrature over the Sun's disc, in the plane of
 // incidence and across it, 1° about the specular direction; and single against double precision.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

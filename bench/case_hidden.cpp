@@ -1,5 +1,5 @@
 // Removal of hidden parts: share, time, and whether anything changes.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 // Whole processes from CAD files to models and images.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // Runs of views of two spacecraft, near and far, with shadows: from the models to the files.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

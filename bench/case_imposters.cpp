@@ -1,6 +1,6 @@
 // Targets of any size: flux, flicker and photocentre beside the time of a frame, by imposters and by
 // samples; a spacecraft from 1,000 km to where it fills the image.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Joints: node updates a second, and where chains end against their closed forms.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Level 1 of the language: expressions, parts and repeats, as a whole process.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

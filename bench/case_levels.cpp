@@ -1,6 +1,6 @@
 // Levels of detail of foil: what they send, in the mean over sheets and of one sheet as a camera
 // comes closer, against the finest sheet.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

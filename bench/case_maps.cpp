@@ -1,6 +1,6 @@
 // What maps, holes and decals cost, each beside its error: a fine plate that fills the image, seen
 // straight, against sums over its images; and spheres of painted metal against the reference.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

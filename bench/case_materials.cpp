@@ -1,7 +1,7 @@
 // BRDFs of reflection: time of one evaluation on the CPU and of one pixel in OpenGL, beside the
 // error of directional albedos against tables and closed forms; and stable forms against naive
 // ones.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <glad/gl.h>
 
 #include <array>

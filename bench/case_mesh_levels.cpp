@@ -1,5 +1,5 @@
 // Levels of detail of meshes: imported spacecraft as a camera comes closer, against every triangle.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

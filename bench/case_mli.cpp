@@ -1,5 +1,5 @@
 // Sheets of foil: speed and memory against closed forms of their variances.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

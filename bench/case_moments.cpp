@@ -1,6 +1,6 @@
 // A plate with a normal map, seen from so far that the map has gone into the material: its flux
 // against the mean over the map's texels.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Opening and checking pan files of several sizes.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // Shadows of the Sun's disc: hard, and as the mean over points of it, against the reference
 // renderer.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

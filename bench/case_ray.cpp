@@ -1,5 +1,5 @@
 // Ray casting: speed against the exact sphere.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

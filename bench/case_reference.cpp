@@ -1,5 +1,5 @@
 // The reference renderer: rays a second, beside what the image is off by.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

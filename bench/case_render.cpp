@@ -1,5 +1,5 @@
 // Images of spheres: flux and photocentre against closed forms and facet sums; throughput.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

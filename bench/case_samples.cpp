@@ -1,6 +1,6 @@
 // Ways of sampling: what each costs beside one sample a pixel, and what it leaves against 16x16
 // samples in full.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

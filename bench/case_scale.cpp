@@ -1,5 +1,5 @@
 // Large models, and models that were compiled before: as whole processes.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <chrono>
 #include <cmath>

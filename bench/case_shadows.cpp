@@ -1,5 +1,5 @@
 // Sun shadows: what they cost, beside how far off their edges and the flux are.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

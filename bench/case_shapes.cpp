@@ -1,5 +1,5 @@
 // Exact shapes: making and packing their meshes, against distances, counts and fluxes of their own.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // Narrow highlights on curved surfaces: flux and pixels with and without the mean over what normals
 // turn from sample to sample, by radius in pixels; what it costs.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Tessellation of spheres: speed against the error achieved.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

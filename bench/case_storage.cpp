@@ -1,5 +1,5 @@
 // Forms of storage: bytes a triangle, how fast meshes are stored and loaded, and what that moves.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // Subdivision surfaces: making meshes of cages, against cages refined by the rules alone.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

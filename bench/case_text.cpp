@@ -1,5 +1,5 @@
 // The canonical form of large texts, and scenes written as text.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <memory>

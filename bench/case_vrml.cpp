@@ -1,5 +1,5 @@
 // Reading of VRML texts, in the process, beside a plain sweep over their numbers and Coin.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <charconv>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Sun shadows of models that are wide beside what a camera sees of them: what they cost beside the
 // same view of a compact model, and how far off flux and image are.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <string>

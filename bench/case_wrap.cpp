@@ -1,6 +1,6 @@
 // Blankets over imported spacecraft: what wears one, how fast it is made, how high it lies, and
 // whether it meets what is below or near.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 // Levels of detail of blankets over a box: what they send, in the mean over sheets, against the
 // finest one, path traced.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "bench/far_flux.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

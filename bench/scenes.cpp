@@ -1,6 +1,6 @@
 #include "bench/scenes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <fstream>
 #include <memory>

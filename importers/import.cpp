@@ -1,6 +1,6 @@
 #include "importers/import.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdlib>
 #include <optional>

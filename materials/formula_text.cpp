@@ -1,6 +1,6 @@
 #include "materials/formula_text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cassert>
 #include <iterator>

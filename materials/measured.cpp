@@ -1,6 +1,6 @@
 #include "materials/measured.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

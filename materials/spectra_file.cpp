@@ -1,6 +1,6 @@
 #include "materials/spectra_file.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "mli/recipe.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

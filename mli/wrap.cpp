@@ -1,6 +1,6 @@
 #include "mli/wrap.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

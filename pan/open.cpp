@@ -1,5 +1,5 @@
 // Opening: the header, the directory and the lengths of sections; no content is checked.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <cstring>

@@ -1,6 +1,6 @@
 #include "pan/storage.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <meshoptimizer.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "preview/context.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <glad/gl.h>
 
 #include <algorithm>

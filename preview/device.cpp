@@ -1,6 +1,6 @@
 #include "preview/device.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cassert>
 

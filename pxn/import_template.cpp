@@ -1,6 +1,6 @@
 #include "pxn/import_template.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <map>
 #include <set>

@@ -1,6 +1,6 @@
 #include "pxn/material_guess.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

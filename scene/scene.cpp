@@ -1,6 +1,6 @@
 #include "scene/scene.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

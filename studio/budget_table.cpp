@@ -1,6 +1,6 @@
 // The table of the tab Parts: where triangles go, and how exact each part is, beside what its
 // budget asks.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include <algorithm>

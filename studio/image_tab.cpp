@@ -1,5 +1,5 @@
 // The tab of the image: which of what is known of its pixels is shown, and how far it is from the reference.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include <algorithm>

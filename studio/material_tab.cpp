@@ -1,5 +1,5 @@
 // The tab of materials: numbers that stand in the texts, changed there.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <imgui.h>
 
 #include <algorithm>

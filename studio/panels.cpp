@@ -1,6 +1,6 @@
 // The tabs of the panel, and what stands over the image.
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <imgui.h>
 #include <spawn.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // Reads the words of a command line. Each thing that can be wrong has a sentence of its own.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>

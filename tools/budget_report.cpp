@@ -1,6 +1,6 @@
 #include "tools/budget_report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>

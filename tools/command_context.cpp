@@ -1,6 +1,6 @@
 #include "tools/command_context.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

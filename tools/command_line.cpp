@@ -1,6 +1,6 @@
 // The command line: which command is meant, and what stands around all of them.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #include "tools/foil_fit.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

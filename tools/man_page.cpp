@@ -1,6 +1,6 @@
 #include "tools/man_page.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "tools/help_text.h"
 

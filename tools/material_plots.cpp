@@ -1,6 +1,6 @@
 #include "tools/material_plots.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

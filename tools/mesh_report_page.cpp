@@ -1,6 +1,6 @@
 #include "tools/mesh_report_page.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "tools/posed_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 #include "workspace/joints.h"

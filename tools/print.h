@@ -2,7 +2,7 @@
 // (closed, full disk) does not end the work: run() checks standard output at the end.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdio>
 #include <string>

@@ -1,6 +1,6 @@
 #include "tools/shared_options.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <set>
 

@@ -1,6 +1,6 @@
 #include "tools/words.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Options of the engines, as typed.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <charconv>
 #include <cmath>

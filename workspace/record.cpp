@@ -1,6 +1,6 @@
 #include "workspace/record.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <limits>

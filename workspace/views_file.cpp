@@ -1,5 +1,5 @@
 // Views as JSON: a list of them in a file, or one alone.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <iterator>

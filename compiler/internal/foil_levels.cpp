@@ -1,6 +1,6 @@
 #include "compiler/internal/foil_levels.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <map>

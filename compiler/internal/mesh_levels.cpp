@@ -1,6 +1,6 @@
 #include "compiler/internal/mesh_levels.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

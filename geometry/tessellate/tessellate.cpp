@@ -1,6 +1,6 @@
 #include "geometry/tessellate/tessellate.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>

@@ -1,6 +1,6 @@
 #include "importers/gltf/animation.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "importers/gltf/document.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <charconv>
 

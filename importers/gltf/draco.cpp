@@ -1,7 +1,7 @@
 #include "importers/gltf/draco.h"
 
 #include <draco/compression/decode.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstring>

@@ -1,6 +1,6 @@
 #include "importers/gltf/read.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <atomic>

@@ -9,7 +9,7 @@
 #define TINYGLTF_NO_INCLUDE_JSON
 #include "importers/gltf/structs.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace panwright::importers::gltf {
 

@@ -1,6 +1,6 @@
 #include "importers/gltf/textures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <webp/decode.h>
 
 #include <cmath>

@@ -2,7 +2,7 @@
 // library. Private to importers.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <csetjmp>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "importers/meshes/obj_parts.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <numeric>

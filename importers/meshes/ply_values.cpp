@@ -1,6 +1,6 @@
 #include "importers/meshes/ply_values.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <charconv>

@@ -1,6 +1,6 @@
 #include "importers/meshes/reader_context.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>

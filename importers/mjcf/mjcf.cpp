@@ -1,6 +1,6 @@
 #include "importers/mjcf/mjcf.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>

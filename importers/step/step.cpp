@@ -1,6 +1,6 @@
 #include "importers/step/step.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdlib>
 #include <cstring>

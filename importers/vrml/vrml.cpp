@@ -1,6 +1,6 @@
 #include "importers/vrml/vrml.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 #include "importers/vrml/internal/builder.h"

@@ -1,5 +1,5 @@
 // Forms around an axis: a profile that turns, heights along its normals.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

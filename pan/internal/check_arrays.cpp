@@ -1,6 +1,6 @@
 // Checksums of all sections and the contents of the big arrays, block by block: a block is still
 // in the cache when its contents are checked.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The records of the tables: the field rules of the layout, then the checks across fields.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

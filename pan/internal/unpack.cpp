@@ -1,6 +1,6 @@
 #include "pan/internal/unpack.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>

@@ -1,5 +1,5 @@
 // Which receivers share a map, and how it is laid out.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "preview/gl/gl_objects.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "preview/gl/programs.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -4,7 +4,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <exception>
 #include <stdexcept>

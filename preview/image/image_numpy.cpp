@@ -1,5 +1,5 @@
 // NumPy's array files (numpy.lib.format 1.0) and archives of them.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <string>

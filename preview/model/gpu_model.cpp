@@ -1,6 +1,6 @@
 #include "preview/model/gpu_model.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstring>

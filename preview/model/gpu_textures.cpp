@@ -1,6 +1,6 @@
 #include "preview/model/gpu_textures.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <set>

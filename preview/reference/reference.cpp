@@ -1,6 +1,6 @@
 #include "preview/reference/reference.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>

@@ -1,6 +1,6 @@
 #include "pxn/expression/formula.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "pxn/expression/kinds.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

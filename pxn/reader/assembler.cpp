@@ -1,6 +1,6 @@
 #include "pxn/reader/assembler.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

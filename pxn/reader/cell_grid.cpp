@@ -1,6 +1,6 @@
 #include "pxn/reader/cell_grid.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

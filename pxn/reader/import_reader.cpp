@@ -1,6 +1,6 @@
 // CAD files, and the rules that dress them.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>

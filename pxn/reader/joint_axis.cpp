@@ -1,7 +1,7 @@
 // Axes of joints on nodes of CAD files, where a text leaves them to the file's faces.
 #include "pxn/reader/joint_axis.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

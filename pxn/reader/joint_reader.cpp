@@ -1,6 +1,6 @@
 // Joints: around nodes of the language, and on nodes of CAD files.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

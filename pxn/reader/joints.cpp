@@ -1,6 +1,6 @@
 #include "pxn/reader/joints.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <numeric>

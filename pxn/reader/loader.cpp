@@ -1,6 +1,6 @@
 #include "pxn/reader/loader.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>

@@ -1,6 +1,6 @@
 #include "pxn/reader/material_reader.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <span>
 #include <string_view>

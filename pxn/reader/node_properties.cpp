@@ -1,6 +1,6 @@
 // What nodes, shapes, frames and keypoints say about themselves.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

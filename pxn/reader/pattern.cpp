@@ -1,6 +1,6 @@
 #include "pxn/reader/pattern.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 

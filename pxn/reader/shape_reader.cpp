@@ -1,6 +1,6 @@
 // Shapes of the language, from their attributes and lists.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

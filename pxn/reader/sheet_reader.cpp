@@ -1,6 +1,6 @@
 // <mli>: a recipe and its form, and the mesh that they make.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

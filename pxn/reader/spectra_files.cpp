@@ -1,5 +1,5 @@
 // Tables of optical constants that materials name.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/file.h"
 #include "base/text.h"

@@ -1,6 +1,6 @@
 #include "pxn/reader/surfaces.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 #include "materials/kept_fits.h"

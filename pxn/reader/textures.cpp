@@ -1,6 +1,6 @@
 // Textures: textures, maps of materials, decals.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/file.h"
 #include "base/text.h"

@@ -1,6 +1,6 @@
 #include "pxn/text/reporter.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <vector>
 

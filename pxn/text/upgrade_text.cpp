@@ -1,6 +1,6 @@
 #include "pxn/text/upgrade_text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "pxn/text/xml.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cassert>

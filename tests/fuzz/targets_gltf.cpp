@@ -1,6 +1,6 @@
 #include "tests/fuzz/targets_gltf.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <string>
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <memory>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "materials/brdf.h"
 #include "materials/formula_text.h"

@@ -1,5 +1,5 @@
 // Files of older formats open for good, and hold what they held (tests/pan/data/README.md).
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Materials assigned to CAD parts, and what stays of the part's own colours and textures.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "tests/pxn/reading.h"
 

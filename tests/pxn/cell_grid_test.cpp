@@ -1,6 +1,6 @@
 // Solar cells on imported faces: columns and rows per metre of the world, or none.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Defaults of the language: what the schema says of an absent attribute is what its absence does.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

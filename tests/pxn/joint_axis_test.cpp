@@ -1,6 +1,6 @@
 // <joint axis="auto">: axes of imports' joints from the faces of their nodes.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "pxn/text/xml.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

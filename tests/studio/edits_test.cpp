@@ -1,7 +1,7 @@
 // Changes that are not saved yet.
 #include "studio/edits.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // Parameters of a material as GLSL.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // completion. In this process, which is quicker than thousands of programs.
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // Messages about an unknown name. Private to world.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <string>
 #include <string_view>

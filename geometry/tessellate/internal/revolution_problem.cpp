@@ -1,6 +1,6 @@
 #include "geometry/tessellate/internal/revolution_problem.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // Shape warnings: degenerate triangles, inside-out surfaces, self-intersections.
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

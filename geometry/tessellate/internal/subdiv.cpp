@@ -1,5 +1,5 @@
 // Subdivision surfaces: from a cage to triangles within an error.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>

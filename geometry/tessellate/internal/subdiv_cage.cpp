@@ -1,6 +1,6 @@
 #include "geometry/tessellate/internal/subdiv_cage.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Profiles of cylinder, cone, disc, torus and dish.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 #include "geometry/tessellate/internal/revolution_problem.h"

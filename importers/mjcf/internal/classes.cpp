@@ -1,6 +1,6 @@
 #include "importers/mjcf/internal/classes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

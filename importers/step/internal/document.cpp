@@ -1,6 +1,6 @@
 #include "importers/step/internal/document.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <BRepBndLib.hxx>
 #include <BRep_Builder.hxx>

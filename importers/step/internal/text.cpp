@@ -1,6 +1,6 @@
 #include "importers/step/internal/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <optional>

@@ -1,5 +1,5 @@
 // Cross-sections along a spine → faces.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

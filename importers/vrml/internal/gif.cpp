@@ -1,6 +1,6 @@
 #include "importers/vrml/internal/gif.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Height fields → faces.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "importers/vrml/internal/faces.h"
 

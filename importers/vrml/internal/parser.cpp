@@ -1,6 +1,6 @@
 #include "importers/vrml/internal/parser.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Instances of prototypes → copies of their bodies.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <unordered_map>
 

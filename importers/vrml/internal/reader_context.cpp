@@ -1,6 +1,6 @@
 #include "importers/vrml/internal/reader_context.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Face sets of VRML 1.0, their bindings and materials.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <memory>

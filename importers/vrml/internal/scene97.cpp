@@ -1,6 +1,6 @@
 #include "importers/vrml/internal/scene97.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Mesh files in memory: written and read for a test.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 #include <cstring>

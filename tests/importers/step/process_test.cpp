@@ -2,7 +2,7 @@
 // Scripts stand in for it where it has to crash, hang or lie.
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,5 +1,5 @@
 // What exporters and people write that the standards do not know, and what must come out of it.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

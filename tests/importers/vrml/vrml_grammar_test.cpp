@@ -1,5 +1,5 @@
 // Tokens, values and nodes of both versions.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Joints of VRML prototypes move as their fields say.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
