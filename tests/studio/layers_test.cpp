@@ -1,4 +1,4 @@
-// What the window shows of pixels in place of their light, and how it compares images.
+// Layers, comparisons, material samples and edges.
 #include "studio/layers.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace panwright::studio {
 namespace {
 
-preview::Image image_of(std::uint32_t width, std::uint32_t height) {
+preview::Image blank_image(std::uint32_t width, std::uint32_t height) {
   preview::Image image;
   image.width = width;
   image.height = height;
@@ -33,7 +33,7 @@ std::uint32_t rgb(const Pixels& pixels, std::size_t i) {
   return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 | pixels.rgba[4 * i + 2];
 }
 
-pan::Model model_of(const std::string& body) {
+pan::Model compiled_model(const std::string& body) {
   const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
   DiagnosticLog log;
   const auto scene = pxn::read_memory(files, {}, log);
@@ -44,7 +44,7 @@ pan::Model model_of(const std::string& body) {
 }
 
 TEST(Layers, FalseColoursAreFourDecades) {
-  preview::Image image = image_of(5, 1);
+  preview::Image image = blank_image(5, 1);
   const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};
   for (std::size_t i = 0; i < 5; ++i)
     for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] = 7 * light[i];
@@ -61,11 +61,11 @@ TEST(Layers, FalseColoursAreFourDecades) {
   is(2, ends[0]);
   is(3, ends[1]);  // half of it
   is(4, ends[2]);
-  EXPECT_NE(rgb(pixels, 0), rgb(pixels, 1));  // no light is no faint light
+  EXPECT_NE(rgb(pixels, 0), rgb(pixels, 1));  // no light differs from faint light
 }
 
 TEST(Layers, TruthOfPixels) {
-  preview::Image image = image_of(4, 1);
+  preview::Image image = blank_image(4, 1);
   image.target_id[3] = 0;
   image.depth = {10, 20, 15, 0};
   image.normal = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 0};
@@ -94,8 +94,8 @@ TEST(Layers, TruthOfPixels) {
   EXPECT_NE(rgb(materials, 0), rgb(materials, 2));
 }
 
-TEST(Layers, AnImageWithoutAnything) {
-  preview::Image image = image_of(3, 2);
+TEST(Layers, EmptyImage) {
+  preview::Image image = blank_image(3, 2);
   image.target_id.assign(6, 0);
   image.coverage.assign(6, 0);
   for (const char* layer : kLayers)
@@ -122,9 +122,9 @@ TEST(Layers, WhiteIsStriped) {
 }
 
 TEST(Layers, ComparedWithTheReference) {
-  preview::Image image = image_of(2, 1);
+  preview::Image image = blank_image(2, 1);
   image.radiance = {1, 2, 4, 1, 2, 4};
-  preview::ReferenceImage reference{image_of(2, 1), std::vector<float>(6, 0.1f)};
+  preview::ReferenceImage reference{blank_image(2, 1), std::vector<float>(6, 0.1f)};
   reference.image.radiance = {1, 2, 5, 1, 2, 5};
   reference.flux = Vec3(2, 4, 10);
   reference.flux_error = Vec3(0, 0, 0.05);
@@ -147,7 +147,7 @@ TEST(Samples, OfALambertMaterial) {
   pxn::DescribedMaterial grey;
   grey.material.name = "grey";
   grey.material.diffuse = Vec3(0.5, 0.25, 0.1);
-  const Sample sample = sample_of(grey, 96);
+  const MaterialSample sample = sample_of(grey, 96);
   EXPECT_EQ(sample.name, "grey");
   EXPECT_NE(sample.verdict.find("conserved"), std::string::npos);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -168,11 +168,11 @@ TEST(Samples, OfALambertMaterial) {
   EXPECT_GT(sum[2], 0u);
 }
 
-// Edges of a box seen along an axis and aslant, against where its corners are; what is behind is not drawn.
+// Edges of a box in two projections, against its corners; hidden ones are not drawn.
 TEST(Edges, OfABox) {
   DiagnosticLog log;
   world::World world;
-  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(model_of("<box size=\"2 2 2\"/>")), log));
+  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(compiled_model("<box size=\"2 2 2\"/>")), log));
   for (const bool ortho : {false, true}) {
     world::Camera camera;
     if (ortho)
@@ -206,9 +206,9 @@ TEST(Edges, OfABox) {
   }
 }
 
-// Slopes of facets, against what the compiler measured of them.
+// Slopes of facets against those that the compiler measured.
 TEST(Samples, SlopesOfFoil) {
-  const pan::Model model = model_of(
+  const pan::Model model = compiled_model(
       "<mli name=\"door\" type=\"flat\" seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
       "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</slope_rms></mli_operations></mli>");
   ASSERT_EQ(model.sheets().size(), 1u);
@@ -225,23 +225,23 @@ TEST(Samples, SlopesOfFoil) {
       all += point.y * step;
       square += point.y * step * point.x * point.x;
     }
-    // measured: 0.9999 and 0.98 to 1.02; what lies beyond four times the RMS is not on it
+    // measured: 0.9999 and 0.98 to 1.02; beyond four times the RMS there are no bins
     EXPECT_NEAR(all, 1, 2e-3);
     EXPECT_NEAR(square, expected, 0.1 * expected);
   }
-  EXPECT_TRUE(slopes_of(model, "nobody").sheets.empty());
+  EXPECT_TRUE(slopes_of(model, "unknown").sheets.empty());
   EXPECT_EQ(slopes_of(model, "").sheets.size(), 1u);
 }
 
-// The last of several that are asked for at once comes, whatever came before it.
-TEST(Samples, TheLastOneCounts) {
+// Of several requests at once, the last one is computed.
+TEST(Samples, LastRequestIsComputed) {
   Samples samples;
   pxn::DescribedMaterial one;
   for (const char* name : {"a", "b", "c"}) {
     one.material.name = name;
-    samples.ask(one, 32);
+    samples.request(one, 32);
   }
-  while (!samples.last() || samples.last()->name != "c") samples.look();
+  while (!samples.last() || samples.last()->name != "c") samples.poll();
   EXPECT_FALSE(samples.busy());
 }
 
