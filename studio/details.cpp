@@ -13,16 +13,16 @@ namespace {
 
 // Okabe and Ito, "Color Universal Design" (2008): suited to colour blindness.
 constexpr std::array<std::array<std::uint8_t, 3>, 7> kLevelColors = {{{240, 228, 66},
-                                                                 {230, 159, 0},
-                                                                 {213, 94, 0},
-                                                                 {204, 121, 167},
-                                                                 {0, 114, 178},
-                                                                 {86, 180, 233},
-                                                                 {0, 158, 115}}};
+                                                                      {230, 159, 0},
+                                                                      {213, 94, 0},
+                                                                      {204, 121, 167},
+                                                                      {0, 114, 178},
+                                                                      {86, 180, 233},
+                                                                      {0, 158, 115}}};
 
 // Pixel footprint at the nearest point of a target's box, metres; 0: the camera is inside.
 double pixel_footprint(const world::Camera& camera, const world::Instance& target,
-                const world::Bounds& bounds) {
+                       const world::Bounds& bounds) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   if (camera.projection == world::Projection::orthographic) return 1 / focal;
   const world::Pose& pose = target.pose();
@@ -34,7 +34,7 @@ double pixel_footprint(const world::Camera& camera, const world::Instance& targe
 double footprint_octave(double pixel) { return pixel > 0 ? std::ldexp(1.0, std::ilogb(pixel)) : 0; }
 
 void add_mesh_detail(const pan::Model& model, std::uint32_t index, double stretch, double pixel,
-                  Detail& detail) {
+                     Detail& detail) {
   const auto& instance = model.instances()[index];
   std::uint32_t mesh = instance.mesh;
   double error = model.meshes()[mesh].error;
@@ -81,7 +81,8 @@ void level_color(int level, std::uint8_t* rgb) {
     std::fill_n(rgb, 3, std::uint8_t{120});
     return;
   }
-  const auto& color = kLevelColors[std::min(static_cast<std::size_t>(level), kLevelColors.size() - 1)];
+  const auto& color =
+      kLevelColors[std::min(static_cast<std::size_t>(level), kLevelColors.size() - 1)];
   std::copy(color.begin(), color.end(), rgb);
 }
 

@@ -15,16 +15,17 @@ namespace panwright::studio {
 struct Detail {
   std::size_t target = 0;  // of the world
   std::uint32_t node = 0;
-  int level = -1;  // coarsest level that is drawn; 0: the finest; −1: no levels
+  int level = -1;               // coarsest level that is drawn; 0: the finest; −1: no levels
   std::uint64_t triangles = 0;  // drawn
   std::uint64_t finest = 0;     // of the finest level
-  double error = 0;   // largest distance of the drawn mesh from the shape, metres, world
-  double pixels = 0;  // `error` in pixels, at the nearest point of the target's box
+  double error = 0;             // largest distance of the drawn mesh from the shape, metres, world
+  double pixels = 0;            // `error` in pixels, at the nearest point of the target's box
   bool visible = false;
 };
 
-// Details of nodes with meshes, ordered by target and node. Levels follow the pixel footprint at the target
-// (docs/levels.md); in a transition, the finer one. Imposters are drawn from finer levels.
+// Details of nodes with meshes, ordered by target and node. Levels follow the pixel footprint at
+// the target (docs/levels.md); in a transition, the finer one. Imposters are drawn from finer
+// levels.
 //
 // Cost: O(nodes + meshes placed).
 std::vector<Detail> details_of(const world::World& world, const world::Camera& camera);

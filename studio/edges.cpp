@@ -19,12 +19,15 @@ class EdgeImage {
   EdgeImage(const world::Camera& camera, const preview::Image& image)
       : camera_(camera), image_(image), edges_(image.pixels()), farthest_(image.pixels()) {
     // an edge may cross a pixel beside the point of the known depth
-    const auto width = static_cast<std::ptrdiff_t>(image.width), height = static_cast<std::ptrdiff_t>(image.height);
+    const auto width = static_cast<std::ptrdiff_t>(image.width),
+               height = static_cast<std::ptrdiff_t>(image.height);
     for (std::ptrdiff_t y = 0; y < height; ++y)
       for (std::ptrdiff_t x = 0; x < width; ++x) {
         float most = 0;
-        for (std::ptrdiff_t v = std::max<std::ptrdiff_t>(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
-          for (std::ptrdiff_t u = std::max<std::ptrdiff_t>(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+        for (std::ptrdiff_t v = std::max<std::ptrdiff_t>(y - 1, 0);
+             v <= std::min(y + 1, height - 1); ++v)
+          for (std::ptrdiff_t u = std::max<std::ptrdiff_t>(x - 1, 0);
+               u <= std::min(x + 1, width - 1); ++u) {
             const auto at = static_cast<std::size_t>(v * width + u);
             if (image.target_id[at] > 0) most = std::max(most, image.depth[at]);
           }
@@ -47,7 +50,8 @@ class EdgeImage {
       const double t = steps > 0 ? static_cast<double>(i) / steps : 0;
       const Vec2 at = a.pixel + t * way;
       if (!(at.x >= 0 && at.y >= 0 && at.x < image_.width && at.y < image_.height)) continue;
-      const auto pixel = static_cast<std::size_t>(at.y) * image_.width + static_cast<std::size_t>(at.x);
+      const auto pixel =
+          static_cast<std::size_t>(at.y) * image_.width + static_cast<std::size_t>(at.x);
       // 1/z is linear in the image of a perspective camera
       const double depth = camera_.projection == world::Projection::perspective
                                ? 1 / ((1 - t) / a.depth + t / b.depth)
@@ -65,7 +69,8 @@ class EdgeImage {
     const Vec2 way = b.pixel - a.pixel;
     for (int k = 0; k < 2; ++k) {
       const double end = k == 0 ? image_.width : image_.height;
-      for (const auto& [distance, speed] : {std::pair{a.pixel[k], way[k]}, std::pair{end - a.pixel[k], -way[k]}}) {
+      for (const auto& [distance, speed] :
+           {std::pair{a.pixel[k], way[k]}, std::pair{end - a.pixel[k], -way[k]}}) {
         if (speed == 0 && distance < 0) return false;
         if (speed > 0) from = std::max(from, -distance / speed);
         if (speed < 0) to = std::min(to, -distance / speed);
@@ -92,8 +97,8 @@ class EdgeImage {
 
 }  // namespace
 
-std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera, const preview::Image& image,
-                                   const Job& job) {
+std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera,
+                                   const preview::Image& image, const Job& job) {
   EdgeImage image_edges(camera, image);
   const Mat3 camera_from_world = glm::transpose(glm::mat3_cast(camera.world_from_camera));
   std::vector<ProjectedVertex> vertices;

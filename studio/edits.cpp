@@ -98,8 +98,8 @@ void Edits::apply() {
         return false;
       }
     }
-    message_ = fmt::format("{} of '{}' no longer exists in {}: its change was dropped", edit.element,
-                        edit.material, edit.path.filename().string());
+    message_ = fmt::format("{} of '{}' no longer exists in {}: its change was dropped",
+                           edit.element, edit.material, edit.path.filename().string());
     return true;
   });
 }

@@ -16,9 +16,9 @@ namespace panwright::studio {
 
 // Text of a file with materials, on disk and edited.
 struct MaterialFile {
-  std::filesystem::path path;     // absolute, without links
-  std::string saved;              // on disk, at the last update
-  std::string text;               // with all edits
+  std::filesystem::path path;                    // absolute, without links
+  std::string saved;                             // on disk, at the last update
+  std::string text;                              // with all edits
   std::vector<pxn::EditableMaterial> materials;  // of `text`, then sheets of foil, as "foil NAME"
   std::size_t foils = 0;                         // number of sheets of foil
 };
@@ -40,7 +40,8 @@ struct ChangedLine {
 
 class Edits {
  public:
-  // Reads the .pxn files again and applies the edits. Edits whose number no longer exists are dropped; see message().
+  // Reads the .pxn files again and applies the edits. Edits whose number no longer exists are
+  // dropped; see message().
   void update(const std::vector<std::filesystem::path>& files);
 
   const std::vector<MaterialFile>& files() const { return files_; }

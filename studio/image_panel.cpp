@@ -39,8 +39,7 @@ void color_legend(const Pixels& scale, bool of_difference) {
   ImGui::Dummy({wide, tall});
   // near is bright
   const bool reversed = scale.unit == "m";
-  const std::string right =
-      fmt::format("{:.4g} {}", reversed ? scale.low : scale.high, scale.unit);
+  const std::string right = fmt::format("{:.4g} {}", reversed ? scale.low : scale.high, scale.unit);
   ImGui::TextDisabled("%s%s", fmt::format("{:.4g}", reversed ? scale.high : scale.low).c_str(),
                       scale.logarithmic ? " (logarithmic)" : "");
   ImGui::SameLine(std::max(0.0f, wide - ImGui::CalcTextSize(right.c_str()).x));
@@ -145,10 +144,10 @@ void ImagePanel::comparison_result() {
     return;
   }
   const Comparison& c = result->comparison;
-  ImGui::TextWrapped("%s", fmt::format("{} samples per pixel, {:.1f} s{}",
-                                       result->reference_samples, result->reference_seconds,
-                                       comparing ? "; refining" : "")
-                               .c_str());
+  ImGui::TextWrapped("%s",
+                     fmt::format("{} samples per pixel, {:.1f} s{}", result->reference_samples,
+                                 result->reference_seconds, comparing ? "; refining" : "")
+                         .c_str());
   ImGui::TextWrapped(
       "%s", fmt::format("flux difference {:+.3f} %, standard error of the reference {:.3f} %",
                         100 * c.flux, 100 * c.flux_error)

@@ -51,10 +51,10 @@ const Canvas* ImageView::new_canvas() {
   const bool changed = take_result();
   if (!state_.result || state_.result->rgba.empty()) return nullptr;
   const ImageSettings& image = state_.image;
-  const std::string settings = fmt::format(
-      "{} {} {} {} {} {}", state_.layout.layer, state_.layout.mark_white, image.comparison,
-      image.split, image.difference_range,
-      image.comparison == "flicker" && flicker_shows_reference());
+  const std::string settings =
+      fmt::format("{} {} {} {} {} {}", state_.layout.layer, state_.layout.mark_white,
+                  image.comparison, image.split, image.difference_range,
+                  image.comparison == "flicker" && flicker_shows_reference());
   if (!changed && settings == painted_as_) return nullptr;
   painted_as_ = settings;
   paint();
@@ -121,8 +121,8 @@ void ImageView::paint_reference() {
   if (!(split || flicker) || !result.reference) return;
   if (layer != "light" && layer != "false colours") return;
   const preview::Image& reference = result.reference->image;
-  const std::vector<std::uint8_t> other = layer == "light" ? srgb_pixels(reference, result.ev)
-                                                           : layer_pixels(reference, layer).rgba;
+  const std::vector<std::uint8_t> other =
+      layer == "light" ? srgb_pixels(reference, result.ev) : layer_pixels(reference, layer).rgba;
   const std::size_t width = canvas_.width;
   const std::size_t from = flicker ? (flicker_shows_reference() ? 0 : width)
                                    : static_cast<std::size_t>(image.split * canvas_.width);
@@ -285,8 +285,8 @@ void ImageView::draw_labels(const Vec2& at) const {
       label(place(model.frames()[k].node, model.frames()[k].origin), model.frame_name(k),
             IM_COL32(120, 200, 255, 255));
     for (std::size_t k = 0; k < model.keypoints().size(); ++k)
-      label(place(model.keypoints()[k].node, model.keypoints()[k].position),
-            model.keypoint_name(k), IM_COL32(255, 220, 120, 255));
+      label(place(model.keypoints()[k].node, model.keypoints()[k].position), model.keypoint_name(k),
+            IM_COL32(255, 220, 120, 255));
   }
 }
 

@@ -143,8 +143,8 @@ void JointsPanel::poses() {
   state_.widgets.record("poses");
   if (!open) return;
   for (const world::Instance& target : world.instances()) pose(target);
-  if (several && state_.widgets.button("poses/side by side",
-                                       "Along +y, with gaps of a tenth of their sizes"))
+  if (several &&
+      state_.widgets.button("poses/side by side", "Along +y, with gaps of a tenth of their sizes"))
     side_by_side();
   ImGui::Separator();
 }

@@ -65,7 +65,8 @@ std::vector<std::uint8_t> colored_pixels(const preview::Image& image, const Colo
 }
 
 double channel_mean(const preview::Image& image, std::size_t i) {
-  return (static_cast<double>(image.radiance[3 * i]) + static_cast<double>(image.radiance[3 * i + 1]) +
+  return (static_cast<double>(image.radiance[3 * i]) +
+          static_cast<double>(image.radiance[3 * i + 1]) +
           static_cast<double>(image.radiance[3 * i + 2])) /
          3;
 }
@@ -73,7 +74,8 @@ double channel_mean(const preview::Image& image, std::size_t i) {
 Pixels false_color_pixels(const preview::Image& image) {
   constexpr double kDecades = 4;
   Pixels out;
-  for (std::size_t i = 0; i < image.pixels(); ++i) out.high = std::max(out.high, channel_mean(image, i));
+  for (std::size_t i = 0; i < image.pixels(); ++i)
+    out.high = std::max(out.high, channel_mean(image, i));
   if (!(out.high > 0)) out.high = 1;
   out.low = out.high * std::pow(10, -kDecades);
   out.logarithmic = true;
@@ -122,18 +124,20 @@ Pixels layer_pixels(const preview::Image& image, const std::string& layer) {
       if (image.target_id[i] == 0) return kBackground;
       Rgb rgb{};
       for (std::size_t k = 0; k < 3; ++k)
-        rgb[k] = static_cast<std::uint8_t>(
-            std::lround(127.5 * (1 + std::clamp(static_cast<double>(image.normal[3 * i + k]), -1.0, 1.0))));
+        rgb[k] = static_cast<std::uint8_t>(std::lround(
+            127.5 * (1 + std::clamp(static_cast<double>(image.normal[3 * i + k]), -1.0, 1.0))));
       return rgb;
     });
   else if (layer == "parts")
     // parts of different targets have different colours
     out.rgba = colored_pixels(image, [&](std::size_t i) {
-      return id_color(image.target_id[i] == 0 ? 0 : image.node_id[i] + 101 * (image.target_id[i] - 1));
+      return id_color(image.target_id[i] == 0 ? 0
+                                              : image.node_id[i] + 101 * (image.target_id[i] - 1));
     });
   else
     out.rgba = colored_pixels(image, [&](std::size_t i) {
-      return id_color(image.target_id[i] == 0 ? 0 : image.material_id[i] + 101 * (image.target_id[i] - 1));
+      return id_color(
+          image.target_id[i] == 0 ? 0 : image.material_id[i] + 101 * (image.target_id[i] - 1));
     });
   return out;
 }
@@ -160,15 +164,17 @@ Comparison compared(const preview::Image& image, const preview::ReferenceImage& 
       should += b;
       off += (a - b) * (a - b);
       all += b * b;
-      noise += static_cast<double>(reference.standard_error[i]) * static_cast<double>(reference.standard_error[i]);
+      noise += static_cast<double>(reference.standard_error[i]) *
+               static_cast<double>(reference.standard_error[i]);
     }
     if (!(should > 0)) continue;
     const double flux = is / should - 1;
     if (std::fabs(flux) < std::fabs(out.flux)) continue;
     out.flux = flux;
-    out.flux_error = reference.flux[static_cast<int>(k)] > 0
-                         ? reference.flux_error[static_cast<int>(k)] / reference.flux[static_cast<int>(k)]
-                         : 0;
+    out.flux_error =
+        reference.flux[static_cast<int>(k)] > 0
+            ? reference.flux_error[static_cast<int>(k)] / reference.flux[static_cast<int>(k)]
+            : 0;
   }
   if (all > 0) {
     out.rmse = std::sqrt(off / all);
@@ -178,7 +184,8 @@ Comparison compared(const preview::Image& image, const preview::ReferenceImage& 
   return out;
 }
 
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms, double range) {
+Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+                         double range) {
   constexpr Rgb kDarker = {0, 114, 178};
   constexpr Rgb kEqual = {240, 240, 240};
   constexpr Rgb kBrighter = {213, 94, 0};
@@ -189,7 +196,8 @@ Pixels difference_pixels(const preview::Image& image, const preview::Image& refe
   const double scale = 1 / std::max(rms * range, 1e-300);
   out.rgba = colored_pixels(image, [&](std::size_t i) {
     if (image.coverage[i] == 0 && reference.coverage[i] == 0) return kBackground;
-    const double share = std::clamp(scale * (channel_mean(image, i) - channel_mean(reference, i)), -1.0, 1.0);
+    const double share =
+        std::clamp(scale * (channel_mean(image, i) - channel_mean(reference, i)), -1.0, 1.0);
     return mixed(kEqual, share < 0 ? kDarker : kBrighter, std::fabs(share));
   });
   return out;

@@ -39,11 +39,13 @@ struct Comparison {
 };
 Comparison compared(const preview::Image& image, const preview::ReferenceImage& reference);
 
-// Difference of the mean of the channels: blue where the preview is darker, orange where it is brighter.
-// range: at the ends of the colours, in parts of `rms`
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms, double range);
+// Difference of the mean of the channels: blue where the preview is darker, orange where it is
+// brighter. range: at the ends of the colours, in parts of `rms`
+Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+                         double range);
 
-// Colour of a share from 0 to 1, dark blue to yellow in equal steps of lightness, suited to colour blindness.
+// Colour of a share from 0 to 1, dark blue to yellow in equal steps of lightness, suited to colour
+// blindness.
 void scale_color(double share, std::uint8_t* rgb);
 
 }  // namespace panwright::studio

@@ -60,7 +60,8 @@ Layout read_layout(const std::filesystem::path& file, std::string& problem) {
   if (file.empty() || !std::filesystem::exists(file, ignored)) return out;
   DiagnosticLog log;
   const auto bytes = read_file(file, kMaxLayoutBytes, log);
-  const LayoutJson json = bytes ? LayoutJson::parse(*bytes, nullptr, false) : LayoutJson(LayoutJson::value_t::discarded);
+  const LayoutJson json = bytes ? LayoutJson::parse(*bytes, nullptr, false)
+                                : LayoutJson(LayoutJson::value_t::discarded);
   if (!json.is_object()) {
     problem = "the saved layout of the window cannot be read; the default is used";
     return out;
@@ -80,10 +81,10 @@ Layout read_layout(const std::filesystem::path& file, std::string& problem) {
 bool write_layout(const std::filesystem::path& file, const Layout& layout) {
   if (file.empty()) return false;
   const LayoutJson json = {{"width", layout.width},  {"height", layout.height},
-                     {"panel", layout.panel},  {"panel_shown", layout.panel_shown},
-                     {"text", layout.text},    {"tab", layout.tab},
-                     {"layer", layout.layer},  {"mark_white", layout.mark_white},
-                     {"labels", layout.labels}};
+                           {"panel", layout.panel},  {"panel_shown", layout.panel_shown},
+                           {"text", layout.text},    {"tab", layout.tab},
+                           {"layer", layout.layer},  {"mark_white", layout.mark_white},
+                           {"labels", layout.labels}};
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
   if (error) return false;

@@ -47,8 +47,7 @@ void MainWindow::frame(const Vec2& size, double screen_scale, const Textures& te
     border({left, top}, {size.x, size.y - top}, scale);
   }
   messages_.draw({left, size.y - bottom}, {size.x - left, bottom});
-  image_.draw({left, top}, {size.x - left, size.y - top - bottom}, textures.image,
-              border_dragged_);
+  image_.draw({left, top}, {size.x - left, size.y - top - bottom}, textures.image, border_dragged_);
   handle_keys();
   panels_.joints.advance();
   request_image();
@@ -74,7 +73,8 @@ void MainWindow::update_models() {
     DiagnosticLog ignored;
     return !workspace::find_joint(each.first, *models.world, ignored);
   });
-  std::erase_if(state_.view.poses, [&](const auto& each) { return !models.world->find(each.first); });
+  std::erase_if(state_.view.poses,
+                [&](const auto& each) { return !models.world->find(each.first); });
 }
 
 void MainWindow::status_bar(const Vec2& at, const Vec2& size) {
@@ -128,8 +128,9 @@ std::string MainWindow::status_text() const {
       "interactive: {:.0f} % of the pixels, one sample each, {}hard shadows, {:.0f} ms{}",
       100.0 * static_cast<double>(result->image.pixels()) /
           (result->request.width * result->request.height),
-      result->level_scale > 1 ? fmt::format("levels of detail {:g} x coarser, ", result->level_scale)
-                              : "",
+      result->level_scale > 1
+          ? fmt::format("levels of detail {:g} x coarser, ", result->level_scale)
+          : "",
       1e3 * result->seconds, status.exact ? "; drawing the exact image" : "");
 }
 
@@ -217,10 +218,9 @@ bool MainWindow::settled() const {
   const Project::State& models = state_.models;
   const RenderResult* result = state_.result.get();
   return !models.reading && models.readings > 0 &&
-         (!models.world || (result != nullptr && result->exact &&
-                            !state_.renderer.status().drawing &&
-                            result->request.world == models.world &&
-                            result->request.view == state_.view));
+         (!models.world ||
+          (result != nullptr && result->exact && !state_.renderer.status().drawing &&
+           result->request.world == models.world && result->request.view == state_.view));
 }
 
 bool MainWindow::idle() const {

@@ -57,9 +57,9 @@ class MainWindow {
   Panels panels_;
   ImageView image_;
   MessageList messages_;
-  bool framed_ = false;           // the camera was fitted to the first models
-  bool border_dragged_ = false;   // between panel and image
-  std::int64_t measured_ = 0;     // Project::State::saved of the last measurement
+  bool framed_ = false;          // the camera was fitted to the first models
+  bool border_dragged_ = false;  // between panel and image
+  std::int64_t measured_ = 0;    // Project::State::saved of the last measurement
 };
 
 }  // namespace panwright::studio

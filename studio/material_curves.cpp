@@ -16,9 +16,9 @@ namespace {
 // Pixels of a sample in the panel, the same with and without a scroll bar.
 std::uint32_t sample_width() {
   const ImGuiStyle& style = ImGui::GetStyle();
-  return static_cast<std::uint32_t>(
-      std::max(96.0f, std::floor(ImGui::GetWindowWidth() - style.ScrollbarSize -
-                                 2 * style.WindowPadding.x)));
+  return static_cast<std::uint32_t>(std::max(
+      96.0f,
+      std::floor(ImGui::GetWindowWidth() - style.ScrollbarSize - 2 * style.WindowPadding.x)));
 }
 
 }  // namespace
@@ -110,14 +110,23 @@ void SampleView::plots(const MaterialSample& sample) {
     }
   }
   const double top = std::pow(10, std::ceil(std::log10(peak)));
-  plot({.title = "pi f in the plane of incidence", .x_name = "viewing angle, degrees",
-        .left = -90, .right = 90, .x_ticks = {-90, -60, -30, 0, 30, 60, 90},
-        .bottom = top * 1e-5, .top = top, .logarithmic = true},
+  plot({.title = "pi f in the plane of incidence",
+        .x_name = "viewing angle, degrees",
+        .left = -90,
+        .right = 90,
+        .x_ticks = {-90, -60, -30, 0, 30, 60, 90},
+        .bottom = top * 1e-5,
+        .top = top,
+        .logarithmic = true},
        lobes);
   state_.widgets.record("curves/lobes");
-  plot({.title = "directional albedo", .x_name = "angle from the normal, degrees",
-        .left = 0, .right = 90, .x_ticks = {0, 15, 30, 45, 60, 75, 90},
-        .bottom = 0, .top = largest > 1 ? 1.25 * largest : 1},
+  plot({.title = "directional albedo",
+        .x_name = "angle from the normal, degrees",
+        .left = 0,
+        .right = 90,
+        .x_ticks = {0, 15, 30, 45, 60, 75, 90},
+        .bottom = 0,
+        .top = largest > 1 ? 1.25 * largest : 1},
        albedos);
   state_.widgets.record("curves/albedo");
 }
@@ -166,8 +175,13 @@ void FoilSlopesView::draw(const std::string& name) {
     largest = std::max({largest, point.y, gaussian.back().y});
   }
   const double reach = slopes_.density[0].back().x;
-  plot({.title = "slopes", .x_name = "slope", .left = -reach, .right = reach,
-        .x_ticks = {-0.5 * reach, 0, 0.5 * reach}, .bottom = 1e-3 * largest, .top = 1.1 * largest,
+  plot({.title = "slopes",
+        .x_name = "slope",
+        .left = -reach,
+        .right = reach,
+        .x_ticks = {-0.5 * reach, 0, 0.5 * reach},
+        .bottom = 1e-3 * largest,
+        .top = 1.1 * largest,
         .logarithmic = true},
        {{"along x", &slopes_.density[0], 0, false},
         {"along y", &slopes_.density[1], 1, false},

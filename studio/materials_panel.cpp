@@ -155,8 +155,8 @@ void MaterialsPanel::material_numbers(const MaterialFile& file,
     double value = number.value;
     const double low = std::isfinite(number.low) ? number.low : -slider_reach(number.value);
     const double high = std::min(number.high, slider_reach(number.value));
-    const std::string format = (number.integer ? "%.0f" : "%.6g") +
-                               (number.unit.empty() ? "" : " " + number.unit);
+    const std::string format =
+        (number.integer ? "%.0f" : "%.6g") + (number.unit.empty() ? "" : " " + number.unit);
     if (state_.widgets.slider(name, value, low, high, format.c_str(), false,
                               "As in the text. Ctrl + click to type, also larger values", false) &&
         !(number.above && value <= number.low) && value >= number.low && value <= number.high) {
@@ -177,7 +177,7 @@ void MaterialsPanel::unsaved_changes() {
   if (state_.widgets.button("materials/save", "Write the lines below to their files")) {
     DiagnosticLog log;
     const std::size_t before = edits_.size();
-    save_message_ = edits_.save(log)       ? fmt::format("saved {}", counted(before, "change"))
+    save_message_ = edits_.save(log)        ? fmt::format("saved {}", counted(before, "change"))
                     : log.entries().empty() ? "not saved"
                                             : log.entries()[0].message;
     state_.project.set_unsaved(edits_.unsaved());

@@ -31,9 +31,8 @@ void MessageList::draw(const Vec2& at, const Vec2& size) {
   const std::vector<Message> all = messages();
   const Project::State& models = state_.models;
   const auto count = [&](Severity severity) {
-    return static_cast<std::uint64_t>(
-        std::count_if(all.begin(), all.end(),
-                      [&](const Message& each) { return each.severity == severity; }));
+    return static_cast<std::uint64_t>(std::count_if(
+        all.begin(), all.end(), [&](const Message& each) { return each.severity == severity; }));
   };
   if (models.failed) {
     ImGui::PushStyleColor(ImGuiCol_Text, severity_color(Severity::error));

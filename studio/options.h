@@ -16,7 +16,7 @@ struct Options {
   std::vector<std::string> files;  // FILE or NAME=FILE
   workspace::OpenOptions open;
   preview::ContextKind context = preview::ContextKind::automatic;  // of the render thread
-  Layout layout;                      // initial
+  Layout layout;                                                   // initial
   std::filesystem::path layout_file;  // written at the end; empty: not written
   std::string layout_problem;         // reported in the window
   double scale = 0;                   // of text and widgets; 0: that of the screen

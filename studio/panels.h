@@ -114,9 +114,9 @@ class MaterialsPanel {
 
   WindowState& state_;
   Edits edits_;
-  std::string selected_;      // "FILE/NAME", or without a source text "model/NAME"
+  std::string selected_;  // "FILE/NAME", or without a source text "model/NAME"
   std::string save_message_;
-  std::string preset_;        // selected in the library
+  std::string preset_;  // selected in the library
   std::string preset_search_;
   SampleView sample_;
   FoilSlopesView foil_;

@@ -97,9 +97,10 @@ void PartsPanel::node_row(std::size_t target, std::uint32_t node) {
        up = instance.model()->nodes()[static_cast<std::size_t>(up)].parent)
     ++depth;
   const std::string_view name = instance.model()->node_name(node);
-  const std::string label =
-      std::string(2 * std::min<std::size_t>(depth, 12), ' ') +
-      (node == 0 ? instance.name() : name.empty() ? fmt::format("[{}]", node) : std::string(name));
+  const std::string label = std::string(2 * std::min<std::size_t>(depth, 12), ' ') +
+                            (node == 0      ? instance.name()
+                             : name.empty() ? fmt::format("[{}]", node)
+                                            : std::string(name));
   if (ImGui::Selectable(label.c_str(), parts.selected == path)) parts.selected = path;
   state_.widgets.record("part/" + path);
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());

@@ -96,9 +96,9 @@ void PartsPanel::budget_row(const Detail& detail, std::uint64_t drawn) {
   ImGui::TableNextColumn();
   ImGui::Text("%llu", static_cast<unsigned long long>(detail.triangles));
   ImGui::TableNextColumn();
-  ImGui::Text("%.1f", drawn > 0 ? 100.0 * static_cast<double>(detail.triangles) /
-                                      static_cast<double>(drawn)
-                                : 0.0);
+  ImGui::Text(
+      "%.1f",
+      drawn > 0 ? 100.0 * static_cast<double>(detail.triangles) / static_cast<double>(drawn) : 0.0);
   ImGui::TableNextColumn();
   ImGui::Text("%.2g", detail.pixels);
 }

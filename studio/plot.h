@@ -12,7 +12,7 @@ namespace panwright::studio {
 struct Curve {
   std::string name;  // empty: not in the legend
   const std::vector<Vec2>* points = nullptr;
-  int color = 0;    // 0 to 3, suited to colour blindness
+  int color = 0;  // 0 to 3, suited to colour blindness
   bool faint = false;
 };
 

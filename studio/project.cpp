@@ -56,9 +56,8 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
     }
     out.push_back(std::move(message));
   }
-  std::stable_sort(out.begin(), out.end(), [](const Message& a, const Message& b) {
-    return a.severity > b.severity;
-  });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Message& a, const Message& b) { return a.severity > b.severity; });
   if (log.hidden() > 0)
     out.push_back({Severity::note, "", fmt::format("and {} more", log.hidden()), "", 0, 0});
   return out;
@@ -183,8 +182,8 @@ void Project::read() {
   }
 }
 
-void Project::read_once(const std::vector<std::string>& files,
-                        const workspace::OpenOptions& open, const Job& job) {
+void Project::read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
+                        const Job& job) {
   const auto start = std::chrono::steady_clock::now();
   // before reading, so that later changes are found
   std::vector<workspace::FileStamp> stamps;

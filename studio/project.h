@@ -43,10 +43,10 @@ class Project {
   Project& operator=(const Project&) = delete;
 
   struct State {
-    std::shared_ptr<const world::World> world;  // the last good one; null: none yet
+    std::shared_ptr<const world::World> world;                  // the last good one; null: none yet
     std::shared_ptr<const workspace::BoundingSpheres> spheres;  // of its targets, without poses
-    std::vector<Message> messages;              // of the last reading
-    std::uint64_t readings = 0;                 // finished
+    std::vector<Message> messages;                              // of the last reading
+    std::uint64_t readings = 0;                                 // finished
     bool reading = false;
     bool failed = false;   // the last reading had errors: `world` is an earlier version
     bool partial = false;  // `world` is incomplete, as no version without an error exists yet

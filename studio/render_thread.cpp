@@ -64,7 +64,7 @@ std::vector<std::uint8_t> srgb_pixels(const preview::Image& image, double ev) {
 
 // Reductions of interactive images.
 struct RenderThread::Effort {
-  double scale;        // pixels per side, over those of the exact image; few values: each has its buffers
+  double scale;  // pixels per side, over those of the exact image; few values: each has its buffers
   double level_scale;  // factor on the pixel footprint of levels of detail
   unsigned shadow_side;
 };

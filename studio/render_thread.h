@@ -31,10 +31,11 @@ namespace panwright::studio {
 struct RenderRequest {
   std::shared_ptr<const world::World> world;
   ViewState view;
-  std::uint32_t width = 0;   // pixels
-  std::uint32_t height = 0;  // pixels
+  std::uint32_t width = 0;                                    // pixels
+  std::uint32_t height = 0;                                   // pixels
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;  // nodes: target, node
-  // bounces of light of the reference image that the exact image is compared with; none: no comparison
+  // bounces of light of the reference image that the exact image is compared with; none: no
+  // comparison
   std::optional<std::uint32_t> reference_bounces = {};
   bool edges = false;  // of triangles, over the exact image
   bool operator==(const RenderRequest&) const = default;
@@ -50,7 +51,8 @@ struct RenderResult {
   };
   Quality quality = Quality::interactive;
   bool exact = false;
-  double level_scale = 1;  // of an interactive image: factor on the pixel footprint of levels of detail
+  double level_scale =
+      1;  // of an interactive image: factor on the pixel footprint of levels of detail
   preview::Image image;             // of radiance
   std::vector<std::uint8_t> rgba;   // 4*H*W of the image, sRGB
   double ev = 0;                    // exposure of `rgba`, stops
@@ -60,16 +62,17 @@ struct RenderResult {
   double seconds = 0;
   std::vector<Message> messages;
   bool failed = false;  // there is no image
-  // of an exact image that is compared: the same view by the reference renderer, with more samples each time
+  // of an exact image that is compared: the same view by the reference renderer, with more samples
+  // each time
   std::shared_ptr<const preview::ReferenceImage> reference;
   std::uint32_t reference_samples = 0;  // per pixel
   double reference_seconds = 0;
   Comparison comparison;
 };
 
-// While requests follow each other, each is rendered quickly, at a reduced resolution where that takes too long.
-// Once they stop, the last one is rendered at full size, then exactly. Where requested, the reference renderer
-// follows, with four times as many samples each time.
+// While requests follow each other, each is rendered quickly, at a reduced resolution where that
+// takes too long. Once they stop, the last one is rendered at full size, then exactly. Where
+// requested, the reference renderer follows, with four times as many samples each time.
 class RenderThread {
  public:
   // notify: called by the thread when take() has a new result
@@ -106,8 +109,9 @@ class RenderThread {
   void work();
   bool render(Resources& resources, const RenderRequest& request, RenderResult::Quality quality,
               const Job& job);
-  std::optional<workspace::Drawn> draw(Resources& resources, const RenderRequest& request, bool exact,
-                                       const Effort& effort, DiagnosticLog& log, const Job& job);
+  std::optional<workspace::Drawn> draw(Resources& resources, const RenderRequest& request,
+                                       bool exact, const Effort& effort, DiagnosticLog& log,
+                                       const Job& job);
   void publish(Resources& resources, std::shared_ptr<RenderResult> result);
   void trace(Resources& resources, const RenderRequest& request, const Job& job);
   void adapt(double seconds);
@@ -123,9 +127,9 @@ class RenderThread {
   std::size_t traced_ = 0;  // passes of the reference renderer over the last exact image
   std::shared_ptr<const RenderResult> result_;
   Status status_;
-  std::size_t effort_ = 0;  // of interactive images
+  std::size_t effort_ = 0;                                  // of interactive images
   std::chrono::steady_clock::time_point last_interactive_;  // zero: none in this movement
-  double interactive_seconds_ = 0;  // sum of the times between two of them
+  double interactive_seconds_ = 0;                          // sum of the times between two of them
   std::uint64_t interactive_intervals_ = 0;
   Job job_;  // of the image in progress
   bool ending_ = false;

@@ -23,17 +23,20 @@ struct MaterialSample {
   std::string description;  // of its BRDFs
   std::string verdict;      // energy, reciprocity, single precision
   std::array<double, 3> hemispherical{};
-  // (viewing angle in degrees, -90 to 90 in the plane of incidence; pi f, mean of the channels, under the Sun's disc)
+  // (viewing angle in degrees, -90 to 90 in the plane of incidence; pi f, mean of the channels,
+  // under the Sun's disc)
   std::array<std::vector<Vec2>, kSampleLights.size()> lobes;
   // (angle from the normal in degrees, directional albedo), by channel
   std::array<std::vector<Vec2>, 3> albedo;
-  // sphere, tilted tile and wrinkled tile under the Sun, path traced; 4*H*W, sRGB, white plates in full Sun white
+  // sphere, tilted tile and wrinkled tile under the Sun, path traced; 4*H*W, sRGB, white plates in
+  // full Sun white
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
 };
 
 // Cost: about a second.
-MaterialSample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job = {});
+MaterialSample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width,
+                         const Job& job = {});
 
 // Distribution of the slopes of sheets of foil.
 struct SheetSlopes {
@@ -42,7 +45,8 @@ struct SheetSlopes {
   std::vector<std::string> sheets;           // descriptions
 };
 
-// Slopes of the facets of flat sheets, weighted by area. name: of a node of the sheets or an ancestor; empty: all
+// Slopes of the facets of flat sheets, weighted by area. name: of a node of the sheets or an
+// ancestor; empty: all
 //
 // Cost: O(triangles).
 SheetSlopes slopes_of(const pan::Model& model, const std::string& name);

@@ -54,22 +54,22 @@ void SavePanel::save() {
   std::vector<std::string> files;
   for (const std::string& each : state_.project.files())
     files.push_back(workspace::target_file(each).file.string());
-  saving_ = std::async(std::launch::async,
-                       [text, world = state_.models.world, path, files = std::move(files),
-                        open = state_.options.open,
-                        context = state_.options.context]() -> std::string {
-                         DiagnosticLog log;
-                         const auto view = workspace::ViewMaker(*world).view(text, log);
-                         const auto draw = workspace::draw_options(text, context, log);
-                         if (view && draw) {
-                           workspace::RunOptions options{*draw, {}, {files, open}};
-                           if (workspace::run_views(*world, std::span(&*view, 1), options, log))
-                             return "saved " + path.string();
-                         }
-                         for (const Message& each : messages_of(log))
-                           if (each.severity == Severity::error) return each.text;
-                         return "not saved";
-                       });
+  saving_ =
+      std::async(std::launch::async,
+                 [text, world = state_.models.world, path, files = std::move(files),
+                  open = state_.options.open, context = state_.options.context]() -> std::string {
+                   DiagnosticLog log;
+                   const auto view = workspace::ViewMaker(*world).view(text, log);
+                   const auto draw = workspace::draw_options(text, context, log);
+                   if (view && draw) {
+                     workspace::RunOptions options{*draw, {}, {files, open}};
+                     if (workspace::run_views(*world, std::span(&*view, 1), options, log))
+                       return "saved " + path.string();
+                   }
+                   for (const Message& each : messages_of(log))
+                     if (each.severity == Severity::error) return each.text;
+                   return "not saved";
+                 });
 }
 
 void SavePanel::video() {

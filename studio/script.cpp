@@ -50,7 +50,8 @@ Step parsed_step(const std::string& kind, const ScriptJson& json) {
   } else if (kind == "type" || kind == "expect") {
     step.kind = kind == "type" ? Step::Kind::type : Step::Kind::expect;
     if (!json.is_array() || json.size() != 2)
-      throw ScriptError{fmt::format("'{}' takes a name and a value, as [\"camera/range\", \"12\"]", kind)};
+      throw ScriptError{
+          fmt::format("'{}' takes a name and a value, as [\"camera/range\", \"12\"]", kind)};
     step.name = script_text(json[0], "the name");
     step.value = script_text(json[1], "the value");
   } else if (kind == "drag") {
@@ -96,16 +97,17 @@ Step parsed_step(const std::string& kind, const ScriptJson& json) {
     step.value = script_text(script_member(json, "text"), "'text'");
     step.with = script_text(script_member(json, "with"), "'with'");
   } else {
-    throw ScriptError{
-        fmt::format("unknown step {}; expected click, type, drag, scroll, key, wait, resize, replace, "
-                    "screenshot, expect or repeat",
-                    in_quotes(kind))};
+    throw ScriptError{fmt::format(
+        "unknown step {}; expected click, type, drag, scroll, key, wait, resize, replace, "
+        "screenshot, expect or repeat",
+        in_quotes(kind))};
   }
   return step;
 }
 
 // where: "step", or of repeated steps that of the repetition with ", step"
-void add_steps(const ScriptJson& list, const std::string& where, std::vector<Step>& out, int depth = 0) {
+void add_steps(const ScriptJson& list, const std::string& where, std::vector<Step>& out,
+               int depth = 0) {
   std::size_t number = 0;
   for (const ScriptJson& each : list) {
     const std::string here = fmt::format("{} {}", where, ++number);
@@ -114,8 +116,7 @@ void add_steps(const ScriptJson& list, const std::string& where, std::vector<Ste
     const std::string& kind = each.begin().key();
     const ScriptJson& json = each.begin().value();
     if (kind != "repeat") {
-      if (out.size() >= kMaxSteps)
-        throw ScriptError{fmt::format("more than {} steps", kMaxSteps)};
+      if (out.size() >= kMaxSteps) throw ScriptError{fmt::format("more than {} steps", kMaxSteps)};
       try {
         out.push_back(parsed_step(kind, json));
       } catch (const ScriptError& what) {
@@ -124,12 +125,13 @@ void add_steps(const ScriptJson& list, const std::string& where, std::vector<Ste
       continue;
     }
     if (depth == kMaxRepeatDepth)
-      throw ScriptError{fmt::format("{}: repetitions are nested more than {} deep", here, kMaxRepeatDepth)};
+      throw ScriptError{
+          fmt::format("{}: repetitions are nested more than {} deep", here, kMaxRepeatDepth)};
     if (!json.is_object() || !json.contains("times") || !json["times"].is_number_integer() ||
         json["times"] < 1 || json["times"] > kMaxSteps || !json.contains("steps") ||
         !json["steps"].is_array() || json["steps"].empty())
-      throw ScriptError{fmt::format("{}: 'repeat' takes 'times', 1 to {}, and 'steps', a list", here,
-                              kMaxSteps)};
+      throw ScriptError{
+          fmt::format("{}: 'repeat' takes 'times', 1 to {}, and 'steps', a list", here, kMaxSteps)};
     for (auto left = json["times"].get<std::size_t>(); left > 0; --left)
       add_steps(json["steps"], here + ", step", out, depth + 1);
   }

@@ -28,9 +28,9 @@ struct Step {
     expect,      // a value of MainWindow::state()
   };
   Kind kind = Kind::wait;
-  std::string name;   // of the widget, key, file or state
-  std::string value;  // typed, replaced or expected text
-  std::string with;   // replacement
+  std::string name;     // of the widget, key, file or state
+  std::string value;    // typed, replaced or expected text
+  std::string with;     // replacement
   Vec2 from{0}, to{0};  // fractions of the image from its upper left corner; of resize: pixels
   int button = 0;       // 0: left, 1: right, 2: middle
   double amount = 0;    // steps of the wheel; frames of a wait or drag

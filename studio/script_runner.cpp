@@ -69,7 +69,7 @@ bool ScriptRunner::advance(const Step& step, MainWindow& window, Actions& action
     case Step::Kind::key:
       if (key_of(step.name) == 0)
         fail(fmt::format("unknown key {}; expected A to Z, escape, enter or space",
-                          in_quotes(step.name)));
+                         in_quotes(step.name)));
       input_.key = frame_ < 2 ? key_of(step.name) : 0;
       return frame_ == 3;
     case Step::Kind::wait:
@@ -129,8 +129,8 @@ bool ScriptRunner::press(const Step& step, MainWindow& window) {
     }
     const std::string near = window.widgets().nearest(step.name);
     fail(fmt::format("{} is not on the screen{}", in_quotes(step.name),
-                      near.empty() ? "; search the list, or use a higher window"
-                                   : fmt::format("; {} is", in_quotes(near))));
+                     near.empty() ? "; search the list, or use a higher window"
+                                  : fmt::format("; {} is", in_quotes(near))));
     return true;
   }
   const bool types = step.kind == Step::Kind::type;
@@ -196,8 +196,8 @@ bool ScriptRunner::expect(const Step& step, MainWindow& window) {
   };
   const auto a = number(found), b = number(step.value);
   if (a && b && std::fabs(*a - *b) <= 1e-6 * std::fabs(*b)) return true;
-  fail(fmt::format("{}: expected {}, found {}", step.name, in_quotes(step.value),
-                   in_quotes(found)));
+  fail(
+      fmt::format("{}: expected {}, found {}", step.name, in_quotes(step.value), in_quotes(found)));
   return true;
 }
 

@@ -23,7 +23,7 @@ class ScriptRunner {
   struct Actions {
     std::optional<Vec2> size;
     std::filesystem::path screenshot;  // empty: none
-    bool end = false;  // of the script
+    bool end = false;                  // of the script
   };
   // Advances the script after a frame. Reports: E0203 where a step fails.
   Actions next(MainWindow& window, DiagnosticLog& log);

@@ -51,7 +51,8 @@ bool run_program(const std::vector<std::string>& words, const Job& job) {
 
 }  // namespace
 
-std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings, double ev) {
+std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings,
+                                   double ev) {
   const auto count = static_cast<std::size_t>(std::max(1.0, std::round(settings.frames)));
   std::vector<ViewState> out(count, view);
   for (std::size_t i = 0; i < count; ++i) {
@@ -59,13 +60,13 @@ std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& s
     out[i].ev = ev;
     OrbitCamera& camera = out[i].camera;
     if (settings.kind == kVideoKinds[0]) {
-      camera.azimuth = wrapped_degrees(view.camera.azimuth + 360.0 * static_cast<double>(i) /
-                                                                 static_cast<double>(count));
+      camera.azimuth = wrapped_degrees(view.camera.azimuth +
+                                       360.0 * static_cast<double>(i) / static_cast<double>(count));
     } else {
       const double share = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0;
-      camera.range = std::clamp(
-          view.camera.range * std::pow(settings.range / view.camera.range, share), kNearest,
-          kFarthest);
+      camera.range =
+          std::clamp(view.camera.range * std::pow(settings.range / view.camera.range, share),
+                     kNearest, kFarthest);
     }
   }
   return out;
@@ -160,9 +161,8 @@ bool Video::draw(const VideoRequest& request, const std::vector<fs::path>& frame
 void Video::work(const VideoRequest& request, const Job& job) {
   const fs::path program = find_program("ffmpeg");
   const std::string extension = request.output.extension().string();
-  if (!program.empty() &&
-      std::find(std::begin(kVideoExtensions), std::end(kVideoExtensions), extension) ==
-          std::end(kVideoExtensions))
+  if (!program.empty() && std::find(std::begin(kVideoExtensions), std::end(kVideoExtensions),
+                                    extension) == std::end(kVideoExtensions))
     return set_message(
         fmt::format("videos are .mp4, .mkv, .mov, .webm, .avi or .gif, not '{}'", extension));
   fs::path folder = request.output;

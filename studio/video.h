@@ -1,4 +1,4 @@
-// Videos of a view: turntables and range sweeps. Frames are drawn in the background and encoded by ffmpeg.
+// Videos of a view, drawn frame by frame and encoded by ffmpeg: turntables and range sweeps.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +29,9 @@ struct VideoSettings {
   std::string output = "video.mp4";
 };
 
-// Views of the frames. A turntable goes once around with growing azimuth, beginning at `view`; a sweep goes from the
-// range of `view` to that of the settings in equal ratios. ev: exposure of all, stops
+// Views of the frames. A turntable goes once around with growing azimuth, beginning at `view`; a
+// sweep goes from the range of `view` to that of the settings in equal ratios. ev: exposure of all,
+// stops
 std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings, double ev);
 
 // Path of an executable in the folders of $PATH; empty: not found.
@@ -54,7 +55,8 @@ class Video {
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  // Draws OUTPUT-frames/00001.png and so on; removes them once ffmpeg has encoded a video. Errors are in the status.
+  // Draws OUTPUT-frames/00001.png and so on; removes them once ffmpeg has encoded a video. Errors
+  // are in the status.
   //
   // Expects: no video in progress.
   void start(VideoRequest request);

@@ -1,4 +1,4 @@
-// View that the window shows: camera, Sun, exposure, poses and joints, as options of `panwright render`.
+// View of the window, as options of `panwright render`: camera, Sun, exposure, poses, joints.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,11 @@ struct ViewState {
   OrbitCamera camera;
   double sun_azimuth = -20;
   double sun_elevation = 30;
-  double sun_distance = 1;         // AU
-  double ev = 0;                   // stops
-  bool auto_ev = true;             // exposure is found from the exact image
-  std::string shadows = "auto";    // as --shadows
-  std::string imposters = "auto";  // as --imposters
+  double sun_distance = 1;                    // AU
+  double ev = 0;                              // stops
+  bool auto_ev = true;                        // exposure is found from the exact image
+  std::string shadows = "auto";               // as --shadows
+  std::string imposters = "auto";             // as --imposters
   std::map<std::string, TargetPose> poses;    // of targets by name; others are at the origin
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
 

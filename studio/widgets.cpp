@@ -81,16 +81,16 @@ bool Widgets::check(const std::string& name, bool& value, const char* help) {
 bool Widgets::slider(const std::string& name, double& value, double low, double high,
                      const char* format, bool logarithmic, const char* help, bool bounded) {
   const double before = value;
-  bool changed = ImGui::SliderScalar(widget_id(name).c_str(), ImGuiDataType_Double, &value, &low, &high,
-                                     format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  bool changed = ImGui::SliderScalar(widget_id(name).c_str(), ImGuiDataType_Double, &value, &low,
+                                     &high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
   finish(name, help);
   if (!changed) return false;
   limited_.clear();
   if (!bounded || (value >= low && value <= high)) return true;
   const double typed = value;
   value = std::isnan(typed) ? before : std::clamp(typed, low, high);
-  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", widget_label(name),
-                         low, high, typed, value);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
+                         widget_label(name), low, high, typed, value);
   return value != before;
 }
 
@@ -105,8 +105,8 @@ bool Widgets::drag(const std::string& name, double& value, double step, const ch
   if (std::fabs(value) <= kDragLimit) return true;
   const double typed = value;
   value = std::isnan(typed) ? before : std::clamp(typed, -kDragLimit, kDragLimit);
-  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", widget_label(name),
-                         -kDragLimit, kDragLimit, typed, value);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
+                         widget_label(name), -kDragLimit, kDragLimit, typed, value);
   return value != before;
 }
 

@@ -33,8 +33,8 @@ class Widgets {
   // Most similar name in the last frame; empty: none is similar.
   std::string nearest(const std::string& name) const;
 
-  // Each returns whether the value changed, or the button was pressed. name: in scripts; the label is the part
-  // after the last '/', or after a '=', which is not part of the name. help: tooltip
+  // Each returns whether the value changed, or the button was pressed. name: in scripts; the label
+  // is the part after the last '/', or after a '=', which is not part of the name. help: tooltip
   bool button(const std::string& name, const char* help = nullptr);
   bool check(const std::string& name, bool& value, const char* help = nullptr);
   // format: of printf, with the unit; bounded: typed values are clamped

@@ -1,10 +1,10 @@
 #include "studio/window.h"
 
-#include <glad/gl.h>
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
+#include <glad/gl.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -45,8 +45,7 @@ class Screen {
 
   bool open(const Options& options, DiagnosticLog& log) {
     const auto fail = [&](const std::string& why) {
-      log.report(Code::E5001, {},
-                 fmt::format("cannot open a window: {}", why),
+      log.report(Code::E5001, {}, fmt::format("cannot open a window: {}", why),
                  "`panwright render` needs no display; Xvfb is a virtual one");
       return false;
     };
@@ -143,7 +142,9 @@ class Screen {
 
   GLFWwindow* window() const { return window_; }
   double scale() const { return scale_; }
-  MainWindow::Textures textures() const { return {shows_[0] ? textures_[0] : 0u, shows_[1] ? textures_[1] : 0u}; }
+  MainWindow::Textures textures() const {
+    return {shows_[0] ? textures_[0] : 0u, shows_[1] ? textures_[1] : 0u};
+  }
   void swap() { glfwSwapBuffers(window_); }
 
  private:
@@ -177,7 +178,10 @@ void drop_files(GLFWwindow* window, int count, const char** paths) {
 class FrameLoop {
  public:
   FrameLoop(Screen& screen, MainWindow& contents, const Options& options)
-      : screen_(screen), contents_(contents), options_(options), runner_(options.script, options.script_folder) {}
+      : screen_(screen),
+        contents_(contents),
+        options_(options),
+        runner_(options.script, options.script_folder) {}
 
   bool run(DiagnosticLog& log) {
     while (glfwWindowShouldClose(screen_.window()) == 0) {
@@ -195,7 +199,8 @@ class FrameLoop {
         frames_left_ = kFramesAfter;
       }
       frame();
-      report_.spent.add(std::chrono::duration<double, std::milli>(FrameClock::now() - start).count());
+      report_.spent.add(
+          std::chrono::duration<double, std::milli>(FrameClock::now() - start).count());
       report_.busy = std::max(report_.busy, 1e3 * (thread_seconds() - busy));
       if (options_.scripted && !follow(log)) break;
       screen_.swap();

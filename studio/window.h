@@ -13,10 +13,10 @@ namespace panwright::studio {
 
 // Report of a run.
 struct Report {
-  Series spent{1 << 20};  // wall time of each frame on the window's thread, ms
-  double busy = 0;        // largest processor time of a frame, ms
+  Series spent{1 << 20};   // wall time of each frame on the window's thread, ms
+  double busy = 0;         // largest processor time of a frame, ms
   double first_image = 0;  // seconds from the start to the first image; 0: no image
-  Series saved{64};  // seconds from the modification of a file to its image
+  Series saved{64};        // seconds from the modification of a file to its image
   SavedToImage last_saved;
   Series resident{64};  // bytes of memory after each frame of a script
   RenderThread::Status rendering;

@@ -28,11 +28,11 @@ struct Canvas {
 
 // Settings of the displayed image, beside those of the layout.
 struct ImageSettings {
-  bool edges = false;                // of triangles
-  std::string comparison = "off";    // one of kComparisons
-  double split = 0.5;                // where the reference begins, in parts of the width
-  double difference_range = 0.1;     // at the ends of the colours, of the RMS radiance
-  bool interreflections = true;      // of the reference image
+  bool edges = false;              // of triangles
+  std::string comparison = "off";  // one of kComparisons
+  double split = 0.5;              // where the reference begins, in parts of the width
+  double difference_range = 0.1;   // at the ends of the colours, of the RMS radiance
+  bool interreflections = true;    // of the reference image
 };
 
 // Largest sRGB codes of the pixels of an image.

@@ -40,7 +40,8 @@ world::Camera camera_above(double height, double focal) {
   return camera;
 }
 
-const char* const kDetailsModel = R"(<mli name="sheet" type="flat" material="mli_gold_kapton" seed="1">
+const char* const kDetailsModel =
+    R"(<mli name="sheet" type="flat" material="mli_gold_kapton" seed="1">
   <mli_settings> <width> 1 </width> <height> 1 </height> <xgrid> 400 </xgrid> </mli_settings>
   <mli_operations preset="crinkled"/> </mli>
   <box name="post" size="0.1" translate="0 0 -1"/>)";
@@ -56,7 +57,8 @@ TEST(Details, LevelsFollowTheFootprint) {
       if (each.node == model.instances()[sheet].node) return each;
     return Detail{};
   };
-  // nearer than a pixel of half the first level's detail: the finest; at a coarser footprint: that level
+  // nearer than a pixel of half the first level's detail: the finest; at a coarser footprint: that
+  // level
   const Detail near = of_sheet(1000 * 0.4 * levels[0].detail);
   EXPECT_EQ(near.level, 0);
   EXPECT_EQ(near.triangles, model.meshes()[model.instances()[sheet].mesh].triangle_count);

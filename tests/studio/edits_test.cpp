@@ -97,11 +97,14 @@ TEST_F(EditsTest, FileThatCannotBeWritten) {
   EXPECT_TRUE(edits_.any());
 }
 
-// A thousand numbers typed into a text: each makes the pan file that the scene makes whose material has that number.
+// A thousand numbers typed into a text: each makes the pan file that the scene makes whose material
+// has that number.
 TEST(EditedTexts, CompileAsIfSetDirectly) {
   const std::string text =
-      "<pangu_model ver=\"1\">\n<material name=\"m\">\n  <diffuse> 0.3 0.2 0.1 </diffuse> <!-- paint -->\n"
-      "  <specular>0.9\t0.8 0.7</specular>\n  <emissive> 0.01 .02 3e-2 </emissive>\n  <reflect> 0.5 0.4 0.1 </reflect>\n"
+      "<pangu_model ver=\"1\">\n<material name=\"m\">\n  <diffuse> 0.3 0.2 0.1 </diffuse> <!-- "
+      "paint -->\n"
+      "  <specular>0.9\t0.8 0.7</specular>\n  <emissive> 0.01 .02 3e-2 </emissive>\n  <reflect> "
+      "0.5 0.4 0.1 </reflect>\n"
       "  <ggx> 0.2 </ggx>\n  <coat n=\"1.5\" slope=\"0.1\"/>\n</material>\n"
       "<sphere radius=\"1\" rings=\"5\" quads=\"6\" material=\"m\"/>\n</pangu_model>\n";
   const auto read = [](const std::string& bytes, DiagnosticLog& log) {
@@ -131,8 +134,10 @@ TEST(EditedTexts, CompileAsIfSetDirectly) {
     if (number.element == "specular") material.specular[k] = value;
     if (number.element == "emissive") material.emissive[k] = value;
     if (number.element == "reflect") material.weights[k] = value;
-    if (number.element == "ggx") material.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(value));
-    if (number.element == "coat") (number.attribute == "n" ? material.coat->index : material.coat->alpha) = value;
+    if (number.element == "ggx")
+      material.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(value));
+    if (number.element == "coat")
+      (number.attribute == "n" ? material.coat->index : material.coat->alpha) = value;
     materials::fit(material);
     DiagnosticLog ignored;
     auto edited = read(pxn::with_number(text, number, value), ignored);
@@ -142,7 +147,8 @@ TEST(EditedTexts, CompileAsIfSetDirectly) {
     const auto a = compiler::compiled(*edited, {}, ignored);
     const auto b = compiler::compiled(*direct, {}, ignored);
     ASSERT_TRUE(a && b) << to_text(ignored);
-    EXPECT_TRUE(*a == *b) << number.element << ' ' << number.attribute << ' ' << number.index << ' ' << value;
+    EXPECT_TRUE(*a == *b) << number.element << ' ' << number.attribute << ' ' << number.index << ' '
+                          << value;
   }
 }
 

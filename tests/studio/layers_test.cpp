@@ -30,14 +30,17 @@ preview::Image blank_image(std::uint32_t width, std::uint32_t height) {
 }
 
 std::uint32_t rgb(const Pixels& pixels, std::size_t i) {
-  return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 | pixels.rgba[4 * i + 2];
+  return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 |
+         pixels.rgba[4 * i + 2];
 }
 
 pan::Model compiled_model(const std::string& body) {
-  const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
+  const std::vector<pxn::MemoryFile> files = {
+      {"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
   DiagnosticLog log;
   const auto scene = pxn::read_memory(files, {}, log);
-  const auto bytes = scene ? compiler::compiled(*scene, {}, log) : Result<std::vector<std::byte>>(failed);
+  const auto bytes =
+      scene ? compiler::compiled(*scene, {}, log) : Result<std::vector<std::byte>>(failed);
   auto model = bytes ? pan::Model::from_bytes(*bytes, "a", log) : Result<pan::Model>(failed);
   EXPECT_TRUE(model && model->check(log)) << to_text(log);
   return std::move(*model);
@@ -152,7 +155,8 @@ TEST(Samples, OfALambertMaterial) {
   EXPECT_NE(sample.verdict.find("conserved"), std::string::npos);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(sample.hemispherical[k], grey.material.diffuse[static_cast<int>(k)], 1e-4);
-    for (const Vec2& point : sample.albedo[k]) EXPECT_NEAR(point.y, grey.material.diffuse[static_cast<int>(k)], 1e-4);
+    for (const Vec2& point : sample.albedo[k])
+      EXPECT_NEAR(point.y, grey.material.diffuse[static_cast<int>(k)], 1e-4);
   }
   for (const auto& lobe : sample.lobes) {
     ASSERT_GT(lobe.size(), 100u);
@@ -172,13 +176,15 @@ TEST(Samples, OfALambertMaterial) {
 TEST(Edges, OfABox) {
   DiagnosticLog log;
   world::World world;
-  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(compiled_model("<box size=\"2 2 2\"/>")), log));
+  ASSERT_TRUE(world.add(
+      "box", std::make_shared<const pan::Model>(compiled_model("<box size=\"2 2 2\"/>")), log));
   for (const bool ortho : {false, true}) {
     world::Camera camera;
     if (ortho)
       world::set_orthographic(camera, 64, 64, 4);
     else
-      world::set_field_of_view(camera, 64, 64, 2 * std::atan(4.0 / 18));  // 4 m wide at the near face
+      world::set_field_of_view(camera, 64, 64,
+                               2 * std::atan(4.0 / 18));  // 4 m wide at the near face
     camera.position = Vec3(0, 0, 10);
     camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 1, 0), log);
     preview::ReferenceOptions options;
@@ -196,8 +202,8 @@ TEST(Edges, OfABox) {
         // the near face fills pixels 16 to 48: its sides, and one diagonal of it
         const auto off = [](double a, double b) { return std::fabs(a - b); };
         const double u = static_cast<double>(x) + 0.5, v = static_cast<double>(y) + 0.5;
-        const bool side = (off(u, 16) < 1 || off(u, 48) < 1 || off(v, 16) < 1 || off(v, 48) < 1) && u > 15 && u < 49 &&
-                          v > 15 && v < 49;
+        const bool side = (off(u, 16) < 1 || off(u, 48) < 1 || off(v, 16) < 1 || off(v, 48) < 1) &&
+                          u > 15 && u < 49 && v > 15 && v < 49;
         const bool diagonal = std::min(off(u, v), off(u, 64 - v)) < 1.5 && u > 15 && u < 49;
         inside += side || diagonal;
       }
@@ -209,12 +215,15 @@ TEST(Edges, OfABox) {
 // Slopes of facets against those that the compiler measured.
 TEST(Samples, SlopesOfFoil) {
   const pan::Model model = compiled_model(
-      "<mli name=\"door\" type=\"flat\" seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
-      "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</slope_rms></mli_operations></mli>");
+      "<mli name=\"door\" type=\"flat\" "
+      "seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
+      "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</"
+      "slope_rms></mli_operations></mli>");
   ASSERT_EQ(model.sheets().size(), 1u);
   const SheetSlopes slopes = slopes_of(model, "door");
   ASSERT_EQ(slopes.sheets.size(), 1u);
-  EXPECT_NE(slopes.sheets[0].find("flat 0.5 x 0.4 m, 100 x 80 cells, seed 3"), std::string::npos) << slopes.sheets[0];
+  EXPECT_NE(slopes.sheets[0].find("flat 0.5 x 0.4 m, 100 x 80 cells, seed 3"), std::string::npos)
+      << slopes.sheets[0];
   const auto& sheet = model.sheets()[0];
   const double expected = 0.5 * (sheet.facet_slope_covariance[0] + sheet.facet_slope_covariance[2]);
   EXPECT_NEAR(slopes.rms * slopes.rms, expected, 0.01 * expected);

@@ -139,7 +139,8 @@ TEST(Project, NoFileAtFirst) {
   ASSERT_TRUE(reaches(project, [](const auto& s) { return s.world != nullptr; }));
 }
 
-// A file written in two quick steps is not reported as broken in between; a file that stays incomplete is.
+// A file written in two quick steps is not reported as broken in between; a file that stays
+// incomplete is.
 TEST(Project, HalfWrittenFiles) {
   const support::TemporaryFolder folder;
   folder.write("part.pxn", kProjectPart);

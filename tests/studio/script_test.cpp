@@ -15,13 +15,13 @@ namespace {
 TEST(Script, AllKindsOfSteps) {
   const support::TemporaryFolder folder;
   DiagnosticLog log;
-  const auto steps = read_script(
-      folder.write("s.json", R"([{"click": "tab/Sun"}, {"type": ["sun/azimuth", 12.5]},
+  const auto steps =
+      read_script(folder.write("s.json", R"([{"click": "tab/Sun"}, {"type": ["sun/azimuth", 12.5]},
         {"drag": {"from": [0, 0.5], "to": [1, 0.25], "button": "middle"}}, {"scroll": -2},
         {"key": "F"}, {"wait": "read"}, {"wait": 3}, {"resize": [640, 480]},
         {"replace": {"file": "a.pxn", "text": "x", "with": "y"}}, {"screenshot": "s.png"},
         {"expect": ["failed", "false"]}])"),
-      log);
+                  log);
   ASSERT_TRUE(steps) << to_text(log);
   ASSERT_EQ(steps->size(), 11u);
   EXPECT_EQ((*steps)[1].value, "12.5");

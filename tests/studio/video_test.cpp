@@ -22,8 +22,8 @@ TEST(Video, TurntableGoesOnceAround) {
   ASSERT_EQ(views.size(), 36u);
   EXPECT_EQ(views[0].camera.azimuth, 170);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    EXPECT_NEAR(std::remainder(views[i].camera.azimuth - 170 - 10.0 * static_cast<double>(i), 360), 0,
-                1e-12);
+    EXPECT_NEAR(std::remainder(views[i].camera.azimuth - 170 - 10.0 * static_cast<double>(i), 360),
+                0, 1e-12);
     EXPECT_LE(std::fabs(views[i].camera.azimuth), 180);
     EXPECT_EQ(views[i].camera.range, view.camera.range);
     EXPECT_FALSE(views[i].auto_ev);
@@ -59,8 +59,8 @@ TEST(Video, ReportsErrors) {
   ViewState view;
   const auto world = std::make_shared<const world::World>();
   const auto made = [&](const std::string& name) {
-    video.start({{}, folder / name, world, video_views(view, {}, 0), 64, 48,
-                 preview::ContextKind::osmesa});
+    video.start(
+        {{}, folder / name, world, video_views(view, {}, 0), 64, 48, preview::ContextKind::osmesa});
     while (video.status().busy) std::this_thread::yield();
     return video.status().message;
   };

@@ -71,10 +71,10 @@ TEST(OrbitCamera, FramesASphere) {
       OrbitCamera camera;
       camera.fov = fov;
       camera.frame_all({{1, 2, 3}, 7}, aspect);  // height over width
-      const double seen = std::asin(7 / camera.range);
+      const double radius = std::asin(7 / camera.range);
       const double half = std::atan(std::tan(fov * kDegree / 2) * std::min(1.0, aspect));
-      EXPECT_LT(seen, half) << aspect << ' ' << fov;
-      EXPECT_GT(seen, 0.8 * half) << aspect << ' ' << fov;
+      EXPECT_LT(radius, half) << aspect << ' ' << fov;
+      EXPECT_GT(radius, 0.8 * half) << aspect << ' ' << fov;
     }
 }
 
@@ -88,10 +88,11 @@ TEST(ViewState, CommandLineIsTheView) {
   view.shadows = "soft";
   view.auto_ev = false;
   view.ev = -1.5;
-  EXPECT_EQ(command_line(view, 640, 480, {"it's.pan"}, "out.png"),
-            "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' --fov 30 "
-            "--sun '0.813797681 -0.296198133 0.5' --size 640x480 --ev -1.5 --shadows soft "
-            "--joint 'a b/wing=10deg'");
+  EXPECT_EQ(
+      command_line(view, 640, 480, {"it's.pan"}, "out.png"),
+      "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' --fov 30 "
+      "--sun '0.813797681 -0.296198133 0.5' --size 640x480 --ev -1.5 --shadows soft "
+      "--joint 'a b/wing=10deg'");
 }
 
 // Roll, then pitch, then yaw, about the world's axes.

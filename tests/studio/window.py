@@ -43,11 +43,11 @@ def view(program, folder, steps, *files, code=0, size="1280x720", gl="osmesa", e
     words = ["xvfb-run", "-a", "-s", "-screen 0 2600x1500x24", program, "view", "--script", script,
              "--size", size, "--scale", "1", "--gl", gl, "--json", *files]
     done = subprocess.run(words, capture_output=True, text=True, cwd=folder, env=env)
-    said = json.loads(done.stdout)
+    report = json.loads(done.stdout)
     # xvfb-run may fail to remove its own folder, and says so with a code of its own
-    ended = said["exit_code"] if "cleaning up temporary directory" in done.stderr else done.returncode
+    ended = report["exit_code"] if "cleaning up temporary directory" in done.stderr else done.returncode
     expect(f"exit code {ended}: {done.stdout}{done.stderr}", ended == code)
-    return said
+    return report
 
 
 def close_window():
@@ -105,7 +105,7 @@ def main():
         file.write(MODEL)
 
     # the saved image is that of the command
-    said = view(program, folder, [
+    report = view(program, folder, [
         {"wait": "exact"}, {"screenshot": "first.png"},
         {"click": "tab/Joints"}, {"type": ["joint/door/hinge", "30"]},
         {"expect": ["joint/door/hinge", "0.5235987755982988rad"]},
@@ -115,17 +115,17 @@ def main():
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20},
         {"wait": "saved"}, {"expect": ["saved", f"saved {folder}/image.png"]},
         {"screenshot": "saved.png"}], "door.pxn")
-    expect("an exact image was drawn", said["exact"] >= 1)
+    expect("an exact image was drawn", report["exact"] >= 1)
     saved = os.path.join(folder, "image.png")
     same = os.path.join(folder, "same.png")
-    words = said["render"]
+    words = report["render"]
     subprocess.run(["sh", "-c", words.replace("panwright", program, 1).replace(
         "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file is that of the command", a.read() == b.read())
 
     # edits: a valid one, an invalid one, a corrected one
-    said = view(program, folder, [
+    report = view(program, folder, [
         {"wait": "exact"},
         {"replace": {"file": "door.pxn", "text": "radius=\"0.4\"", "with": "radius=\"0.6\""}},
         {"wait": "exact"}, {"expect": ["failed", "false"]}, {"expect": ["readings", "2"]},
@@ -136,7 +136,7 @@ def main():
         {"wait": "exact"}, {"expect": ["failed", "false"]},
         {"click": "tab/Parts"}, {"click": "visible/door/root/ball"}, {"expect": ["hidden", "1"]},
         {"wait": "exact"}, {"screenshot": "hidden.png"}], "door.pxn")
-    expect("the models were read four times", said["readings"] == 4)
+    expect("the models were read four times", report["readings"] == 4)
 
     # a number of a material: changed, undone, saved to its text
     with open(model, encoding="utf-8") as file:
@@ -162,7 +162,7 @@ def main():
         {"expect": ["panel", "384"]}], "door.pxn", size="640x480")
 
     # two targets side by side, also in the command; levels and triangles
-    said = view(program, folder, [
+    report = view(program, folder, [
         {"wait": "exact"}, {"click": "tab/Joints"}, {"click": "poses/side by side"},
         {"type": ["pose/more/yaw", "90"]}, {"wait": "exact"}, {"expect": ["pose/door", ""]},
         {"click": "tab/Image"}, {"click": "layer/levels"}, {"expect": ["layer", "levels"]},
@@ -170,7 +170,7 @@ def main():
         {"expect": ["selected", "more/root/ball"]}, {"screenshot": "triangles.png"},
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20}, {"wait": "saved"}],
         "door.pxn", "more=door.pxn")
-    subprocess.run(["sh", "-c", said["render"].replace("panwright", program, 1).replace(
+    subprocess.run(["sh", "-c", report["render"].replace("panwright", program, 1).replace(
         "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file of two targets is that of the command", a.read() == b.read())
@@ -213,13 +213,13 @@ def main():
     with open(layout, "w", encoding="utf-8") as file:
         json.dump({key: value for key, value in remembered.items() if value is not False}, file)
     env = {**os.environ, "XDG_STATE_HOME": state}
-    hand = ('"$1" view --gl osmesa --scale 1 --json door.pxn >hand.json & "$2" "$3" --close; wait')
-    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", "sh", "-c", hand, "sh", program, sys.executable,
+    user = ('"$1" view --gl osmesa --scale 1 --json door.pxn >user.json & "$2" "$3" --close; wait')
+    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", "sh", "-c", user, "sh", program, sys.executable,
                     os.path.abspath(__file__)], cwd=folder, env=env, timeout=300, check=False)
     with open(layout, encoding="utf-8") as file:
         is_now = json.load(file)
     expect(f"{is_now}", is_now == remembered)
-    with open(os.path.join(folder, "hand.json"), encoding="utf-8") as file:
+    with open(os.path.join(folder, "user.json"), encoding="utf-8") as file:
         expect("a window closed by a user ends well", json.load(file)["exit_code"] == 0)
     view(program, folder, [{"wait": "exact"}, {"click": "tab/Sun"}, {"expect": ["layer", "light"]}], "door.pxn", env=env)
     with open(layout, encoding="utf-8") as file:
@@ -233,7 +233,7 @@ def main():
     # a file that includes itself, many errors: the last image stays. Then enough changes to find leaks
     reload = [{"replace": {"file": "door.pxn", "text": f'size="{a} 0.2 1"', "with": f'size="{b} 0.2 1"'}}
               for a, b in ((1, 1.5), (1.5, 1))]
-    said = view(program, folder, [
+    report = view(program, folder, [
         {"wait": "exact"},
         {"replace": {"file": "door.pxn", "text": "<sphere", "with": "<include file=\"door.pxn\"/><sphere"}},
         {"wait": "read"}, {"expect": ["failed", "true"]}, {"expect": ["exact", "true"]},
@@ -247,10 +247,10 @@ def main():
         {"repeat": {"times": 4, "steps": [{"drag": {"from": [0.2, 0.5], "to": [0.8, 0.5], "frames": 100}},
                                           {"drag": {"from": [0.8, 0.5], "to": [0.2, 0.5], "frames": 100}}]}}],
         "door.pxn", size="640x480")
-    expect(f"{said['readings']} readings", said["readings"] >= 45)
-    expect(f"{said['save_to_image_ms']}", said["save_to_image_ms"]["count"] >= 40)
-    expect(f"{said['following']}", said["following"]["images"] >= 50)
-    memory = said["memory"]["mib"]
+    expect(f"{report['readings']} readings", report["readings"] >= 45)
+    expect(f"{report['save_to_image_ms']}", report["save_to_image_ms"]["count"] >= 40)
+    expect(f"{report['following']}", report["following"]["images"] >= 50)
+    memory = report["memory"]["mib"]
     part = len(memory) // 4
     before, after = sorted(memory[part:2 * part])[part // 2], sorted(memory[-part:])[part // 2]
     # measured: 862.5 and 862.9 MiB; docs/accuracy/studio.md has 500 readings of the servicer
@@ -274,8 +274,8 @@ def main():
     # errors of scripts
     for step, words in (({"click": "tab/Son"}, "'tab/Sun' is"), ({"expect": ["range", "7"]}, "range: expected '7', found"),
                         ({"replace": {"file": "door.pxn", "text": "nowhere", "with": ""}}, "does not contain")):
-        said = view(program, folder, [step], "door.pxn", code=2)
-        expect(f"{step}: {said['diagnostics']}", words in said["diagnostics"][0]["message"])
+        report = view(program, folder, [step], "door.pxn", code=2)
+        expect(f"{step}: {report['diagnostics']}", words in report["diagnostics"][0]["message"])
     view(program, folder, [{"wait": "read"}, {"expect": ["failed", "true"]}, {"screenshot": "none.png"}],
          "nothing.pxn")
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
