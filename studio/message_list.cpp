@@ -20,10 +20,6 @@ ImVec4 severity_color(Severity severity) {
                                          : ImVec4(0.75f, 0.75f, 0.75f, 1);
 }
 
-const char* severity_word(Severity severity) {
-  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
-}
-
 }  // namespace
 
 void MessageList::draw(const Vec2& at, const Vec2& size) {

@@ -57,7 +57,7 @@ class Samples {
   ~Samples();
   // material: fitted
   void request(pxn::DescribedMaterial material, std::uint32_t width);
-  // Whether a sample was finished since the last call. To be called every frame.
+  // Returns true once per finished sample. To be called every frame.
   bool poll();
   const std::optional<MaterialSample>& last() const { return last_; }
   bool busy() const { return running_.valid(); }

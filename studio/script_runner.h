@@ -36,7 +36,7 @@ class ScriptRunner {
     input.mouse = Vec2(-1);
     return input;
   }
-  bool advance(const Step& step, MainWindow& window, Actions& actions);  // whether the step is done
+  bool advance(const Step& step, MainWindow& window, Actions& actions);  // true: the step is done
   bool press(const Step& step, MainWindow& window);
   bool move(const Step& step, MainWindow& window);
   bool replace(const Step& step);

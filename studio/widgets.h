@@ -19,7 +19,7 @@ struct WidgetRect {
   std::uint64_t frame = 0;  // in which it was drawn last
 };
 
-// Whether `text` contains `part`; case is ignored.
+// Returns true where `text` contains `part`; case is ignored.
 bool contains_text(std::string_view text, std::string_view part);
 
 class Widgets {

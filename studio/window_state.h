@@ -30,7 +30,7 @@ struct Canvas {
 struct ImageSettings {
   bool edges = false;              // of triangles
   std::string comparison = "off";  // one of kComparisons
-  double split = 0.5;              // where the reference begins, in parts of the width
+  double split = 0.5;              // left end of the reference, in parts of the width
   double difference_range = 0.1;   // at the ends of the colours, of the RMS radiance
   bool interreflections = true;    // of the reference image
 };
