@@ -1,4 +1,4 @@
-// What each part of a view costs and how exact it is: levels of detail, triangles, errors.
+// Levels of detail, triangles and errors of the parts of a view.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +11,31 @@
 
 namespace panwright::studio {
 
-// The meshes of one node.
+// Meshes of one node.
 struct Detail {
   std::size_t target = 0;  // of the world
   std::uint32_t node = 0;
-  int level = -1;  // of the coarsest one that is drawn; 0: the finest; −1: it has no levels
-  std::uint64_t triangles = 0;  // that are drawn
-  std::uint64_t finest = 0;     // of its finest level
-  double error = 0;             // metres, world: of what is drawn from the shape, at most
-  double pixels = 0;  // the same in pixels of the camera, at the nearest point of the target's box
+  int level = -1;               // coarsest level that is drawn; 0: the finest; −1: no levels
+  std::uint64_t triangles = 0;  // drawn
+  std::uint64_t finest = 0;     // of the finest level
+  double error = 0;             // largest distance of the drawn mesh from the shape, metres, world
+  double pixels = 0;            // `error` in pixels, at the nearest point of the target's box
   bool visible = false;
 };
 
-// Of nodes with meshes, by target and node. Levels are those of docs/levels.md for what a pixel
-// sees of the target; where two fade into each other, the finer one. Imposters are drawn from finer
-// ones.
+// Details of nodes with meshes, ordered by target and node. Levels follow the pixel footprint at
+// the target (docs/levels.md); in a transition, the finer one. Imposters are drawn from finer
+// levels.
 //
 // Cost: O(nodes + meshes placed).
 std::vector<Detail> details_of(const world::World& world, const world::Camera& camera);
 
-// 4*H*W bytes: each level a colour, grey where a part has none.
+// Colours of levels; grey: no levels.
 //
-// Expects: an image with ground truth; details of its view.
+// Expects: an image with ground truth, details of its view.
 Pixels level_pixels(const preview::Image& image, const std::vector<Detail>& details);
 
-// Of a level, −1 and up; those beyond 6 are alike.
+// Colour of a level from −1; from 6, the same one.
 void level_color(int level, std::uint8_t* rgb);
 
 }  // namespace panwright::studio

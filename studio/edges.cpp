@@ -9,23 +9,25 @@
 namespace panwright::studio {
 namespace {
 
-// A vertex as the camera sees it.
-struct Seen {
+struct ProjectedVertex {
   Vec2 pixel{0};
   double depth = 0;  // ≤ 0: behind the camera
 };
 
-class Sketch {
+class EdgeImage {
  public:
-  Sketch(const world::Camera& camera, const preview::Image& image)
+  EdgeImage(const world::Camera& camera, const preview::Image& image)
       : camera_(camera), image_(image), edges_(image.pixels()), farthest_(image.pixels()) {
-    // an edge may cross a pixel beside the point whose depth is known
-    const auto width = static_cast<std::ptrdiff_t>(image.width), height = static_cast<std::ptrdiff_t>(image.height);
+    // an edge may cross a pixel beside the point of the known depth
+    const auto width = static_cast<std::ptrdiff_t>(image.width),
+               height = static_cast<std::ptrdiff_t>(image.height);
     for (std::ptrdiff_t y = 0; y < height; ++y)
       for (std::ptrdiff_t x = 0; x < width; ++x) {
         float most = 0;
-        for (std::ptrdiff_t v = std::max<std::ptrdiff_t>(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
-          for (std::ptrdiff_t u = std::max<std::ptrdiff_t>(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+        for (std::ptrdiff_t v = std::max<std::ptrdiff_t>(y - 1, 0);
+             v <= std::min(y + 1, height - 1); ++v)
+          for (std::ptrdiff_t u = std::max<std::ptrdiff_t>(x - 1, 0);
+               u <= std::min(x + 1, width - 1); ++u) {
             const auto at = static_cast<std::size_t>(v * width + u);
             if (image.target_id[at] > 0) most = std::max(most, image.depth[at]);
           }
@@ -33,13 +35,13 @@ class Sketch {
       }
   }
 
-  Seen seen(const Vec3& p) const {
+  ProjectedVertex projected(const Vec3& p) const {
     if (camera_.projection != world::Projection::perspective)
       return {camera_.principal + camera_.focal * Vec2(p.x, p.y), p.z};
     return {camera_.principal + camera_.focal * Vec2(p.x, p.y) / std::max(p.z, 1e-300), p.z};
   }
 
-  void line(Seen a, Seen b) {
+  void line(ProjectedVertex a, ProjectedVertex b) {
     if (!(a.depth > 0 && b.depth > 0)) return;
     if (!clip(a, b)) return;
     const Vec2 way = b.pixel - a.pixel;
@@ -48,8 +50,9 @@ class Sketch {
       const double t = steps > 0 ? static_cast<double>(i) / steps : 0;
       const Vec2 at = a.pixel + t * way;
       if (!(at.x >= 0 && at.y >= 0 && at.x < image_.width && at.y < image_.height)) continue;
-      const auto pixel = static_cast<std::size_t>(at.y) * image_.width + static_cast<std::size_t>(at.x);
-      // 1/z is even in the image of a perspective camera
+      const auto pixel =
+          static_cast<std::size_t>(at.y) * image_.width + static_cast<std::size_t>(at.x);
+      // 1/z is linear in the image of a perspective camera
       const double depth = camera_.projection == world::Projection::perspective
                                ? 1 / ((1 - t) / a.depth + t / b.depth)
                                : (1 - t) * a.depth + t * b.depth;
@@ -60,13 +63,14 @@ class Sketch {
   std::vector<std::uint8_t> take() { return std::move(edges_); }
 
  private:
-  // The part of a line that may lie in the image; depths stay right.
-  bool clip(Seen& a, Seen& b) const {
+  // Clips a line to the image, with its depths.
+  bool clip(ProjectedVertex& a, ProjectedVertex& b) const {
     double from = 0, to = 1;
     const Vec2 way = b.pixel - a.pixel;
     for (int k = 0; k < 2; ++k) {
       const double end = k == 0 ? image_.width : image_.height;
-      for (const auto& [distance, speed] : {std::pair{a.pixel[k], way[k]}, std::pair{end - a.pixel[k], -way[k]}}) {
+      for (const auto& [distance, speed] :
+           {std::pair{a.pixel[k], way[k]}, std::pair{end - a.pixel[k], -way[k]}}) {
         if (speed == 0 && distance < 0) return false;
         if (speed > 0) from = std::max(from, -distance / speed);
         if (speed < 0) to = std::min(to, -distance / speed);
@@ -77,9 +81,9 @@ class Sketch {
       const double depth = camera_.projection == world::Projection::perspective
                                ? 1 / ((1 - t) / a.depth + t / b.depth)
                                : (1 - t) * a.depth + t * b.depth;
-      return Seen{a.pixel + t * way, depth};
+      return ProjectedVertex{a.pixel + t * way, depth};
     };
-    const Seen first = at(from), last = at(to);
+    const ProjectedVertex first = at(from), last = at(to);
     a = first;
     b = last;
     return true;
@@ -93,11 +97,11 @@ class Sketch {
 
 }  // namespace
 
-std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera, const preview::Image& image,
-                                   const Job& job) {
-  Sketch sketch(camera, image);
+std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera,
+                                   const preview::Image& image, const Job& job) {
+  EdgeImage image_edges(camera, image);
   const Mat3 camera_from_world = glm::transpose(glm::mat3_cast(camera.world_from_camera));
-  std::vector<Seen> vertices;
+  std::vector<ProjectedVertex> vertices;
   for (const world::Instance& target : world.instances()) {
     const auto state = world::evaluated(target);
     const pan::Model& model = *target.model();
@@ -112,14 +116,14 @@ std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camer
       vertices.clear();
       for (const auto& p : mesh.positions) {
         const Vec3 place(world_from_node * Vec4(origin + Vec3(p.x, p.y, p.z), 1));
-        vertices.push_back(sketch.seen(camera_from_world * (place - camera.position)));
+        vertices.push_back(image_edges.projected(camera_from_world * (place - camera.position)));
       }
       for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
         for (std::size_t k = 0; k < 3; ++k)
-          sketch.line(vertices[mesh.indices[i + k]], vertices[mesh.indices[i + (k + 1) % 3]]);
+          image_edges.line(vertices[mesh.indices[i + k]], vertices[mesh.indices[i + (k + 1) % 3]]);
     }
   }
-  return sketch.take();
+  return image_edges.take();
 }
 
 }  // namespace panwright::studio

@@ -1,4 +1,4 @@
-// Where the edges of triangles lie in an image.
+// Visible edges of triangles in an image.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@
 
 namespace panwright::studio {
 
-// H*W: 255 where the edge of a triangle that is seen crosses a pixel, else 0. Triangles are those of the finest level, of
-// nodes that are shown; what is behind is told by the depth of the image, to a pixel.
+// H*W: 255 where the edge of a visible triangle crosses a pixel, else 0. Triangles are those of the
+// finest level, of visible nodes; occlusion follows the depth of the image, to a pixel.
 //
-// Expects: an image with ground truth of that world and camera. Cost: O(triangles + length of their edges, pixels).
-std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera, const preview::Image& image,
-                                   const Job& job = {});
+// Expects: an image with ground truth of that world and camera. Cost: O(triangles + length of their
+// edges, pixels).
+std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera,
+                                   const preview::Image& image, const Job& job = {});
 
 }  // namespace panwright::studio

@@ -12,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMostBytes = 64 << 20;
+constexpr std::uint64_t kMaxMaterialFileBytes = 64 << 20;
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> text_lines(const std::string& text) {
   std::vector<std::string> out;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -24,7 +24,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return out;
 }
 
-const pxn::EditableNumber* find(const MaterialFile& file, const Edit& edit) {
+const pxn::EditableNumber* find_number(const MaterialFile& file, const Edit& edit) {
   for (const pxn::EditableMaterial& material : file.materials)
     if (material.name == edit.material)
       for (const pxn::EditableNumber& number : material.numbers)
@@ -54,7 +54,7 @@ bool Edit::same_place(const Edit& other) const {
          attribute == other.attribute && index == other.index;
 }
 
-void Edits::look(const std::vector<fs::path>& files) {
+void Edits::update(const std::vector<fs::path>& files) {
   std::vector<MaterialFile> now;
   for (const fs::path& path : files) {
     if (path.extension() != ".pxn") continue;
@@ -64,11 +64,11 @@ void Edits::look(const std::vector<fs::path>& files) {
                     [&](const MaterialFile& other) { return other.path == file.path; }))
       continue;
     DiagnosticLog ignored;
-    auto bytes = read_file(file.path, kMostBytes, ignored);
+    auto bytes = read_file(file.path, kMaxMaterialFileBytes, ignored);
     if (!bytes) continue;
     file.saved = *std::move(bytes);
     file.text = file.saved;
-    // a text with an error keeps the materials that it had, so that no edit is lost
+    // a text with an error keeps its last materials, so that no edit is lost
     const auto old = std::find_if(files_.begin(), files_.end(), [&](const MaterialFile& other) {
       return other.path == file.path;
     });
@@ -79,7 +79,7 @@ void Edits::look(const std::vector<fs::path>& files) {
     now.push_back(std::move(file));
   }
   files_ = std::move(now);
-  said_.clear();
+  message_.clear();
   apply();
 }
 
@@ -92,14 +92,14 @@ void Edits::apply() {
   std::erase_if(edits_, [&](const Edit& edit) {
     for (MaterialFile& file : files_) {
       if (file.path != edit.path) continue;
-      if (const pxn::EditableNumber* number = find(file, edit)) {
+      if (const pxn::EditableNumber* number = find_number(file, edit)) {
         file.text = pxn::with_number(file.text, *number, edit.value);
         read_materials(file);
         return false;
       }
     }
-    said_ = fmt::format("{} of '{}' is gone from {}: its change was dropped", edit.element,
-                        edit.material, edit.path.filename().string());
+    message_ = fmt::format("{} of '{}' no longer exists in {}: its change was dropped",
+                           edit.element, edit.material, edit.path.filename().string());
     return true;
   });
 }
@@ -136,7 +136,7 @@ std::vector<std::pair<fs::path, std::vector<ChangedLine>>> Edits::difference() c
   for (const MaterialFile& file : files_) {
     if (file.text == file.saved) continue;
     // numbers have no line ends: lines stay where they are
-    const auto before = lines_of(file.saved), after = lines_of(file.text);
+    const auto before = text_lines(file.saved), after = text_lines(file.text);
     std::vector<ChangedLine> lines;
     for (std::size_t i = 0; i < std::min(before.size(), after.size()); ++i)
       if (before[i] != after[i])
@@ -150,7 +150,7 @@ bool Edits::save(DiagnosticLog& log) {
   bool good = true;
   for (MaterialFile& file : files_) {
     if (file.text == file.saved) continue;
-    const auto now = read_file(file.path, kMostBytes, log);
+    const auto now = read_file(file.path, kMaxMaterialFileBytes, log);
     if (now && *now != file.saved) {
       log.report_file(Code::E0103, file.path.string(),
                       "the file has changed on disk; it is read again, and the changes stay");

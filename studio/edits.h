@@ -1,4 +1,4 @@
-// Numbers of materials and foil that were changed in the window and are not saved yet.
+// Unsaved changes of the numbers of materials and foil.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@
 
 namespace panwright::studio {
 
-// A file with materials, as it is on disk and as the window has it.
+// Text of a file with materials, on disk and edited.
 struct MaterialFile {
-  std::filesystem::path path;     // absolute, without links
-  std::string saved;              // on disk, when it was looked at
-  std::string text;               // with all edits
-  std::vector<pxn::EditableMaterial> materials;  // of `text`; sheets of foil behind them, as "foil NAME"
-  std::size_t foils = 0;                         // how many of them are that
+  std::filesystem::path path;                    // absolute, without links
+  std::string saved;                             // on disk, at the last update
+  std::string text;                              // with all edits
+  std::vector<pxn::EditableMaterial> materials;  // of `text`, then sheets of foil, as "foil NAME"
+  std::size_t foils = 0;                         // number of sheets of foil
 };
 
-// One number of a material, found again in a file that somebody else has changed meanwhile.
+// New value of one number, found again by its names where the file has changed.
 struct Edit {
   std::filesystem::path path;
   std::string material, element, attribute;
@@ -32,7 +32,7 @@ struct Edit {
   bool same_place(const Edit& other) const;
 };
 
-// A line of a text with what became of it.
+// Line before and after the edits.
 struct ChangedLine {
   std::uint32_t number = 0;
   std::string before, after;
@@ -40,38 +40,38 @@ struct ChangedLine {
 
 class Edits {
  public:
-  // Looks at the files, those of a .pxn extension, and applies the edits to what they hold now.
-  // Those that find no place any more are dropped, and said.
-  void look(const std::vector<std::filesystem::path>& files);
+  // Reads the .pxn files again and applies the edits. Edits whose number no longer exists are
+  // dropped; see message().
+  void update(const std::vector<std::filesystem::path>& files);
 
   const std::vector<MaterialFile>& files() const { return files_; }
 
-  // Changes a number. Changes of one number that follow each other, until close(), are undone
-  // together.
+  // Changes a number. Successive changes of one number, until close(), are one step of undo().
   void change(const MaterialFile& file, const pxn::EditableMaterial& material,
               const pxn::EditableNumber& number, double value);
   void close() { open_ = false; }
-  bool undo();  // the last one; false: there is none
-  void drop() { edits_.clear(), apply(); }
+  bool undo();  // false: no edit
+  void discard() { edits_.clear(), apply(); }
   bool any() const { return !edits_.empty(); }
   std::size_t size() const { return edits_.size(); }
 
-  // Of all files with edits.
+  // Files with edits: their texts, their changed lines.
   std::map<std::filesystem::path, std::shared_ptr<const std::string>> unsaved() const;
   std::vector<std::pair<std::filesystem::path, std::vector<ChangedLine>>> difference() const;
 
-  // Writes the files, each whole or not at all. Edits of one that cannot be written stay.
-  // Fails: E0103, for a file too that holds something else than when it was looked at.
+  // Writes each file completely or not at all. Edits of a file that cannot be written are kept.
+  //
+  // Fails: E0103, also where a file has changed since the last update.
   bool save(DiagnosticLog& log);
 
-  const std::string& said() const { return said_; }
+  const std::string& message() const { return message_; }  // about dropped edits
 
  private:
   void apply();
   std::vector<MaterialFile> files_;
   std::vector<Edit> edits_;
-  bool open_ = false;  // the last edit goes on
-  std::string said_;
+  bool open_ = false;  // the last edit may be continued
+  std::string message_;
 };
 
 }  // namespace panwright::studio

@@ -12,7 +12,7 @@ namespace {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-constexpr Rgb kNothing = {22, 22, 26};
+constexpr Rgb kBackground = {22, 22, 26};
 
 // S. van der Walt and N. Smith, "viridis" (2015, public domain), at equal steps.
 constexpr std::array<Rgb, 9> kViridis = {{{68, 1, 84},
@@ -25,22 +25,22 @@ constexpr std::array<Rgb, 9> kViridis = {{{68, 1, 84},
                                           {170, 220, 50},
                                           {253, 231, 37}}};
 
-Rgb between(const Rgb& a, const Rgb& b, double share) {
+Rgb mixed(const Rgb& a, const Rgb& b, double share) {
   Rgb out{};
   for (std::size_t k = 0; k < 3; ++k)
     out[k] = static_cast<std::uint8_t>(std::lround(a[k] + share * (b[k] - a[k])));
   return out;
 }
 
-Rgb on_scale(double share) {
+Rgb viridis(double share) {
   const double at = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(at), kViridis.size() - 2);
-  return between(kViridis[i], kViridis[i + 1], at - static_cast<double>(i));
+  return mixed(kViridis[i], kViridis[i + 1], at - static_cast<double>(i));
 }
 
-// Colours of ids, neighbours far apart: hues by the golden ratio, in three lightnesses.
-Rgb of_id(std::uint32_t id) {
-  if (id == 0) return kNothing;
+// Colours of ids, distinct for neighbours: hues by the golden ratio, in three lightnesses.
+Rgb id_color(std::uint32_t id) {
+  if (id == 0) return kBackground;
   const double hue = std::fmod(id * 0.61803398874989485, 1.0) * 6;
   const double light = 0.55 + 0.2 * (id % 3);
   Rgb out{};
@@ -52,7 +52,7 @@ Rgb of_id(std::uint32_t id) {
 }
 
 template <class Color>
-std::vector<std::uint8_t> painted(const preview::Image& image, const Color& color) {
+std::vector<std::uint8_t> colored_pixels(const preview::Image& image, const Color& color) {
   std::vector<std::uint8_t> out(4 * image.pixels());
   parallel_for(image.height, [&](std::size_t row) {
     for (std::size_t i = row * image.width; i < (row + 1) * image.width; ++i) {
@@ -64,29 +64,31 @@ std::vector<std::uint8_t> painted(const preview::Image& image, const Color& colo
   return out;
 }
 
-double mean_of(const preview::Image& image, std::size_t i) {
-  return (static_cast<double>(image.radiance[3 * i]) + static_cast<double>(image.radiance[3 * i + 1]) +
+double channel_mean(const preview::Image& image, std::size_t i) {
+  return (static_cast<double>(image.radiance[3 * i]) +
+          static_cast<double>(image.radiance[3 * i + 1]) +
           static_cast<double>(image.radiance[3 * i + 2])) /
          3;
 }
 
-Pixels false_colors(const preview::Image& image) {
+Pixels false_color_pixels(const preview::Image& image) {
   constexpr double kDecades = 4;
   Pixels out;
-  for (std::size_t i = 0; i < image.pixels(); ++i) out.high = std::max(out.high, mean_of(image, i));
+  for (std::size_t i = 0; i < image.pixels(); ++i)
+    out.high = std::max(out.high, channel_mean(image, i));
   if (!(out.high > 0)) out.high = 1;
   out.low = out.high * std::pow(10, -kDecades);
   out.logarithmic = true;
   out.unit = "radiance";
-  out.rgba = painted(image, [&](std::size_t i) {
-    const double light = mean_of(image, i);
-    if (!(light > 0)) return kNothing;
-    return on_scale(1 + std::log10(light / out.high) / kDecades);
+  out.rgba = colored_pixels(image, [&](std::size_t i) {
+    const double light = channel_mean(image, i);
+    if (!(light > 0)) return kBackground;
+    return viridis(1 + std::log10(light / out.high) / kDecades);
   });
   return out;
 }
 
-Pixels depths(const preview::Image& image) {
+Pixels depth_pixels(const preview::Image& image) {
   Pixels out;
   out.unit = "m";
   out.low = INFINITY;
@@ -98,10 +100,10 @@ Pixels depths(const preview::Image& image) {
     }
   if (!(out.low <= out.high)) out.low = out.high = 0;
   const double span = std::max(out.high - out.low, 1e-30);
-  // what is near is bright
-  out.rgba = painted(image, [&](std::size_t i) {
-    if (image.target_id[i] == 0) return kNothing;
-    return on_scale(1 - (static_cast<double>(image.depth[i]) - out.low) / span);
+  // near is bright
+  out.rgba = colored_pixels(image, [&](std::size_t i) {
+    if (image.target_id[i] == 0) return kBackground;
+    return viridis(1 - (static_cast<double>(image.depth[i]) - out.low) / span);
   });
   return out;
 }
@@ -109,31 +111,33 @@ Pixels depths(const preview::Image& image) {
 }  // namespace
 
 void scale_color(double share, std::uint8_t* rgb) {
-  const Rgb color = on_scale(share);
+  const Rgb color = viridis(share);
   std::copy(color.begin(), color.end(), rgb);
 }
 
 Pixels layer_pixels(const preview::Image& image, const std::string& layer) {
-  if (layer == "false colours") return false_colors(image);
-  if (layer == "depth") return depths(image);
+  if (layer == "false colours") return false_color_pixels(image);
+  if (layer == "depth") return depth_pixels(image);
   Pixels out;
   if (layer == "normals")
-    out.rgba = painted(image, [&](std::size_t i) {
-      if (image.target_id[i] == 0) return kNothing;
+    out.rgba = colored_pixels(image, [&](std::size_t i) {
+      if (image.target_id[i] == 0) return kBackground;
       Rgb rgb{};
       for (std::size_t k = 0; k < 3; ++k)
-        rgb[k] = static_cast<std::uint8_t>(
-            std::lround(127.5 * (1 + std::clamp(static_cast<double>(image.normal[3 * i + k]), -1.0, 1.0))));
+        rgb[k] = static_cast<std::uint8_t>(std::lround(
+            127.5 * (1 + std::clamp(static_cast<double>(image.normal[3 * i + k]), -1.0, 1.0))));
       return rgb;
     });
   else if (layer == "parts")
-    // parts of several targets have other colours
-    out.rgba = painted(image, [&](std::size_t i) {
-      return of_id(image.target_id[i] == 0 ? 0 : image.node_id[i] + 101 * (image.target_id[i] - 1));
+    // parts of different targets have different colours
+    out.rgba = colored_pixels(image, [&](std::size_t i) {
+      return id_color(image.target_id[i] == 0 ? 0
+                                              : image.node_id[i] + 101 * (image.target_id[i] - 1));
     });
   else
-    out.rgba = painted(image, [&](std::size_t i) {
-      return of_id(image.target_id[i] == 0 ? 0 : image.material_id[i] + 101 * (image.target_id[i] - 1));
+    out.rgba = colored_pixels(image, [&](std::size_t i) {
+      return id_color(
+          image.target_id[i] == 0 ? 0 : image.material_id[i] + 101 * (image.target_id[i] - 1));
     });
   return out;
 }
@@ -160,15 +164,17 @@ Comparison compared(const preview::Image& image, const preview::ReferenceImage& 
       should += b;
       off += (a - b) * (a - b);
       all += b * b;
-      noise += static_cast<double>(reference.standard_error[i]) * static_cast<double>(reference.standard_error[i]);
+      noise += static_cast<double>(reference.standard_error[i]) *
+               static_cast<double>(reference.standard_error[i]);
     }
     if (!(should > 0)) continue;
     const double flux = is / should - 1;
     if (std::fabs(flux) < std::fabs(out.flux)) continue;
     out.flux = flux;
-    out.flux_error = reference.flux[static_cast<int>(k)] > 0
-                         ? reference.flux_error[static_cast<int>(k)] / reference.flux[static_cast<int>(k)]
-                         : 0;
+    out.flux_error =
+        reference.flux[static_cast<int>(k)] > 0
+            ? reference.flux_error[static_cast<int>(k)] / reference.flux[static_cast<int>(k)]
+            : 0;
   }
   if (all > 0) {
     out.rmse = std::sqrt(off / all);
@@ -178,7 +184,8 @@ Comparison compared(const preview::Image& image, const preview::ReferenceImage& 
   return out;
 }
 
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms, double range) {
+Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+                         double range) {
   constexpr Rgb kDarker = {0, 114, 178};
   constexpr Rgb kEqual = {240, 240, 240};
   constexpr Rgb kBrighter = {213, 94, 0};
@@ -187,10 +194,11 @@ Pixels difference_pixels(const preview::Image& image, const preview::Image& refe
   out.high = 100 * range;
   out.unit = "% of the RMS radiance";
   const double scale = 1 / std::max(rms * range, 1e-300);
-  out.rgba = painted(image, [&](std::size_t i) {
-    if (image.coverage[i] == 0 && reference.coverage[i] == 0) return kNothing;
-    const double share = std::clamp(scale * (mean_of(image, i) - mean_of(reference, i)), -1.0, 1.0);
-    return between(kEqual, share < 0 ? kDarker : kBrighter, std::fabs(share));
+  out.rgba = colored_pixels(image, [&](std::size_t i) {
+    if (image.coverage[i] == 0 && reference.coverage[i] == 0) return kBackground;
+    const double share =
+        std::clamp(scale * (channel_mean(image, i) - channel_mean(reference, i)), -1.0, 1.0);
+    return mixed(kEqual, share < 0 ? kDarker : kBrighter, std::fabs(share));
   });
   return out;
 }

@@ -1,5 +1,4 @@
-// What the window shows in place of an image's light: what else is known of its pixels, and how far it is from the
-// reference renderer's.
+// Layers of an image as colours, and its comparison with a reference image.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +10,42 @@
 
 namespace panwright::studio {
 
-// light apart, all but false colours need an image with ground truth
+// All but light and false colours need an image with ground truth.
 inline constexpr const char* kLayers[] = {"light", "false colours", "depth", "normals",
                                           "parts", "materials",     "levels"};
 inline constexpr const char* kComparisons[] = {"off", "split", "flicker", "difference"};
 
-// 4*H*W bytes, sRGB, and what the two ends of their colours stand for.
+// Pixels with their colour scale.
 struct Pixels {
-  std::vector<std::uint8_t> rgba;
-  double low = 0, high = 0;  // both 0: there is no scale
+  std::vector<std::uint8_t> rgba;  // 4*H*W, sRGB
+  double low = 0, high = 0;        // values of the ends of the colours; both 0: no scale
   bool logarithmic = false;
   std::string unit;
 };
 
-// layer: one of kLayers, but light and levels (studio/details.h)
+// Pixels of a layer. layer: one of kLayers, except light and levels (studio/details.h)
 Pixels layer_pixels(const preview::Image& image, const std::string& layer);
 
-// Stripes over pixels whose code is 255 in a channel.
+// Draws stripes over pixels with a code of 255 in a channel.
 void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba);
 
-// How an image of the preview differs from one of the reference, of the same pixels.
+// Difference between an image of the preview and a reference image of the same size.
 struct Comparison {
-  double flux = 0;        // preview's sum over the reference's less 1, worst channel
-  double flux_error = 0;  // one standard error of it, of the reference
+  double flux = 0;        // relative difference of the sum, worst channel
+  double flux_error = 0;  // standard error of `flux`, of the reference
   double rmse = 0;        // over the RMS of the reference's radiance
-  double noise = 0;       // of that, the part that the reference's own standard errors make up, RMS
+  double noise = 0;       // RMS of the standard errors of the reference, over the same
   double rms = 0;         // of the reference's radiance
 };
 Comparison compared(const preview::Image& image, const preview::ReferenceImage& reference);
 
-// Blue where the preview is darker, orange where it is brighter; range: of the difference of the channels' mean at
-// the ends of the colours, in parts of `rms`.
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms, double range);
+// Difference of the mean of the channels: blue where the preview is darker, orange where it is
+// brighter. range: at the ends of the colours, in parts of `rms`
+Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+                         double range);
 
-// The colour of a share, 0 to 1, in dark blue to yellow, of even steps in lightness, which colour-blind people see alike.
+// Colour of a share from 0 to 1, dark blue to yellow in equal steps of lightness, suited to colour
+// blindness.
 void scale_color(double share, std::uint8_t* rgb);
 
 }  // namespace panwright::studio

@@ -15,25 +15,25 @@
 namespace panwright::studio {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using LayoutJson = nlohmann::ordered_json;
 
-constexpr std::uint64_t kMostBytes = 1 << 16;
+constexpr std::uint64_t kMaxLayoutBytes = 1 << 16;
 constexpr std::array<const char*, 7> kTabs = {"Camera", "Sun",       "Image", "Parts",
                                               "Joints", "Materials", "Save"};
 
 template <class Number>
-void take(const Json& json, const char* name, double low, double high, Number& out) {
+void read_member(const LayoutJson& json, const char* name, double low, double high, Number& out) {
   if (!json.contains(name) || !json[name].is_number()) return;
   const double value = json[name].get<double>();
   if (value >= low && value <= high) out = static_cast<Number>(value);
 }
 
-void take(const Json& json, const char* name, bool& out) {
+void read_member(const LayoutJson& json, const char* name, bool& out) {
   if (json.contains(name) && json[name].is_boolean()) out = json[name].get<bool>();
 }
 
 template <class Words>
-void take(const Json& json, const char* name, const Words& words, std::string& out) {
+void read_member(const LayoutJson& json, const char* name, const Words& words, std::string& out) {
   if (!json.contains(name) || !json[name].is_string()) return;
   const auto value = json[name].get<std::string>();
   if (std::find(std::begin(words), std::end(words), std::string_view(value)) != std::end(words))
@@ -44,7 +44,7 @@ void take(const Json& json, const char* name, const Words& words, std::string& o
 
 std::filesystem::path layout_file() {
   namespace fs = std::filesystem;
-  // relative ones are to be ignored, says the XDG Base Directory Specification
+  // relative paths are ignored (XDG Base Directory Specification)
   if (const char* folder = std::getenv("XDG_STATE_HOME"); folder != nullptr && folder[0] == '/')
     return fs::path(folder) / "panwright" / "window.json";
   const char* home = std::getenv("HOME");
@@ -59,31 +59,32 @@ Layout read_layout(const std::filesystem::path& file, std::string& problem) {
   std::error_code ignored;
   if (file.empty() || !std::filesystem::exists(file, ignored)) return out;
   DiagnosticLog log;
-  const auto bytes = read_file(file, kMostBytes, log);
-  const Json json = bytes ? Json::parse(*bytes, nullptr, false) : Json(Json::value_t::discarded);
+  const auto bytes = read_file(file, kMaxLayoutBytes, log);
+  const LayoutJson json = bytes ? LayoutJson::parse(*bytes, nullptr, false)
+                                : LayoutJson(LayoutJson::value_t::discarded);
   if (!json.is_object()) {
-    problem = "the remembered layout of the window cannot be read, and is the default";
+    problem = "the saved layout of the window cannot be read; the default is used";
     return out;
   }
-  take(json, "width", 320, 16384, out.width);
-  take(json, "height", 240, 16384, out.height);
-  take(json, "panel", 100, 4000, out.panel);
-  take(json, "panel_shown", out.panel_shown);
-  take(json, "text", kSmallestText, kLargestText, out.text);
-  take(json, "tab", kTabs, out.tab);
-  take(json, "layer", kLayers, out.layer);
-  take(json, "mark_white", out.mark_white);
-  take(json, "labels", out.labels);
+  read_member(json, "width", 320, 16384, out.width);
+  read_member(json, "height", 240, 16384, out.height);
+  read_member(json, "panel", 100, 4000, out.panel);
+  read_member(json, "panel_shown", out.panel_shown);
+  read_member(json, "text", kSmallestText, kLargestText, out.text);
+  read_member(json, "tab", kTabs, out.tab);
+  read_member(json, "layer", kLayers, out.layer);
+  read_member(json, "mark_white", out.mark_white);
+  read_member(json, "labels", out.labels);
   return out;
 }
 
 bool write_layout(const std::filesystem::path& file, const Layout& layout) {
   if (file.empty()) return false;
-  const Json json = {{"width", layout.width},  {"height", layout.height},
-                     {"panel", layout.panel},  {"panel_shown", layout.panel_shown},
-                     {"text", layout.text},    {"tab", layout.tab},
-                     {"layer", layout.layer},  {"mark_white", layout.mark_white},
-                     {"labels", layout.labels}};
+  const LayoutJson json = {{"width", layout.width},  {"height", layout.height},
+                           {"panel", layout.panel},  {"panel_shown", layout.panel_shown},
+                           {"text", layout.text},    {"tab", layout.tab},
+                           {"layer", layout.layer},  {"mark_white", layout.mark_white},
+                           {"labels", layout.labels}};
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
   if (error) return false;

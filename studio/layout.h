@@ -1,4 +1,4 @@
-// What the window remembers of one run for the next one.
+// Layout of the window, saved from run to run.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@ inline constexpr double kSmallestText = 0.6, kLargestText = 3;
 
 struct Layout {
   std::uint32_t width = 1280, height = 720;  // of the window, pixels
-  double panel = 384;                        // its width, pixels at a scale of 1
+  double panel = 384;                        // width of the panel, pixels at a scale of 1
   bool panel_shown = true;
-  double text = 1;  // size of text and widgets, beside the screen's scale
+  double text = 1;  // size of text and widgets, relative to the screen's scale
   std::string tab = "Camera";
   std::string layer = "light";  // one of kLayers
-  bool mark_white = false;
-  bool labels = false;
+  bool mark_white = false;      // saturated pixels are striped
+  bool labels = false;          // names of frames and keypoints
   bool operator==(const Layout&) const = default;
 };
 
-// $XDG_STATE_HOME/panwright/window.json, or that in ~/.local/state; empty: neither is there.
+// $XDG_STATE_HOME/panwright/window.json, else in ~/.local/state; empty: neither exists.
 std::filesystem::path layout_file();
 
-// What is absent, or beyond what it may be, is as in `Layout{}`; no file: all of it.
+// Members that are absent or out of range are those of `Layout{}`; without a file, all are.
 //
-//   problem  what is wrong with the file, where it is broken
+//   problem  error of a broken file; empty: none
 Layout read_layout(const std::filesystem::path& file, std::string& problem);
-// Whether it could be written; its folder is made. Nothing is reported.
+// Makes the folder and writes the file; returns whether that succeeded. Reports nothing.
 bool write_layout(const std::filesystem::path& file, const Layout& layout);
 
 }  // namespace panwright::studio

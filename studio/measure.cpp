@@ -13,14 +13,14 @@ void Series::add(double value) {
   largest_ = count_ == 0 ? value : std::max(largest_, value);
   if (count_++ % every_ != 0) return;
   kept_.push_back(value);
-  if (kept_.size() < most_) return;
+  if (kept_.size() < capacity_) return;
   std::size_t to = 0;
   for (std::size_t from = 0; from < kept_.size(); from += 2) kept_[to++] = kept_[from];
   kept_.resize(to);
   every_ *= 2;
 }
 
-double Series::at(double share) const {
+double Series::quantile(double share) const {
   if (kept_.empty()) return 0;
   if (share >= 1) return largest_;
   std::vector<double> sorted = kept_;

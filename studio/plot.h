@@ -12,7 +12,7 @@ namespace panwright::studio {
 struct Curve {
   std::string name;  // empty: not in the legend
   const std::vector<Vec2>* points = nullptr;
-  int color = 0;    // of four that colour-blind people tell apart
+  int color = 0;  // 0 to 3, suited to colour blindness
   bool faint = false;
 };
 
@@ -25,7 +25,7 @@ struct Axes {
   bool logarithmic = false;  // y: bottom and top above 0
 };
 
-// Draws them in the window that is open, as wide as there is room. Under the mouse: the values there.
+// Draws curves over the full width of the open window; the mouse shows their values.
 void plot(const Axes& axes, const std::vector<Curve>& curves);
 
 }  // namespace panwright::studio

@@ -13,30 +13,24 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// how often files are looked at
-constexpr auto kLook = 10ms;
-// What is wrong counts once the files have stayed as they are for so long: editors write in several
-// steps.
+constexpr auto kWatchPeriod = 10ms;
+// Errors are reported after this time without a change: editors write in several steps.
 constexpr auto kSettle = 30ms;
-// Larger files are read once they have stayed as they are for so long, too.
+// Larger files are read after that time without a change, too.
 constexpr std::int64_t kSmall = 4 << 20;  // bytes
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// nanoseconds, of the system's clock
-double seconds_since(std::int64_t saved) {
+// saved: nanoseconds of the system clock
+double seconds_since_saved(std::int64_t saved) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return 1e-9 * static_cast<double>(
                     std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - saved);
 }
 
-}  // namespace
-
-namespace {
-
-// What is wrong in a text is its author's to mend; CAD files are somebody else's.
+// Errors of a text can be corrected by its author; those of CAD files often cannot.
 bool is_pxn(const workspace::TargetFile& target) {
   return workspace::extension_of(target.file) == ".pxn";
 }
@@ -53,7 +47,7 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
     if (!each.hint.empty()) message.text += "; " + each.hint;
     if (each.where.file != kNoFile) {
       message.file = log.sources().file(each.where.file).name;
-      // a file as a whole has no place
+      // an error of a file as a whole has no location
       if (each.where.end > 0) {
         const Position at = log.sources().position(each.where.file, each.where.begin);
         message.line = at.line;
@@ -62,17 +56,16 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
     }
     out.push_back(std::move(message));
   }
-  std::stable_sort(out.begin(), out.end(), [](const Message& a, const Message& b) {
-    return a.severity > b.severity;
-  });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Message& a, const Message& b) { return a.severity > b.severity; });
   if (log.hidden() > 0)
     out.push_back({Severity::note, "", fmt::format("and {} more", log.hidden()), "", 0, 0});
   return out;
 }
 
 Project::Project(std::vector<std::string> files, workspace::OpenOptions open,
-                 std::function<void()> news)
-    : files_(std::move(files)), open_(std::move(open)), news_(std::move(news)) {
+                 std::function<void()> notify)
+    : files_(std::move(files)), open_(std::move(open)), notify_(std::move(notify)) {
   state_.reading = true;
   reader_ = std::thread([this] { read(); });
   watcher_ = std::thread([this] { watch(); });
@@ -94,7 +87,7 @@ Project::State Project::state() const {
   return state_;
 }
 
-void Project::read_again() {
+void Project::reload() {
   {
     const std::lock_guard lock(mutex_);
     notice(0);
@@ -105,8 +98,8 @@ void Project::read_again() {
 // Expects: the lock.
 void Project::notice(std::int64_t saved) {
   saved_ = saved;
-  noticed_ = saved == 0 ? 0 : seconds_since(saved);
-  wanted_ = true;
+  noticed_ = saved == 0 ? 0 : seconds_since_saved(saved);
+  pending_ = true;
   state_.reading = true;
   if (job_.state()) job_.cancel();
 }
@@ -116,7 +109,7 @@ void Project::add(const std::string& file) {
     const std::lock_guard lock(mutex_);
     files_.push_back(file);
   }
-  read_again();
+  reload();
 }
 
 void Project::set_prune(bool prune) {
@@ -125,7 +118,7 @@ void Project::set_prune(bool prune) {
     if (open_.prune == prune) return;
     open_.prune = prune;
   }
-  read_again();
+  reload();
 }
 
 void Project::set_unsaved(decltype(workspace::OpenOptions::unsaved) texts) {
@@ -138,12 +131,12 @@ void Project::set_unsaved(decltype(workspace::OpenOptions::unsaved) texts) {
       return;
     open_.unsaved = std::move(texts);
   }
-  read_again();
+  reload();
 }
 
 void Project::watch() {
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kLook, [&] { return ending_; })) {
+  while (!wake_.wait_for(lock, kWatchPeriod, [&] { return ending_; })) {
     const std::vector<workspace::FileStamp> known = watched_;
     lock.unlock();
     std::vector<workspace::FileStamp> now = workspace::stamps_of(known);
@@ -162,19 +155,19 @@ void Project::watch() {
     lock.lock();
     if (watched_ != known) continue;
     watched_ = std::move(now);
-    changed_ = Clock::now();
+    changed_ = std::chrono::steady_clock::now();
     notice(saved);
     wake_.notify_all();
-    if (news_) news_();
+    if (notify_) notify_();
   }
 }
 
 void Project::read() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [&] { return wanted_ || ending_; });
+    wake_.wait(lock, [&] { return pending_ || ending_; });
     if (ending_) return;
-    wanted_ = false;
+    pending_ = false;
     state_.reading = true;
     job_ = Job(JobOptions{});
     const Job job = job_;
@@ -184,15 +177,15 @@ void Project::read() {
     read_once(files, open, job);
     lock.lock();
     job_ = Job();
-    state_.reading = wanted_;
-    if (news_) news_();
+    state_.reading = pending_;
+    if (notify_) notify_();
   }
 }
 
-void Project::read_once(const std::vector<std::string>& files,
-                        const workspace::OpenOptions& open, const Job& job) {
+void Project::read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
+                        const Job& job) {
   const auto start = std::chrono::steady_clock::now();
-  // before it is read: what changes meanwhile is noticed
+  // before reading, so that later changes are found
   std::vector<workspace::FileStamp> stamps;
   std::vector<workspace::TargetFile> targets;
   std::set<std::filesystem::path> paths;
@@ -209,7 +202,7 @@ void Project::read_once(const std::vector<std::string>& files,
   auto world = workspace::open_world(targets, open, log, job);
   log.sort_by_place();
   const bool foreign = std::none_of(targets.begin(), targets.end(), is_pxn);
-  // at first, what can be read stands for all
+  // without an earlier version, the targets that can be read stand for all
   std::optional<world::World> some;
   std::vector<workspace::TargetFile> good;
   if ((!world || log.has_errors()) && targets.size() > 1 && !state().world) {
@@ -223,7 +216,7 @@ void Project::read_once(const std::vector<std::string>& files,
     if (!good.empty())
       if (auto part = workspace::open_world(good, open, ignored, job)) some = *std::move(part);
   }
-  // what they include: known from good models, and from where something is wrong
+  // included files: known from good models, and from diagnostics
   std::set<std::filesystem::path> more;
   if (world)
     for (std::size_t i = 0; i < world->size(); ++i)
@@ -235,27 +228,27 @@ void Project::read_once(const std::vector<std::string>& files,
     if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
 
   const bool bad = !world || log.has_errors();
-  // large models take their time
+  // computed here, as large models take long
   auto spheres = std::make_shared<workspace::BoundingSpheres>();
   if (world)
     spheres->of(*world);
   else if (some)
     spheres->of(*some);
   std::unique_lock lock(mutex_);
-  // half written? the watcher goes on with what it has seen
-  if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return wanted_ || ending_; });
-  if (job.cancelled() || (bad && wanted_)) return;
+  // half-written files: wait for the rest
+  if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return pending_ || ending_; });
+  if (job.cancelled() || (bad && pending_)) return;
   watched_ = std::move(stamps);
   state_.messages = messages_of(log);
   state_.failed = bad;
   if (!bad) {
     state_.saved = saved_;
     state_.noticed = noticed_;
-    state_.read = saved_ == 0 ? 0 : seconds_since(saved_);
+    state_.read = saved_ == 0 ? 0 : seconds_since_saved(saved_);
     state_.world = std::make_shared<const world::World>(*std::move(world));
     state_.partial = false;
   } else if (world && foreign && (!state_.world || state_.partial)) {
-    // CAD files are drawn in spite of an error where they can be
+    // CAD files are drawn in spite of errors where possible
     state_.world = std::make_shared<const world::World>(*std::move(world));
     state_.partial = true;
   } else if (some) {

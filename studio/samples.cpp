@@ -12,41 +12,47 @@
 #include "materials/energy.h"
 #include "materials/report.h"
 #include "preview/reference/reference.h"
-#include "studio/artist.h"
+#include "studio/render_thread.h"
 #include "workspace/material_scene.h"
 
 namespace panwright::studio {
 namespace {
 
-Vec3 direction(double degrees) { return {std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree)}; }
+Vec3 sample_direction(double degrees) {
+  return {std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree)};
+}
 
-void add_curves(const materials::Material& material, Sample& sample) {
+void add_curves(const materials::Material& material, MaterialSample& sample) {
   const materials::f64::CompiledBrdf brdf(material);
   const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
   for (std::size_t i = 0; i < kSampleLights.size(); ++i)
-    // degrees, and tenths about the mirrored direction and the light
+    // steps of a degree, of a tenth near the mirror direction and the light
     for (int step = -890; step <= 890; ++step) {
       const double angle = 0.1 * step;
-      const double glint = std::min(std::fabs(angle - kSampleLights[i]), std::fabs(angle + kSampleLights[i]));
+      const double glint =
+          std::min(std::fabs(angle - kSampleLights[i]), std::fabs(angle + kSampleLights[i]));
       if (step % 10 != 0 && glint > 4) continue;
-      const Vec3 f = brdf.brdf(direction(-kSampleLights[i]), direction(angle), Vec3(0, 0, 1), Vec3(1), local);
+      const Vec3 f = brdf.brdf(sample_direction(-kSampleLights[i]), sample_direction(angle),
+                               Vec3(0, 0, 1), Vec3(1), local);
       sample.lobes[i].emplace_back(angle, kPi * (f.x + f.y + f.z) / 3);
     }
   for (int degrees = 0; degrees <= 88; degrees += degrees < 70 ? 5 : 3) {
     const Vec3 albedo = materials::directional_albedo(material, std::cos(degrees * kDegree));
-    for (std::size_t k = 0; k < 3; ++k) sample.albedo[k].emplace_back(degrees, albedo[static_cast<int>(k)]);
+    for (std::size_t k = 0; k < 3; ++k)
+      sample.albedo[k].emplace_back(degrees, albedo[static_cast<int>(k)]);
   }
   const Vec3 mean = materials::hemispherical_albedo(material);
   for (std::size_t k = 0; k < 3; ++k) sample.hemispherical[k] = mean[static_cast<int>(k)];
   const double mus[] = {1};
   sample.verdict = materials::verdict(materials::material_report(material, mus));
-  sample.words = materials::brdf_in_words(material);
+  sample.description = materials::brdf_in_words(material);
 }
 
-void add_image(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job, Sample& sample) {
+void add_sample_image(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job,
+                      MaterialSample& sample) {
   DiagnosticLog log;
-  const auto bytes =
-      compiler::compiled(workspace::sample_scene(material, workspace::SampleLight::sun), {}, log, job);
+  const auto bytes = compiler::compiled(
+      workspace::sample_scene(material, workspace::SampleLight::sun), {}, log, job);
   if (!bytes) return;
   auto model = pan::Model::from_bytes(*bytes, "samples", log);
   world::World world;
@@ -61,16 +67,17 @@ void add_image(const pxn::DescribedMaterial& material, std::uint32_t width, cons
   if (!drawn) return;
   sample.width = drawn->image.width;
   sample.height = drawn->image.height;
-  sample.rgba = shown_pixels(drawn->image, 0);
+  sample.rgba = srgb_pixels(drawn->image, 0);
 }
 
 }  // namespace
 
-Sample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job) {
-  Sample sample;
+MaterialSample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width,
+                         const Job& job) {
+  MaterialSample sample;
   sample.name = material.material.name;
   add_curves(material.material, sample);
-  add_image(material, width, job, sample);
+  add_sample_image(material, width, job, sample);
   return sample;
 }
 
@@ -90,9 +97,10 @@ SheetSlopes slopes_of(const pan::Model& model, const std::string& name) {
              node = model.nodes()[static_cast<std::size_t>(node)].parent)
           known = model.node_name(static_cast<std::size_t>(node)) == name;
     if (!known) continue;
-    out.sheets.push_back(fmt::format("{} {:.3g} x {:.3g} m, {} x {} cells, seed {}: slope {:.3f} RMS, heights {:.3g} mm RMS",
-                                     kForms[std::min(sheet.form, 5u)], sheet.width, sheet.height, sheet.columns, sheet.rows,
-                                     sheet.seed, sheet.slope_rms, 1e3 * sheet.height_rms));
+    out.sheets.push_back(fmt::format(
+        "{} {:.3g} x {:.3g} m, {} x {} cells, seed {}: slope {:.3f} RMS, heights {:.3g} mm RMS",
+        kForms[std::min(sheet.form, 5u)], sheet.width, sheet.height, sheet.columns, sheet.rows,
+        sheet.seed, sheet.slope_rms, 1e3 * sheet.height_rms));
     if (sheet.form != 0) continue;
     flat.push_back(&sheet);
     widest = std::max(widest, 4 * sheet.slope_rms / std::sqrt(2));
@@ -112,7 +120,8 @@ SheetSlopes slopes_of(const pan::Model& model, const std::string& name) {
         const double slope = -twice[axis] / twice.z;
         squares += 0.5 * area * slope * slope;
         const double bin = std::round(slope / widest * kBins);
-        if (std::fabs(bin) <= kBins) counts[static_cast<std::size_t>(axis)][static_cast<std::size_t>(bin + kBins)] += area;
+        if (std::fabs(bin) <= kBins)
+          counts[static_cast<std::size_t>(axis)][static_cast<std::size_t>(bin + kBins)] += area;
       }
       total += area;
     }
@@ -121,8 +130,9 @@ SheetSlopes slopes_of(const pan::Model& model, const std::string& name) {
   out.rms = std::sqrt(squares / total);
   for (std::size_t axis = 0; axis < 2; ++axis)
     for (int bin = -kBins; bin <= kBins; ++bin)
-      out.density[axis].emplace_back(bin * widest / kBins,
-                                     counts[axis][static_cast<std::size_t>(bin + kBins)] / total * kBins / widest);
+      out.density[axis].emplace_back(
+          bin * widest / kBins,
+          counts[axis][static_cast<std::size_t>(bin + kBins)] / total * kBins / widest);
   return out;
 }
 
@@ -131,23 +141,24 @@ Samples::~Samples() {
   if (running_.valid()) running_.wait();
 }
 
-void Samples::ask(pxn::DescribedMaterial material, std::uint32_t width) {
-  wanted_.emplace(std::move(material), width);
+void Samples::request(pxn::DescribedMaterial material, std::uint32_t width) {
+  pending_.emplace(std::move(material), width);
   if (!running_.valid()) start();
 }
 
 void Samples::start() {
   job_ = Job(JobOptions{});
-  running_ = std::async(std::launch::async, [work = std::move(*wanted_), job = job_] {
+  running_ = std::async(std::launch::async, [work = std::move(*pending_), job = job_] {
     return sample_of(work.first, work.second, job);
   });
-  wanted_.reset();
+  pending_.reset();
 }
 
-bool Samples::look() {
-  if (!running_.valid() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+bool Samples::poll() {
+  if (!running_.valid() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return false;
   last_ = running_.get();
-  if (wanted_) start();
+  if (pending_) start();
   return true;
 }
 

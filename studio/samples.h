@@ -1,5 +1,4 @@
-// What is known of one material by itself: an image of its samples, its lobes and albedos, a verdict. Made in the
-// background.
+// Samples of one material, made in the background: image, lobes, albedos, verdict.
 #pragma once
 
 #include <array>
@@ -16,54 +15,59 @@
 
 namespace panwright::studio {
 
-// Angles of the light from the normal that a sample's lobes are of, degrees.
+// Incidence angles of the lobes of a sample, degrees.
 inline constexpr std::array<int, 4> kSampleLights = {0, 30, 60, 80};
 
-struct Sample {
+struct MaterialSample {
   std::string name;
-  std::string words;    // the BRDFs in words
-  std::string verdict;  // energy, reciprocity, single precision
+  std::string description;  // of its BRDFs
+  std::string verdict;      // energy, reciprocity, single precision
   std::array<double, 3> hemispherical{};
-  // (viewing angle in degrees, -90 to 90 in the plane of incidence; pi f, mean of the channels, under the Sun's disc)
+  // (viewing angle in degrees, -90 to 90 in the plane of incidence; pi f, mean of the channels,
+  // under the Sun's disc)
   std::array<std::vector<Vec2>, kSampleLights.size()> lobes;
   // (angle from the normal in degrees, directional albedo), by channel
   std::array<std::vector<Vec2>, 3> albedo;
-  // sphere, tilted tile and wrinkled tile under the Sun, path traced; 4*H*W, sRGB, white plates in full Sun white
+  // sphere, tilted tile and wrinkled tile under the Sun, path traced; 4*H*W, sRGB, white plates in
+  // full Sun white
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
 };
 
 // Cost: about a second.
-Sample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job = {});
+MaterialSample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width,
+                         const Job& job = {});
 
-// Slopes of sheets of foil, along x and y of each: (slope, density), even steps, and numbers of the sheets in words.
+// Distribution of the slopes of sheets of foil.
 struct SheetSlopes {
-  std::array<std::vector<Vec2>, 2> density;
-  double rms = 0;  // along one axis
-  std::vector<std::string> sheets;
+  std::array<std::vector<Vec2>, 2> density;  // along x and y: (slope, density), in equal steps
+  double rms = 0;                            // along one axis
+  std::vector<std::string> sheets;           // descriptions
 };
 
-// Of a model's sheets whose nodes or parts have a name; empty: all. Slopes are those of flat sheets' facets, by area.
+// Slopes of the facets of flat sheets, weighted by area. name: of a node of the sheets or an
+// ancestor; empty: all
+//
 // Cost: O(triangles).
 SheetSlopes slopes_of(const pan::Model& model, const std::string& name);
 
-// Makes one sample after the other; of what is asked for while one is made, the last.
+// Computes one sample at a time. A request replaces an earlier one that has not begun.
 class Samples {
  public:
   ~Samples();
   // material: fitted
-  void ask(pxn::DescribedMaterial material, std::uint32_t width);
-  // Whether another one is there since the last call. Called often.
-  bool look();
-  const std::optional<Sample>& last() const { return last_; }
+  void request(pxn::DescribedMaterial material, std::uint32_t width);
+  // Returns true once per finished sample. To be called every frame.
+  bool poll();
+  const std::optional<MaterialSample>& last() const { return last_; }
   bool busy() const { return running_.valid(); }
 
  private:
   void start();
-  std::optional<std::pair<pxn::DescribedMaterial, std::uint32_t>> wanted_;
-  std::future<Sample> running_;
+  std::optional<std::pair<pxn::DescribedMaterial, std::uint32_t>> pending_;
+  std::future<MaterialSample> running_;
   Job job_;
-  std::optional<Sample> last_;
+  std::optional<MaterialSample> last_;
 };
 
 }  // namespace panwright::studio

@@ -20,16 +20,14 @@
 #include "workspace/run.h"
 #include "workspace/views.h"
 
-extern char** environ;
-
 namespace panwright::studio {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kExtensions[] = {".mp4", ".mkv", ".mov", ".webm", ".avi", ".gif"};
+constexpr std::string_view kVideoExtensions[] = {".mp4", ".mkv", ".mov", ".webm", ".avi", ".gif"};
 
-// Runs a program without input and output. Whether it ended well; a job that is cancelled ends it.
+// Runs a program without input and output; returns whether it succeeded. A cancelled job ends it.
 bool run_program(const std::vector<std::string>& words, const Job& job) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -53,19 +51,22 @@ bool run_program(const std::vector<std::string>& words, const Job& job) {
 
 }  // namespace
 
-std::vector<Eye> video_eyes(const Eye& eye, const VideoPlan& plan, double ev) {
-  const auto count = static_cast<std::size_t>(std::max(1.0, std::round(plan.frames)));
-  std::vector<Eye> out(count, eye);
+std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings,
+                                   double ev) {
+  const auto count = static_cast<std::size_t>(std::max(1.0, std::round(settings.frames)));
+  std::vector<ViewState> out(count, view);
   for (std::size_t i = 0; i < count; ++i) {
     out[i].auto_ev = false;
     out[i].ev = ev;
-    if (plan.kind == kVideoKinds[0]) {
-      out[i].azimuth = std::remainder(
-          eye.azimuth + 360.0 * static_cast<double>(i) / static_cast<double>(count), 360.0);
+    OrbitCamera& camera = out[i].camera;
+    if (settings.kind == kVideoKinds[0]) {
+      camera.azimuth = wrapped_degrees(view.camera.azimuth +
+                                       360.0 * static_cast<double>(i) / static_cast<double>(count));
     } else {
       const double share = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0;
-      out[i].range =
-          std::clamp(eye.range * std::pow(plan.range / eye.range, share), kNearest, kFarthest);
+      camera.range =
+          std::clamp(view.camera.range * std::pow(settings.range / view.camera.range, share),
+                     kNearest, kFarthest);
     }
   }
   return out;
@@ -100,120 +101,123 @@ Video::Status Video::status() const {
   return status_;
 }
 
-void Video::say(const std::string& words) {
+void Video::set_message(const std::string& message) {
   const std::lock_guard lock(mutex_);
-  status_.words = words;
+  status_.message = message;
 }
 
-void Video::make(const VideoPlan& plan, const fs::path& output,
-                 std::shared_ptr<const world::World> world, std::vector<Eye> eyes,
-                 std::uint32_t width, std::uint32_t height, preview::ContextKind context) {
+void Video::start(VideoRequest request) {
   if (thread_.joinable()) thread_.join();
   {
     const std::lock_guard lock(mutex_);
-    status_ = {true, 0, eyes.size(), "drawing frames"};
+    status_ = {true, 0, request.views.size(), "drawing frames"};
     job_ = Job(JobOptions{});
   }
-  thread_ = std::thread([=, this, eyes = std::move(eyes), job = job_] {
-    work(plan, output, *world, eyes, width, height, context, job);
+  thread_ = std::thread([this, request = std::move(request), job = job_] {
+    work(request, job);
     const std::lock_guard lock(mutex_);
     status_.busy = false;
   });
 }
 
-bool Video::draw(const VideoPlan& plan, const std::vector<fs::path>& frames,
-                 const world::World& world, const std::vector<Eye>& eyes, std::uint32_t width,
-                 std::uint32_t height, preview::ContextKind context, const Job& job) {
+bool Video::draw(const VideoRequest& request, const std::vector<fs::path>& frames, const Job& job) {
   DiagnosticLog log;
-  workspace::ViewMaker maker(world);
+  workspace::ViewMaker maker(*request.world);
   std::vector<workspace::View> views;
   std::optional<workspace::DrawOptions> options;
-  for (std::size_t i = 0; i < eyes.size(); ++i) {
-    workspace::ViewText text = view_text(eyes[i], width, height);
+  for (std::size_t i = 0; i < request.views.size(); ++i) {
+    workspace::ViewText text = view_text(request.views[i], request.width, request.height);
     text.output = frames[i].string();
     auto view = maker.view(text, log);
     if (!options) {
-      auto made = workspace::draw_options(text, context, log);
+      auto made = workspace::draw_options(text, request.context, log);
       if (made) options = *std::move(made);
     }
     if (!view || !options) break;
     views.push_back(*std::move(view));
   }
-  bool good = views.size() == eyes.size();
+  bool good = views.size() == request.views.size();
   if (good) {
-    if (plan.frame != kVideoFrames[0]) options->samples = 1;
+    if (request.settings.frame != kVideoFrames[0]) options->samples = 1;
     workspace::RunOptions run{*options, {}, {}};
     run.listener.written = [&](const workspace::Written&) {
       const std::lock_guard lock(mutex_);
       ++status_.done;
     };
-    good = static_cast<bool>(workspace::run_views(world, views, run, log, job));
+    good = static_cast<bool>(workspace::run_views(*request.world, views, run, log, job));
   }
   if (good) return true;
-  if (job.cancelled()) return say("cancelled"), false;
+  if (job.cancelled()) return set_message("cancelled"), false;
   std::string why = "no frames could be drawn";
   for (const Message& each : messages_of(log))
     if (each.severity == Severity::error) {
       why = each.text;
       break;
     }
-  say(why);
+  set_message(why);
   return false;
 }
 
-void Video::work(const VideoPlan& plan, const fs::path& output, const world::World& world,
-                 const std::vector<Eye>& eyes, std::uint32_t width, std::uint32_t height,
-                 preview::ContextKind context, const Job& job) {
+void Video::work(const VideoRequest& request, const Job& job) {
   const fs::path program = find_program("ffmpeg");
-  const std::string extension = output.extension().string();
-  if (!program.empty() &&
-      std::find(std::begin(kExtensions), std::end(kExtensions), extension) == std::end(kExtensions))
-    return say(
+  const std::string extension = request.output.extension().string();
+  if (!program.empty() && std::find(std::begin(kVideoExtensions), std::end(kVideoExtensions),
+                                    extension) == std::end(kVideoExtensions))
+    return set_message(
         fmt::format("videos are .mp4, .mkv, .mov, .webm, .avi or .gif, not '{}'", extension));
-  fs::path folder = output;
+  fs::path folder = request.output;
   folder.replace_extension();
   folder += "-frames";
   std::error_code error;
   const bool made = fs::create_directories(folder, error);
-  if (error) return say(fmt::format("{} cannot be made: {}", folder.string(), error.message()));
+  if (error)
+    return set_message(fmt::format("{} cannot be made: {}", folder.string(), error.message()));
   std::vector<fs::path> frames;
-  for (std::size_t i = 0; i < eyes.size(); ++i)
+  for (std::size_t i = 0; i < request.views.size(); ++i)
     frames.push_back(folder / fmt::format("{:05}.png", i + 1));
-  const auto remove_frames = [&] {
-    for (const fs::path& frame : frames) fs::remove(frame, error);
-    if (made) fs::remove(folder, error);  // unless there is something else
-  };
-  if (!draw(plan, frames, world, eyes, width, height, context, job)) return remove_frames();
-  const std::string count = counted(frames.size(), "frame");
-  if (program.empty())
-    return say(fmt::format("{} in {}; ffmpeg, which joins them, is not installed", count,
-                           folder.string()));
-  say("ffmpeg joins " + count);
-  // widths and heights of most players are even
+  const bool drawn = draw(request, frames, job);
+  if (drawn && program.empty())
+    return set_message(fmt::format("{} in {}; ffmpeg, which joins them, is not installed",
+                                   counted(frames.size(), "frame"), folder.string()));
+  if (drawn && !encode(request, program, folder, job)) return;
+  for (const fs::path& frame : frames) fs::remove(frame, error);
+  if (made) fs::remove(folder, error);  // unless it holds other files
+}
+
+// Returns whether the frames are to be removed.
+bool Video::encode(const VideoRequest& request, const fs::path& program, const fs::path& folder,
+                   const Job& job) {
+  const std::string count = counted(request.views.size(), "frame");
+  set_message("ffmpeg joins " + count);
+  // most players need even widths and heights
   const std::vector<std::string> words = {program.string(),
                                           "-y",
                                           "-loglevel",
                                           "error",
                                           "-framerate",
-                                          fmt::format("{:g}", plan.rate),
+                                          fmt::format("{:g}", request.settings.rate),
                                           "-i",
                                           (folder / "%05d.png").string(),
                                           "-vf",
                                           "pad=ceil(iw/2)*2:ceil(ih/2)*2",
                                           "-pix_fmt",
                                           "yuv420p",
-                                          output.string()};
-  if (run_program(words, job)) {
-    remove_frames();
-    return say(fmt::format("saved {}: {}, {}", output.string(), count,
-                           plan.frame == kVideoFrames[0] ? "each exact" : "with " + plan.frame));
+                                          request.output.string()};
+  const bool encoded = run_program(words, job);
+  if (encoded) {
+    const std::string& frame = request.settings.frame;
+    set_message(fmt::format("saved {}: {}, {}", request.output.string(), count,
+                            frame == kVideoFrames[0] ? "each exact" : "with " + frame));
+    return true;
   }
   if (job.cancelled()) {
-    fs::remove(output, error);
-    remove_frames();
-    return say("cancelled");
+    std::error_code ignored;
+    fs::remove(request.output, ignored);
+    set_message("cancelled");
+    return true;
   }
-  say(fmt::format("ffmpeg could not join them; {} in {}", count, folder.string()));
+  set_message(fmt::format("ffmpeg could not join them; {} in {}", count, folder.string()));
+  return false;
 }
 
 }  // namespace panwright::studio

@@ -1,8 +1,8 @@
-// Videos of a view: around the target, or towards it. Frames are drawn one by one, then ffmpeg
-// joins them.
+// Videos of a view, drawn frame by frame and encoded by ffmpeg: turntables and range sweeps.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -12,30 +12,40 @@
 
 #include "base/job.h"
 #include "preview/context.h"
-#include "studio/eye.h"
+#include "studio/view_state.h"
 #include "world/world.h"
 
 namespace panwright::studio {
 
 inline constexpr const char* kVideoKinds[] = {"turntable", "range sweep"};
-inline constexpr const char* kVideoFrames[] = {"exact", "one sample a pixel"};
+inline constexpr const char* kVideoFrames[] = {"exact", "one sample a pixel=one sample per pixel"};
 
-struct VideoPlan {
+struct VideoSettings {
   std::string kind = kVideoKinds[0];
-  std::string frame = kVideoFrames[0];  // how each frame is drawn
-  double frames = 120;                  // in all
-  double rate = 25;                     // of them, a second
-  double range = 100;                   // metres, of a sweep's last frame
+  std::string frame = kVideoFrames[0];  // quality of each frame
+  double frames = 120;                  // number of frames
+  double rate = 25;                     // frames per second
+  double range = 100;                   // metres, of the last frame of a sweep
   std::string output = "video.mp4";
 };
 
-// The eyes of the frames. A turntable goes once around, the first frame being `eye`, its azimuth
-// growing; a sweep goes from the range of `eye` to that of the plan in even ratios. Exposure stays
-// at `ev`, stops, for all.
-std::vector<Eye> video_eyes(const Eye& eye, const VideoPlan& plan, double ev);
+// Views of the frames. A turntable goes once around with growing azimuth, beginning at `view`; a
+// sweep goes from the range of `view` to that of the settings in equal ratios. ev: exposure of all,
+// stops
+std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings, double ev);
 
-// Where an executable file of that name is, of the folders of $PATH; empty: nowhere.
+// Path of an executable in the folders of $PATH; empty: not found.
 std::filesystem::path find_program(const std::string& name);
+
+// Frames to draw, and their video.
+struct VideoRequest {
+  VideoSettings settings;
+  std::filesystem::path output;
+  std::shared_ptr<const world::World> world;
+  std::vector<ViewState> views;
+  std::uint32_t width = 0, height = 0;  // pixels
+  preview::ContextKind context = preview::ContextKind::automatic;
+};
 
 // Makes one video at a time, on a thread of its own.
 class Video {
@@ -45,28 +55,27 @@ class Video {
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  // Frames are OUTPUT-frames/00001.png and so on; where ffmpeg makes a video of them they are
-  // removed again. Expects: none under way; a folder that can be written is not needed: it is said.
-  void make(const VideoPlan& plan, const std::filesystem::path& output,
-            std::shared_ptr<const world::World> world, std::vector<Eye> eyes, std::uint32_t width,
-            std::uint32_t height, preview::ContextKind context);
+  // Draws OUTPUT-frames/00001.png and so on; removes them once ffmpeg has encoded a video. Errors
+  // are in the status.
+  //
+  // Expects: no video in progress.
+  void start(VideoRequest request);
   void cancel();
 
   struct Status {
     bool busy = false;
     std::size_t done = 0, of = 0;  // frames
-    std::string words;             // what came of the last one, or what is under way
+    std::string message;           // progress, or the last result
   };
   Status status() const;
 
  private:
-  void work(const VideoPlan& plan, const std::filesystem::path& output, const world::World& world,
-            const std::vector<Eye>& eyes, std::uint32_t width, std::uint32_t height,
-            preview::ContextKind context, const Job& job);
-  bool draw(const VideoPlan& plan, const std::vector<std::filesystem::path>& frames,
-            const world::World& world, const std::vector<Eye>& eyes, std::uint32_t width,
-            std::uint32_t height, preview::ContextKind context, const Job& job);
-  void say(const std::string& words);
+  void work(const VideoRequest& request, const Job& job);
+  bool draw(const VideoRequest& request, const std::vector<std::filesystem::path>& frames,
+            const Job& job);
+  bool encode(const VideoRequest& request, const std::filesystem::path& program,
+              const std::filesystem::path& folder, const Job& job);
+  void set_message(const std::string& message);
 
   mutable std::mutex mutex_;
   Status status_;

@@ -13,99 +13,100 @@
 
 namespace panwright::studio {
 
-constexpr double kMostDragged = 1e9;  // places, metres
 namespace {
 
-std::string label_of(const std::string& name) {
+constexpr double kDragLimit = 1e9;  // positions, metres
+
+std::string widget_label(const std::string& name) {
   const auto label = name.rfind('=');
   return name.substr((label == std::string::npos ? name.rfind('/') : label) + 1);
 }
 
-// What ImGui goes by: the label is shown, the name tells it from others of that label.
-std::string tag(const std::string& name) { return label_of(name) + "###" + name; }
+// Identifier of Dear ImGui: label and name.
+std::string widget_id(const std::string& name) { return widget_label(name) + "###" + name; }
 
 }  // namespace
 
-void Widgets::seen(const std::string& name) {
+void Widgets::record(const std::string& name) {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  if (ImGui::IsItemVisible()) seen(name, {low.x, low.y}, {high.x, high.y});
+  if (ImGui::IsItemVisible()) record(name, {low.x, low.y}, {high.x, high.y});
 }
 
-void Widgets::seen(const std::string& name, const Vec2& low, const Vec2& high) {
-  places_[name.substr(0, name.rfind('='))] = {low, high, frame_};
+void Widgets::record(const std::string& name, const Vec2& low, const Vec2& high) {
+  rects_[name.substr(0, name.rfind('='))] = {low, high, frame_};
 }
 
-const Place* Widgets::find(const std::string& name) const {
-  const auto at = places_.find(name);
-  return at == places_.end() || at->second.frame != frame_ ? nullptr : &at->second;
+const WidgetRect* Widgets::find(const std::string& name) const {
+  const auto at = rects_.find(name);
+  return at == rects_.end() || at->second.frame != frame_ ? nullptr : &at->second;
 }
 
 std::string Widgets::nearest(const std::string& name) const {
   std::vector<std::string_view> names;
-  for (const auto& [each, place] : places_)
-    if (place.frame == frame_) names.push_back(each);
+  for (const auto& [each, rect] : rects_)
+    if (rect.frame == frame_) names.push_back(each);
   return std::string(nearest_name(name, names).value_or(""));
 }
 
-void Widgets::explain(const std::string& name, const char* help) {
-  seen(name);
-  if (help != nullptr) tip(help);
+void Widgets::finish(const std::string& name, const char* help) {
+  record(name);
+  if (help != nullptr) tooltip(help);
 }
 
-void Widgets::tip(const char* help) {
+void Widgets::tooltip(const char* help) {
   if (!ImGui::IsItemHovered()) return;
-  // beside the panel: it hides no widget
+  // beside the panel, where it covers no widget
   const ImVec2 low = ImGui::GetItemRectMin();
   ImGui::SetNextWindowPos({ImGui::GetWindowPos().x + ImGui::GetWindowWidth() + 8, low.y});
   ImGui::SetTooltip("%s", help);
 }
 
-bool holds(std::string_view name, std::string_view wanted) {
+bool contains_text(std::string_view text, std::string_view part) {
   const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(name.begin(), name.end(), wanted.begin(), wanted.end(), same) != name.end();
+  return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
 }
 
 bool Widgets::button(const std::string& name, const char* help) {
-  const bool pressed = ImGui::Button(tag(name).c_str());
-  explain(name, help);
+  const bool pressed = ImGui::Button(widget_id(name).c_str());
+  finish(name, help);
   return pressed;
 }
 
 bool Widgets::check(const std::string& name, bool& value, const char* help) {
-  const bool changed = ImGui::Checkbox(tag(name).c_str(), &value);
-  explain(name, help);
+  const bool changed = ImGui::Checkbox(widget_id(name).c_str(), &value);
+  finish(name, help);
   return changed;
 }
 
 bool Widgets::slider(const std::string& name, double& value, double low, double high,
                      const char* format, bool logarithmic, const char* help, bool bounded) {
   const double before = value;
-  bool changed = ImGui::SliderScalar(tag(name).c_str(), ImGuiDataType_Double, &value, &low, &high,
-                                     format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-  explain(name, help);
+  bool changed = ImGui::SliderScalar(widget_id(name).c_str(), ImGuiDataType_Double, &value, &low,
+                                     &high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  finish(name, help);
   if (!changed) return false;
   limited_.clear();
   if (!bounded || (value >= low && value <= high)) return true;
   const double typed = value;
   value = std::isnan(typed) ? before : std::clamp(typed, low, high);
-  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", label_of(name),
-                         low, high, typed, value);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
+                         widget_label(name), low, high, typed, value);
   return value != before;
 }
 
 bool Widgets::drag(const std::string& name, double& value, double step, const char* format,
                    const char* help) {
   const double before = value;
-  const bool changed = ImGui::DragScalar(tag(name).c_str(), ImGuiDataType_Double, &value,
+  const bool changed = ImGui::DragScalar(widget_id(name).c_str(), ImGuiDataType_Double, &value,
                                          static_cast<float>(step), nullptr, nullptr, format);
-  explain(name, help);
+  finish(name, help);
   if (!changed) return false;
   limited_.clear();
-  if (std::fabs(value) <= kMostDragged) return true;
+  if (std::fabs(value) <= kDragLimit) return true;
   const double typed = value;
-  value = std::isnan(typed) ? before : std::clamp(typed, -kMostDragged, kMostDragged);
-  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", label_of(name),
-                         -kMostDragged, kMostDragged, typed, value);
+  value = std::isnan(typed) ? before : std::clamp(typed, -kDragLimit, kDragLimit);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
+                         widget_label(name), -kDragLimit, kDragLimit, typed, value);
   return value != before;
 }
 
@@ -114,23 +115,28 @@ bool Widgets::choice(const std::string& name, std::string& value, const char* co
   bool changed = false;
   for (std::size_t i = 0; i < count; ++i) {
     const std::string each = name + "/" + words[i];
+    const std::string_view entry = words[i];
+    const std::string_view word = entry.substr(0, entry.find('='));
+    const std::string label = widget_label(each);
     // on the same line while there is room
-    const float wide = ImGui::CalcTextSize(words[i]).x + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().ItemSpacing.x;
-    if (i > 0 && ImGui::GetItemRectMax().x + wide < ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
+    const float wide = ImGui::CalcTextSize(label.c_str()).x + ImGui::GetFrameHeight() +
+                       2 * ImGui::GetStyle().ItemSpacing.x;
+    if (i > 0 && ImGui::GetItemRectMax().x + wide <
+                     ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
       ImGui::SameLine();
-    if (ImGui::RadioButton(tag(each).c_str(), value == words[i]) && value != words[i]) {
-      value = words[i];
+    if (ImGui::RadioButton(widget_id(each).c_str(), value == word) && value != word) {
+      value = word;
       changed = true;
     }
-    explain(each, help);
+    finish(each, help);
   }
   return changed;
 }
 
 bool Widgets::text(const std::string& name, std::string& value, const char* hint,
                    const char* help) {
-  const bool changed = ImGui::InputTextWithHint(tag(name).c_str(), hint, &value);
-  explain(name, help);
+  const bool changed = ImGui::InputTextWithHint(widget_id(name).c_str(), hint, &value);
+  finish(name, help);
   return changed;
 }
 

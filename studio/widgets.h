@@ -1,4 +1,4 @@
-// Widgets of the window that remember where they are, so that a script can use them as a hand does.
+// Widgets of the window, which record their positions for scripts.
 #pragma once
 
 #include <cstdint>
@@ -12,50 +12,51 @@ struct ImVec4;
 
 namespace panwright::studio {
 
-// Where things of the last frame are, in pixels of the window.
-struct Place {
+// Position of a widget, in pixels of the window.
+struct WidgetRect {
   Vec2 low{0};
   Vec2 high{0};
-  std::uint64_t frame = 0;
+  std::uint64_t frame = 0;  // in which it was drawn last
 };
 
-// Whether a name has a text in it, in capitals or not.
-bool holds(std::string_view name, std::string_view wanted);
+// Returns true where `text` contains `part`; case is ignored.
+bool contains_text(std::string_view text, std::string_view part);
 
 class Widgets {
  public:
   void begin_frame() { ++frame_; }
-  // The widget that was made last is called so.
-  void seen(const std::string& name);
-  void seen(const std::string& name, const Vec2& low, const Vec2& high);
-  // null: it is not in the last frame
-  const Place* find(const std::string& name) const;
+  // Records the position of the last widget under a name.
+  void record(const std::string& name);
+  void record(const std::string& name, const Vec2& low, const Vec2& high);
+  // null: not in the last frame
+  const WidgetRect* find(const std::string& name) const;
+  // Most similar name in the last frame; empty: none is similar.
   std::string nearest(const std::string& name) const;
 
-  // Each returns whether the value changed. name: what scripts call it; what is shown stands behind
-  // its last '/', or behind a '=' at its end. help: shown when the mouse rests on it.
+  // Each returns whether the value changed, or the button was pressed. name: in scripts; the label
+  // is the part after the last '/', or after a '=', which is not part of the name. help: tooltip
   bool button(const std::string& name, const char* help = nullptr);
   bool check(const std::string& name, bool& value, const char* help = nullptr);
-  // format: printf's, with its unit; not bounded: numbers beyond may be typed
+  // format: of printf, with the unit; bounded: typed values are clamped
   bool slider(const std::string& name, double& value, double low, double high, const char* format,
               bool logarithmic = false, const char* help = nullptr, bool bounded = true);
   bool drag(const std::string& name, double& value, double step, const char* format,
             const char* help = nullptr);
+  // words: the values, each with an optional label after a '='
   bool choice(const std::string& name, std::string& value, const char* const* words,
               std::size_t count, const char* help = nullptr);
   bool text(const std::string& name, std::string& value, const char* hint,
             const char* help = nullptr);
 
-  // What was typed last, where it was out of range; empty: it was not, or something else was
-  // changed since.
+  // Message about the last typed value where it was clamped; empty: it was not.
   const std::string& limited() const { return limited_; }
 
-  // Words beside the panel while the mouse is over what was drawn last.
-  void tip(const char* help);
+  // Text beside the panel while the mouse is over the last widget.
+  void tooltip(const char* help);
 
  private:
-  void explain(const std::string& name, const char* help);
-  std::map<std::string, Place> places_;
+  void finish(const std::string& name, const char* help);
+  std::map<std::string, WidgetRect> rects_;
   std::uint64_t frame_ = 0;
   std::string limited_;
 };

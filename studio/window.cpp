@@ -1,12 +1,10 @@
 #include "studio/window.h"
 
-#include <glad/gl.h>
-// after glad
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/core.h>
+#include <glad/gl.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -17,23 +15,22 @@
 
 #include "base/file.h"
 #include "base/png.h"
-#include "studio/player.h"
+#include "studio/main_window.h"
+#include "studio/script_runner.h"
 
 namespace panwright::studio {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using FrameClock = std::chrono::steady_clock;
 
-// Seconds, while nothing moves: models and images wake the window.
-constexpr double kIdleWait = 0.1;
-// frames that are drawn after the last input, as ImGui needs some to settle
-constexpr int kFramesAfter = 4;
+constexpr double kIdleWait = 0.1;  // seconds; models and images wake the window
+constexpr int kFramesAfter = 4;    // frames after the last input, which Dear ImGui needs to settle
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
 
-std::string glfw_problem;
+std::string glfw_problem;  // set by GLFW's error callback
 
-// One window with its OpenGL context, and what ImGui draws there.
+// Window with its OpenGL context and Dear ImGui.
 class Screen {
  public:
   ~Screen() {
@@ -47,30 +44,29 @@ class Screen {
   }
 
   bool open(const Options& options, DiagnosticLog& log) {
-    const auto refused = [&](const std::string& why) {
-      log.report(Code::E5001, {},
-                 fmt::format("no window can be opened: {}", why),
-                 "`panwright render` makes images without one; Xvfb is a display without a screen");
+    const auto fail = [&](const std::string& why) {
+      log.report(Code::E5001, {}, fmt::format("cannot open a window: {}", why),
+                 "`panwright render` needs no display; Xvfb is a virtual one");
       return false;
     };
     glfwSetErrorCallback([](int, const char* what) { glfw_problem = what; });
     started_ = glfwInit() == GLFW_TRUE;
-    if (!started_) return refused(glfw_problem.empty() ? "there is no display" : glfw_problem);
+    if (!started_) return fail(glfw_problem.empty() ? "no display" : glfw_problem);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     window_ =
         glfwCreateWindow(static_cast<int>(options.layout.width),
                          static_cast<int>(options.layout.height), "Panwright", nullptr, nullptr);
-    if (window_ == nullptr) return refused(glfw_problem);
+    if (window_ == nullptr) return fail(glfw_problem);
     glfwMakeContextCurrent(window_);
-    glfwSwapInterval(options.with_script ? 0 : 1);
+    glfwSwapInterval(options.scripted ? 0 : 1);
     if (gladLoadGLContext(&gl_, glfwGetProcAddress) == 0)
-      return refused("OpenGL 3.3 is not there");
+      return fail("OpenGL 3.3 is not available");
     float across = 1, down = 1;
     glfwGetWindowContentScale(window_, &across, &down);
     scale_ = options.scale > 0 ? options.scale : std::max(1.0, double{across});
-    start_gui(options.with_script);
+    start_gui(options.scripted);
     gl_.GenTextures(2, textures_);
     return true;
   }
@@ -109,8 +105,8 @@ class Screen {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 
-  // Pixels as they are: one of the image is one of the screen, once it is exact.
-  void show(const Desk::Canvas& canvas, bool sample) {
+  // Uploads a canvas. A pixel of an exact image is a pixel of the screen.
+  void show(const Canvas& canvas, bool sample) {
     gl_.BindTexture(GL_TEXTURE_2D, textures_[sample]);
     gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
     gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(canvas.width),
@@ -130,7 +126,7 @@ class Screen {
                                      static_cast<std::size_t>(height));
     gl_.ReadBuffer(GL_BACK);
     gl_.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
-    // the lowest row comes first
+    // rows begin at the bottom
     const std::size_t row = 4 * static_cast<std::size_t>(width);
     for (std::size_t y = 0; y < static_cast<std::size_t>(height) / 2; ++y)
       std::swap_ranges(pixels.begin() + static_cast<std::ptrdiff_t>(y * row),
@@ -146,7 +142,9 @@ class Screen {
 
   GLFWwindow* window() const { return window_; }
   double scale() const { return scale_; }
-  Desk::Textures textures() const { return {shows_[0] ? textures_[0] : 0u, shows_[1] ? textures_[1] : 0u}; }
+  MainWindow::Textures textures() const {
+    return {shows_[0] ? textures_[0] : 0u, shows_[1] ? textures_[1] : 0u};
+  }
   void swap() { glfwSwapBuffers(window_); }
 
  private:
@@ -159,120 +157,124 @@ class Screen {
   bool shows_[2] = {};
 };
 
-// A hand of a script in place of the real one.
-void take(const Hand& hand) {
+// Replaces the input by that of a script.
+void apply_input(const ScriptedInput& input) {
   ImGuiIO& io = ImGui::GetIO();
-  if (hand.mouse)
-    io.MousePos = {static_cast<float>(hand.mouse->x), static_cast<float>(hand.mouse->y)};
-  for (int k = 0; k < 3; ++k) io.MouseDown[k] = hand.buttons[k];
-  io.MouseWheel = static_cast<float>(hand.wheel);
-  io.KeyCtrl = hand.control;
+  if (input.mouse)
+    io.MousePos = {static_cast<float>(input.mouse->x), static_cast<float>(input.mouse->y)};
+  for (int k = 0; k < 3; ++k) io.MouseDown[k] = input.buttons[k];
+  io.MouseWheel = static_cast<float>(input.wheel);
+  io.KeyCtrl = input.control;
   for (bool& key : io.KeysDown) key = false;
-  if (hand.key > 0) io.KeysDown[hand.key] = true;
-  for (const char c : hand.typed) io.AddInputCharacter(static_cast<unsigned char>(c));
+  if (input.key > 0) io.KeysDown[input.key] = true;
+  for (const char c : input.typed) io.AddInputCharacter(static_cast<unsigned char>(c));
 }
 
-void dropped(GLFWwindow* window, int count, const char** paths) {
-  static_cast<Desk*>(glfwGetWindowUserPointer(window))
+void drop_files(GLFWwindow* window, int count, const char** paths) {
+  static_cast<MainWindow*>(glfwGetWindowUserPointer(window))
       ->drop(std::vector<std::string>(paths, paths + count));
 }
 
-class Loop {
+class FrameLoop {
  public:
-  Loop(Screen& screen, Desk& desk, const Options& options)
-      : screen_(screen), desk_(desk), options_(options), player_(options.script, options.folder) {}
+  FrameLoop(Screen& screen, MainWindow& contents, const Options& options)
+      : screen_(screen),
+        contents_(contents),
+        options_(options),
+        runner_(options.script, options.script_folder) {}
 
   bool run(DiagnosticLog& log) {
     while (glfwWindowShouldClose(screen_.window()) == 0) {
       wait();
-      const auto start = Clock::now();
+      const auto start = FrameClock::now();
       const double busy = thread_seconds();
-      bool other = false;
-      if (const Desk::Canvas* canvas = desk_.new_canvas()) {
+      bool image_changed = false;
+      if (const Canvas* canvas = contents_.new_canvas()) {
         screen_.show(*canvas, false);
-        left_ = kFramesAfter;
-        other = true;
+        frames_left_ = kFramesAfter;
+        image_changed = true;
       }
-      if (const Desk::Canvas* canvas = desk_.new_sample_canvas()) {
+      if (const Canvas* canvas = contents_.new_sample_canvas()) {
         screen_.show(*canvas, true);
-        left_ = kFramesAfter;
+        frames_left_ = kFramesAfter;
       }
       frame();
-      report_.spent.add(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      report_.spent.add(
+          std::chrono::duration<double, std::milli>(FrameClock::now() - start).count());
       report_.busy = std::max(report_.busy, 1e3 * (thread_seconds() - busy));
-      if (options_.with_script && !follow(log)) break;
+      if (options_.scripted && !follow(log)) break;
       screen_.swap();
-      if (other) measure();
-      if (options_.with_script) report_.resident.add(static_cast<double>(resident_bytes()));
+      if (image_changed) measure();
+      if (options_.scripted) report_.resident.add(static_cast<double>(resident_bytes()));
     }
-    return player_.good();
+    return runner_.ok();
   }
 
   Report report() const {
     Report out = report_;
-    out.drawing = desk_.artist().status();
-    out.readings = desk_.project().state().readings;
-    out.command = desk_.command();
+    out.rendering = contents_.renderer().status();
+    out.readings = contents_.project().state().readings;
+    out.command = contents_.command();
     return out;
   }
 
  private:
-  // An image is on the screen.
+  // Measures the times of an image that has reached the screen.
   void measure() {
     if (report_.first_image == 0)
-      report_.first_image = std::chrono::duration<double>(Clock::now() - begin_).count();
-    if (const auto saved = desk_.saved_to_image()) {
+      report_.first_image = std::chrono::duration<double>(FrameClock::now() - begin_).count();
+    if (const auto saved = contents_.saved_to_image()) {
       report_.saved.add(saved->shown);
       report_.last_saved = *saved;
     }
   }
 
-  // Nothing is drawn while nothing happens.
+  // Waits for input while nothing changes.
   void wait() {
-    if (options_.with_script) return glfwPollEvents();
-    const auto version = desk_.project().state().readings;
+    if (options_.scripted) return glfwPollEvents();
+    const auto version = contents_.project().state().readings;
     glfwPollEvents();
     const ImGuiIO& io = ImGui::GetIO();
     const bool active = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || ImGui::IsAnyMouseDown() ||
-                        io.WantTextInput || !desk_.idle() || version != readings_;
+                        io.WantTextInput || !contents_.idle() || version != readings_;
     readings_ = version;
-    if (active) left_ = kFramesAfter;
-    if (left_ > 0)
-      --left_;
+    if (active) frames_left_ = kFramesAfter;
+    if (frames_left_ > 0)
+      --frames_left_;
     else
       glfwWaitEventsTimeout(kIdleWait);
   }
 
   void frame() {
     screen_.begin_frame();
-    if (options_.with_script) take(player_.hand());
+    if (options_.scripted) apply_input(runner_.input());
     ImGui::NewFrame();
     int width = 0, height = 0;
     glfwGetWindowSize(screen_.window(), &width, &height);
-    desk_.frame({width, height}, screen_.scale(), screen_.textures());
+    contents_.frame({width, height}, screen_.scale(), screen_.textures());
     screen_.end_frame();
   }
 
-  // False: the script is at its end, or cannot go on.
+  // False: the script has ended or failed.
   bool follow(DiagnosticLog& log) {
-    // the image has its own thread: this one leaves it the processor
+    // leaves the processor to the render thread
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
-    const Player::Wish wish = player_.next(desk_, log);
-    if (wish.size)
-      glfwSetWindowSize(screen_.window(), static_cast<int>(wish.size->x),
-                        static_cast<int>(wish.size->y));
-    if (!wish.screenshot.empty() && !screen_.screenshot(wish.screenshot, log)) return false;
-    return !wish.end;
+    const ScriptRunner::Actions actions = runner_.next(contents_, log);
+    if (actions.size)
+      glfwSetWindowSize(screen_.window(), static_cast<int>(actions.size->x),
+                        static_cast<int>(actions.size->y));
+    if (!actions.screenshot.empty() && !screen_.screenshot(actions.screenshot, log)) return false;
+    return !actions.end;
   }
 
   Screen& screen_;
-  Desk& desk_;
+  MainWindow& contents_;
   const Options& options_;
-  Player player_;
-  const Clock::time_point begin_ = Clock::now();
+  ScriptRunner runner_;
+  const FrameClock::time_point begin_ = FrameClock::now();
   Report report_;
   std::uint64_t readings_ = 0;
-  int left_ = kFramesAfter;
+  int frames_left_ = kFramesAfter;
 };
 
 }  // namespace
@@ -280,12 +282,12 @@ class Loop {
 bool run(const Options& options, DiagnosticLog& log, Report* report) {
   Screen screen;
   if (!screen.open(options, log)) return false;
-  Desk desk(options);
-  glfwSetWindowUserPointer(screen.window(), &desk);
-  glfwSetDropCallback(screen.window(), dropped);
-  Loop loop(screen, desk, options);
+  MainWindow contents(options);
+  glfwSetWindowUserPointer(screen.window(), &contents);
+  glfwSetDropCallback(screen.window(), drop_files);
+  FrameLoop loop(screen, contents, options);
   const bool good = loop.run(log);
-  if (!options.layout_file.empty()) write_layout(options.layout_file, desk.layout());
+  if (!options.layout_file.empty()) write_layout(options.layout_file, contents.layout());
   if (report != nullptr) *report = loop.report();
   return good;
 }

@@ -33,8 +33,7 @@ struct Options {
 void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("targets", options.targets,
-           "The targets: .pan, .pxn or CAD files, read again as soon as one of their files changes; "
-           "NAME=FILE gives one another name than its file's")
+           "Targets: .pan, .pxn or CAD files, read again when a file changes; NAME=FILE sets a name")
       .required()
       .type("[NAME=]FILE…");
   arguments
@@ -44,14 +43,13 @@ void declare_all(Arguments& arguments, Options& options) {
       .one_value();
   arguments
       .add("--script", options.script,
-           "JSON list of what is done in the window in place of a hand, with screenshots "
-           "(docs/studio.md); the window closes at its end")
+           "Run a script, a JSON list of steps (docs/studio.md); the window closes at its end")
       .type("FILE.json");
   arguments.add("--size", options.size, "Size of the window in pixels (default 1280x720)")
       .type("WxH");
   arguments
       .add("--scale", options.scale,
-           "Size of text and widgets (default: that of the screen), as 1.5")
+           "Scale of text and widgets, as 1.5 (default: that of the screen)")
       .type("FACTOR");
   arguments.add("--gl", options.gl, "OpenGL context that draws images: auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
@@ -74,7 +72,7 @@ int run(const Options& options, const Host& host) {
   const auto program = studio();
   if (!program) {
     log.report(Code::E5001, {},
-               fmt::format("{}, which opens the window, is not there: it is built where GLFW and "
+               fmt::format("{}, which opens the window, is missing: it is built where GLFW and "
                            "Dear ImGui are installed",
                            kProgram));
     return context.finish();
@@ -93,7 +91,7 @@ int run(const Options& options, const Host& host) {
   arguments.push_back(nullptr);
   ::execv(program->c_str(), arguments.data());
   log.report(Code::E5001, {},
-             fmt::format("{} cannot be started: {}", program->string(), std::strerror(errno)));
+             fmt::format("cannot start {}: {}", program->string(), std::strerror(errno)));
   return context.finish();
 }
 
@@ -101,7 +99,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_view
 
 Command view_command() {
-  return command("view", "Show models in a window that follows their files, and move what they have",
+  return command("view",
+                 "Show models in a window that follows their files, and move camera, Sun and joints",
                  command_view::declare_all, command_view::run);
 }
 

@@ -1,4 +1,4 @@
-// What parts of a view cost, and at which level of detail they are.
+// Levels of detail, triangles and errors of the parts of a view.
 #include "studio/details.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace panwright::studio {
 namespace {
 
-world::World world_of(const std::string& body) {
+world::World details_world(const std::string& body) {
   const std::vector<pxn::MemoryFile> files = {
       {"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
   DiagnosticLog log;
@@ -31,7 +31,7 @@ world::World world_of(const std::string& body) {
 }
 
 // Above the middle of a flat sheet of 1 m.
-world::Camera camera_at(double height, double focal) {
+world::Camera camera_above(double height, double focal) {
   world::Camera camera;
   camera.width = camera.height = 100;
   camera.focal = Vec2(focal);
@@ -40,24 +40,25 @@ world::Camera camera_at(double height, double focal) {
   return camera;
 }
 
-const char* const kFoil = R"(<mli name="sheet" type="flat" material="mli_gold_kapton" seed="1">
+const char* const kDetailsModel =
+    R"(<mli name="sheet" type="flat" material="mli_gold_kapton" seed="1">
   <mli_settings> <width> 1 </width> <height> 1 </height> <xgrid> 400 </xgrid> </mli_settings>
   <mli_operations preset="crinkled"/> </mli>
   <box name="post" size="0.1" translate="0 0 -1"/>)";
 
-TEST(Details, LevelsFollowWhatAPixelSees) {
-  const world::World world = world_of(kFoil);
+TEST(Details, LevelsFollowTheFootprint) {
+  const world::World world = details_world(kDetailsModel);
   const pan::Model& model = *world[0].model();
   ASSERT_GE(model.levels().size(), 2u);
   std::uint32_t sheet = model.levels()[0].instance;
   const auto levels = model.levels(sheet);
   const auto of_sheet = [&](double height) {
-    for (const Detail& each : details_of(world, camera_at(height, 1000)))
+    for (const Detail& each : details_of(world, camera_above(height, 1000)))
       if (each.node == model.instances()[sheet].node) return each;
     return Detail{};
   };
-  // nearer than a pixel of half the first level's detail: the finest; ten times as far as it needs:
-  // that level
+  // nearer than a pixel of half the first level's detail: the finest; at a coarser footprint: that
+  // level
   const Detail near = of_sheet(1000 * 0.4 * levels[0].detail);
   EXPECT_EQ(near.level, 0);
   EXPECT_EQ(near.triangles, model.meshes()[model.instances()[sheet].mesh].triangle_count);
@@ -80,9 +81,9 @@ TEST(Details, LevelsFollowWhatAPixelSees) {
 }
 
 TEST(Details, PartsWithoutLevelsAndHiddenOnes) {
-  world::World world = world_of(kFoil);
+  world::World world = details_world(kDetailsModel);
   std::size_t boxes = 0;
-  for (const Detail& each : details_of(world, camera_at(500, 1000)))
+  for (const Detail& each : details_of(world, camera_above(500, 1000)))
     if (each.level < 0) {
       ++boxes;
       EXPECT_EQ(each.triangles, 12u);
@@ -91,7 +92,7 @@ TEST(Details, PartsWithoutLevelsAndHiddenOnes) {
       world.set_node_visible(0, each.node, false);
     }
   EXPECT_EQ(boxes, 1u);
-  for (const Detail& each : details_of(world, camera_at(500, 1000)))
+  for (const Detail& each : details_of(world, camera_above(500, 1000)))
     EXPECT_EQ(each.visible, each.level >= 0);
 }
 

@@ -1,4 +1,4 @@
-// Changes that are not saved yet.
+// Unsaved changes of materials.
 #include "studio/edits.h"
 
 #include <fmt/core.h>
@@ -17,13 +17,13 @@
 namespace panwright::studio {
 namespace {
 
-const std::string kText =
+const std::string kEditedText =
     "<pangu_model ver=\"1\">\n  <!-- a -->\n  <material name=\"m\">\n    <diffuse>  0.1 0.2   0.3 "
     "</diffuse> <!-- b -->\n  </material>\n</pangu_model>\n";
 
 class EditsTest : public testing::Test {
  protected:
-  EditsTest() : path_(folder_.write("a.pxn", kText)) { edits_.look({path_}); }
+  EditsTest() : path_(folder_.write("a.pxn", kEditedText)) { edits_.update({path_}); }
   void change(std::size_t number, double value) {
     const MaterialFile file = edits_.files().at(0);
     edits_.change(file, file.materials.at(0), file.materials[0].numbers.at(number), value);
@@ -48,44 +48,44 @@ TEST_F(EditsTest, ChangesOfOneNumberAreUndoneTogether) {
   EXPECT_TRUE(edits_.undo());
   EXPECT_NE(text().find("  0.6 0.2   0.3 "), std::string::npos);
   EXPECT_TRUE(edits_.undo());
-  EXPECT_EQ(text(), kText);
+  EXPECT_EQ(text(), kEditedText);
   EXPECT_TRUE(edits_.unsaved().empty());
   EXPECT_FALSE(edits_.undo());
 }
 
-TEST_F(EditsTest, SavesWhatIsShown) {
+TEST_F(EditsTest, SavesTheEditedText) {
   change(2, 0.75);
   DiagnosticLog log;
   EXPECT_TRUE(edits_.save(log)) << to_text(log);
   EXPECT_FALSE(edits_.any());
-  std::string expected = kText;
+  std::string expected = kEditedText;
   expected.replace(expected.find("0.3 "), 3, "0.75");
   EXPECT_EQ(support::contents(path_), expected);
 }
 
-// Somebody else changes the file meanwhile: the changes go on in what it holds now.
+// Another program changes the file: the edits apply to its new text.
 TEST_F(EditsTest, SurvivesOtherEditors) {
   change(0, 0.5);
-  folder_.write("a.pxn", "<!-- longer -->\n" + kText);
+  folder_.write("a.pxn", "<!-- longer -->\n" + kEditedText);
   DiagnosticLog log;
-  EXPECT_FALSE(edits_.save(log));  // not looked at since
-  EXPECT_EQ(support::contents(path_), "<!-- longer -->\n" + kText);
+  EXPECT_FALSE(edits_.save(log));  // not updated since
+  EXPECT_EQ(support::contents(path_), "<!-- longer -->\n" + kEditedText);
   EXPECT_TRUE(edits_.any());
-  edits_.look({path_});
+  edits_.update({path_});
   EXPECT_NE(text().find("<!-- longer -->"), std::string::npos);
   EXPECT_NE(text().find("  0.5 0.2"), std::string::npos);
   // half-written for a moment
   folder_.write("a.pxn", "<pangu_mo");
-  edits_.look({path_});
+  edits_.update({path_});
   EXPECT_TRUE(edits_.any());
-  folder_.write("a.pxn", kText);
-  edits_.look({path_});
+  folder_.write("a.pxn", kEditedText);
+  edits_.update({path_});
   EXPECT_TRUE(edits_.any());
   // the material is gone
   folder_.write("a.pxn", "<pangu_model ver=\"1\"/>\n");
-  edits_.look({path_});
+  edits_.update({path_});
   EXPECT_FALSE(edits_.any());
-  EXPECT_NE(edits_.said(), "");
+  EXPECT_NE(edits_.message(), "");
 }
 
 TEST_F(EditsTest, FileThatCannotBeWritten) {
@@ -97,11 +97,14 @@ TEST_F(EditsTest, FileThatCannotBeWritten) {
   EXPECT_TRUE(edits_.any());
 }
 
-// A thousand numbers typed into a text: each makes the pan file that the scene makes whose material has that number.
+// A thousand numbers typed into a text: each makes the pan file that the scene makes whose material
+// has that number.
 TEST(EditedTexts, CompileAsIfSetDirectly) {
   const std::string text =
-      "<pangu_model ver=\"1\">\n<material name=\"m\">\n  <diffuse> 0.3 0.2 0.1 </diffuse> <!-- paint -->\n"
-      "  <specular>0.9\t0.8 0.7</specular>\n  <emissive> 0.01 .02 3e-2 </emissive>\n  <reflect> 0.5 0.4 0.1 </reflect>\n"
+      "<pangu_model ver=\"1\">\n<material name=\"m\">\n  <diffuse> 0.3 0.2 0.1 </diffuse> <!-- "
+      "paint -->\n"
+      "  <specular>0.9\t0.8 0.7</specular>\n  <emissive> 0.01 .02 3e-2 </emissive>\n  <reflect> "
+      "0.5 0.4 0.1 </reflect>\n"
       "  <ggx> 0.2 </ggx>\n  <coat n=\"1.5\" slope=\"0.1\"/>\n</material>\n"
       "<sphere radius=\"1\" rings=\"5\" quads=\"6\" material=\"m\"/>\n</pangu_model>\n";
   const auto read = [](const std::string& bytes, DiagnosticLog& log) {
@@ -131,18 +134,21 @@ TEST(EditedTexts, CompileAsIfSetDirectly) {
     if (number.element == "specular") material.specular[k] = value;
     if (number.element == "emissive") material.emissive[k] = value;
     if (number.element == "reflect") material.weights[k] = value;
-    if (number.element == "ggx") material.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(value));
-    if (number.element == "coat") (number.attribute == "n" ? material.coat->index : material.coat->alpha) = value;
+    if (number.element == "ggx")
+      material.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(value));
+    if (number.element == "coat")
+      (number.attribute == "n" ? material.coat->index : material.coat->alpha) = value;
     materials::fit(material);
     DiagnosticLog ignored;
     auto edited = read(pxn::with_number(text, number, value), ignored);
     ASSERT_TRUE(edited && !ignored.has_errors()) << to_text(ignored);
-    // what the text was is in the file
+    // the file records its text
     edited->inputs = direct->inputs;
     const auto a = compiler::compiled(*edited, {}, ignored);
     const auto b = compiler::compiled(*direct, {}, ignored);
     ASSERT_TRUE(a && b) << to_text(ignored);
-    EXPECT_TRUE(*a == *b) << number.element << ' ' << number.attribute << ' ' << number.index << ' ' << value;
+    EXPECT_TRUE(*a == *b) << number.element << ' ' << number.attribute << ' ' << number.index << ' '
+                          << value;
   }
 }
 

@@ -1,4 +1,4 @@
-// What the window shows of pixels in place of their light, and how it compares images.
+// Layers, comparisons, material samples and edges.
 #include "studio/layers.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace panwright::studio {
 namespace {
 
-preview::Image image_of(std::uint32_t width, std::uint32_t height) {
+preview::Image blank_image(std::uint32_t width, std::uint32_t height) {
   preview::Image image;
   image.width = width;
   image.height = height;
@@ -30,21 +30,24 @@ preview::Image image_of(std::uint32_t width, std::uint32_t height) {
 }
 
 std::uint32_t rgb(const Pixels& pixels, std::size_t i) {
-  return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 | pixels.rgba[4 * i + 2];
+  return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 |
+         pixels.rgba[4 * i + 2];
 }
 
-pan::Model model_of(const std::string& body) {
-  const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
+pan::Model compiled_model(const std::string& body) {
+  const std::vector<pxn::MemoryFile> files = {
+      {"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
   DiagnosticLog log;
   const auto scene = pxn::read_memory(files, {}, log);
-  const auto bytes = scene ? compiler::compiled(*scene, {}, log) : Result<std::vector<std::byte>>(failed);
+  const auto bytes =
+      scene ? compiler::compiled(*scene, {}, log) : Result<std::vector<std::byte>>(failed);
   auto model = bytes ? pan::Model::from_bytes(*bytes, "a", log) : Result<pan::Model>(failed);
   EXPECT_TRUE(model && model->check(log)) << to_text(log);
   return std::move(*model);
 }
 
 TEST(Layers, FalseColoursAreFourDecades) {
-  preview::Image image = image_of(5, 1);
+  preview::Image image = blank_image(5, 1);
   const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};
   for (std::size_t i = 0; i < 5; ++i)
     for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] = 7 * light[i];
@@ -61,11 +64,11 @@ TEST(Layers, FalseColoursAreFourDecades) {
   is(2, ends[0]);
   is(3, ends[1]);  // half of it
   is(4, ends[2]);
-  EXPECT_NE(rgb(pixels, 0), rgb(pixels, 1));  // no light is no faint light
+  EXPECT_NE(rgb(pixels, 0), rgb(pixels, 1));  // no light differs from faint light
 }
 
 TEST(Layers, TruthOfPixels) {
-  preview::Image image = image_of(4, 1);
+  preview::Image image = blank_image(4, 1);
   image.target_id[3] = 0;
   image.depth = {10, 20, 15, 0};
   image.normal = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 0};
@@ -94,8 +97,8 @@ TEST(Layers, TruthOfPixels) {
   EXPECT_NE(rgb(materials, 0), rgb(materials, 2));
 }
 
-TEST(Layers, AnImageWithoutAnything) {
-  preview::Image image = image_of(3, 2);
+TEST(Layers, EmptyImage) {
+  preview::Image image = blank_image(3, 2);
   image.target_id.assign(6, 0);
   image.coverage.assign(6, 0);
   for (const char* layer : kLayers)
@@ -122,9 +125,9 @@ TEST(Layers, WhiteIsStriped) {
 }
 
 TEST(Layers, ComparedWithTheReference) {
-  preview::Image image = image_of(2, 1);
+  preview::Image image = blank_image(2, 1);
   image.radiance = {1, 2, 4, 1, 2, 4};
-  preview::ReferenceImage reference{image_of(2, 1), std::vector<float>(6, 0.1f)};
+  preview::ReferenceImage reference{blank_image(2, 1), std::vector<float>(6, 0.1f)};
   reference.image.radiance = {1, 2, 5, 1, 2, 5};
   reference.flux = Vec3(2, 4, 10);
   reference.flux_error = Vec3(0, 0, 0.05);
@@ -147,12 +150,13 @@ TEST(Samples, OfALambertMaterial) {
   pxn::DescribedMaterial grey;
   grey.material.name = "grey";
   grey.material.diffuse = Vec3(0.5, 0.25, 0.1);
-  const Sample sample = sample_of(grey, 96);
+  const MaterialSample sample = sample_of(grey, 96);
   EXPECT_EQ(sample.name, "grey");
   EXPECT_NE(sample.verdict.find("conserved"), std::string::npos);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(sample.hemispherical[k], grey.material.diffuse[static_cast<int>(k)], 1e-4);
-    for (const Vec2& point : sample.albedo[k]) EXPECT_NEAR(point.y, grey.material.diffuse[static_cast<int>(k)], 1e-4);
+    for (const Vec2& point : sample.albedo[k])
+      EXPECT_NEAR(point.y, grey.material.diffuse[static_cast<int>(k)], 1e-4);
   }
   for (const auto& lobe : sample.lobes) {
     ASSERT_GT(lobe.size(), 100u);
@@ -168,17 +172,19 @@ TEST(Samples, OfALambertMaterial) {
   EXPECT_GT(sum[2], 0u);
 }
 
-// Edges of a box seen along an axis and aslant, against where its corners are; what is behind is not drawn.
+// Edges of a box in two projections, against its corners; hidden ones are not drawn.
 TEST(Edges, OfABox) {
   DiagnosticLog log;
   world::World world;
-  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(model_of("<box size=\"2 2 2\"/>")), log));
+  ASSERT_TRUE(world.add(
+      "box", std::make_shared<const pan::Model>(compiled_model("<box size=\"2 2 2\"/>")), log));
   for (const bool ortho : {false, true}) {
     world::Camera camera;
     if (ortho)
       world::set_orthographic(camera, 64, 64, 4);
     else
-      world::set_field_of_view(camera, 64, 64, 2 * std::atan(4.0 / 18));  // 4 m wide at the near face
+      world::set_field_of_view(camera, 64, 64,
+                               2 * std::atan(4.0 / 18));  // 4 m wide at the near face
     camera.position = Vec3(0, 0, 10);
     camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 1, 0), log);
     preview::ReferenceOptions options;
@@ -196,8 +202,8 @@ TEST(Edges, OfABox) {
         // the near face fills pixels 16 to 48: its sides, and one diagonal of it
         const auto off = [](double a, double b) { return std::fabs(a - b); };
         const double u = static_cast<double>(x) + 0.5, v = static_cast<double>(y) + 0.5;
-        const bool side = (off(u, 16) < 1 || off(u, 48) < 1 || off(v, 16) < 1 || off(v, 48) < 1) && u > 15 && u < 49 &&
-                          v > 15 && v < 49;
+        const bool side = (off(u, 16) < 1 || off(u, 48) < 1 || off(v, 16) < 1 || off(v, 48) < 1) &&
+                          u > 15 && u < 49 && v > 15 && v < 49;
         const bool diagonal = std::min(off(u, v), off(u, 64 - v)) < 1.5 && u > 15 && u < 49;
         inside += side || diagonal;
       }
@@ -206,15 +212,18 @@ TEST(Edges, OfABox) {
   }
 }
 
-// Slopes of facets, against what the compiler measured of them.
+// Slopes of facets against those that the compiler measured.
 TEST(Samples, SlopesOfFoil) {
-  const pan::Model model = model_of(
-      "<mli name=\"door\" type=\"flat\" seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
-      "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</slope_rms></mli_operations></mli>");
+  const pan::Model model = compiled_model(
+      "<mli name=\"door\" type=\"flat\" "
+      "seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
+      "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</"
+      "slope_rms></mli_operations></mli>");
   ASSERT_EQ(model.sheets().size(), 1u);
   const SheetSlopes slopes = slopes_of(model, "door");
   ASSERT_EQ(slopes.sheets.size(), 1u);
-  EXPECT_NE(slopes.sheets[0].find("flat 0.5 x 0.4 m, 100 x 80 cells, seed 3"), std::string::npos) << slopes.sheets[0];
+  EXPECT_NE(slopes.sheets[0].find("flat 0.5 x 0.4 m, 100 x 80 cells, seed 3"), std::string::npos)
+      << slopes.sheets[0];
   const auto& sheet = model.sheets()[0];
   const double expected = 0.5 * (sheet.facet_slope_covariance[0] + sheet.facet_slope_covariance[2]);
   EXPECT_NEAR(slopes.rms * slopes.rms, expected, 0.01 * expected);
@@ -225,23 +234,23 @@ TEST(Samples, SlopesOfFoil) {
       all += point.y * step;
       square += point.y * step * point.x * point.x;
     }
-    // measured: 0.9999 and 0.98 to 1.02; what lies beyond four times the RMS is not on it
+    // measured: 0.9999 and 0.98 to 1.02; beyond four times the RMS there are no bins
     EXPECT_NEAR(all, 1, 2e-3);
     EXPECT_NEAR(square, expected, 0.1 * expected);
   }
-  EXPECT_TRUE(slopes_of(model, "nobody").sheets.empty());
+  EXPECT_TRUE(slopes_of(model, "unknown").sheets.empty());
   EXPECT_EQ(slopes_of(model, "").sheets.size(), 1u);
 }
 
-// The last of several that are asked for at once comes, whatever came before it.
-TEST(Samples, TheLastOneCounts) {
+// Of several requests at once, the last one is computed.
+TEST(Samples, LastRequestIsComputed) {
   Samples samples;
   pxn::DescribedMaterial one;
   for (const char* name : {"a", "b", "c"}) {
     one.material.name = name;
-    samples.ask(one, 32);
+    samples.request(one, 32);
   }
-  while (!samples.last() || samples.last()->name != "c") samples.look();
+  while (!samples.last() || samples.last()->name != "c") samples.poll();
   EXPECT_FALSE(samples.busy());
 }
 

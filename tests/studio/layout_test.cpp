@@ -1,4 +1,4 @@
-// What the window remembers.
+// Saved layout of the window.
 #include "studio/layout.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace panwright::studio {
 namespace {
 
-TEST(Layout, ComesBack) {
+TEST(Layout, RoundTrip) {
   const support::TemporaryFolder folder;
   const std::filesystem::path file =
       std::filesystem::path(folder / "state") / "panwright" / "window.json";
@@ -33,7 +33,7 @@ TEST(Layout, ComesBack) {
   EXPECT_EQ(problem, "");
 }
 
-TEST(Layout, WhatIsBeyondWhatItMayBeIsLeftOut) {
+TEST(Layout, InvalidMembersAreDefaults) {
   const support::TemporaryFolder folder;
   std::string problem;
   const Layout layout =
@@ -47,7 +47,7 @@ TEST(Layout, WhatIsBeyondWhatItMayBeIsLeftOut) {
   EXPECT_EQ(layout, expected);
 }
 
-TEST(Layout, ABrokenFileIsSaid) {
+TEST(Layout, BrokenFileIsReported) {
   const support::TemporaryFolder folder;
   for (const std::string text : {"", "{\"width\": 800", "[1, 2]", "\xff\xfe"}) {
     std::string problem;

@@ -1,4 +1,4 @@
-// Scripts as text.
+// Reader of scripts.
 #include "studio/script.h"
 
 #include <gmock/gmock.h>
@@ -15,13 +15,13 @@ namespace {
 TEST(Script, AllKindsOfSteps) {
   const support::TemporaryFolder folder;
   DiagnosticLog log;
-  const auto steps = read_script(
-      folder.write("s.json", R"([{"click": "tab/Sun"}, {"type": ["sun/azimuth", 12.5]},
+  const auto steps =
+      read_script(folder.write("s.json", R"([{"click": "tab/Sun"}, {"type": ["sun/azimuth", 12.5]},
         {"drag": {"from": [0, 0.5], "to": [1, 0.25], "button": "middle"}}, {"scroll": -2},
         {"key": "F"}, {"wait": "read"}, {"wait": 3}, {"resize": [640, 480]},
         {"replace": {"file": "a.pxn", "text": "x", "with": "y"}}, {"screenshot": "s.png"},
         {"expect": ["failed", "false"]}])"),
-      log);
+                  log);
   ASSERT_TRUE(steps) << to_text(log);
   ASSERT_EQ(steps->size(), 11u);
   EXPECT_EQ((*steps)[1].value, "12.5");
@@ -44,14 +44,14 @@ TEST(Script, Repeats) {
   EXPECT_EQ(frames, "1 2 3 3 2 3 3 2 3 3 90 ");
 }
 
-TEST(Script, MistakesSayWhichStep) {
+TEST(Script, ErrorsNameTheStep) {
   const support::TemporaryFolder folder;
   for (const auto& [text, what] : {
            std::pair{"{", "not JSON"},
            std::pair{"{}", "a list of steps"},
            std::pair{"[1]", "step 1"},
-           std::pair{R"([{"wait": 1}, {"clik": "a"}])", "step 2: 'clik' is no step"},
-           std::pair{R"([{"click": ["a"]}])", "is to be a text"},
+           std::pair{R"([{"wait": 1}, {"clik": "a"}])", "step 2: unknown step 'clik'"},
+           std::pair{R"([{"click": ["a"]}])", "must be a string"},
            std::pair{R"([{"type": ["a"]}])", "takes a name and a value"},
            std::pair{R"([{"drag": {"from": [0, 1]}}])", "'to' is missing"},
            std::pair{R"([{"drag": {"from": [0], "to": [0, 1]}}])", "two numbers"},
@@ -64,7 +64,7 @@ TEST(Script, MistakesSayWhichStep) {
            std::pair{R"([{"repeat": {"times": 0, "steps": [{"wait": 1}]}}])",
                      "'repeat' takes 'times'"},
            std::pair{R"([{"repeat": {"times": 3, "steps": [{"wait": 1}, {"clik": 1}]}}])",
-                     "step 1, step 2: 'clik'"},
+                     "step 1, step 2: unknown step 'clik'"},
            std::pair{R"([{"repeat": {"times": 90000, "steps": [{"wait": 1}, {"wait": 1}]}}])",
                      "more than 100000"},
            std::pair{R"([{"drag": {"from": [0, 0], "to": [0, 1], "frames": 0}}])", "'frames'"},

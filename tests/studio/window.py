@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The window under a display without a screen: it is used by scripts, and what it saves is what
-`panwright render` makes of the command that it shows.
+"""Drives the window by scripts under Xvfb; its saved images equal those of `panwright render` with the displayed
+command.
 
     window.py PANWRIGHT SOURCE FOLDER
 
@@ -26,32 +26,32 @@ MODEL = """<pangu_model ver="1">
   <sphere name="ball" radius="0.4" translate="0 0 1.2" material="grey"/>
 </pangu_model>
 """
-wrong = []
+failures = []
 
 
 def expect(what, good):
     if not good:
-        wrong.append(what)
-        print(f"wrong: {what}")
+        failures.append(what)
+        print(f"failed: {what}")
 
 
 def view(program, folder, steps, *files, code=0, size="1280x720", gl="osmesa", env=None):
-    """What the window says at the end of a script."""
+    """The JSON report of the window at the end of a script."""
     script = os.path.join(folder, "script.json")
     with open(script, "w", encoding="utf-8") as file:
         json.dump(steps, file)
     words = ["xvfb-run", "-a", "-s", "-screen 0 2600x1500x24", program, "view", "--script", script,
              "--size", size, "--scale", "1", "--gl", gl, "--json", *files]
     done = subprocess.run(words, capture_output=True, text=True, cwd=folder, env=env)
-    said = json.loads(done.stdout)
+    report = json.loads(done.stdout)
     # xvfb-run may fail to remove its own folder, and says so with a code of its own
-    ended = said["exit_code"] if "cleaning up temporary directory" in done.stderr else done.returncode
+    ended = report["exit_code"] if "cleaning up temporary directory" in done.stderr else done.returncode
     expect(f"exit code {ended}: {done.stdout}{done.stderr}", ended == code)
-    return said
+    return report
 
 
 def close_window():
-    """Tells the one window of the display that it is to close, as a window manager does."""
+    """Asks the window to close, as a window manager does."""
     x11 = ctypes.CDLL(ctypes.util.find_library("X11") or "libX11.so.6")
     x11.XOpenDisplay.restype = ctypes.c_void_p
     x11.XDefaultRootWindow.restype = ctypes.c_ulong
@@ -104,8 +104,8 @@ def main():
     with open(model, "w", encoding="utf-8") as file:
         file.write(MODEL)
 
-    # what is seen is what is saved, and what the command makes
-    said = view(program, folder, [
+    # the saved image is that of the command
+    report = view(program, folder, [
         {"wait": "exact"}, {"screenshot": "first.png"},
         {"click": "tab/Joints"}, {"type": ["joint/door/hinge", "30"]},
         {"expect": ["joint/door/hinge", "0.5235987755982988rad"]},
@@ -115,17 +115,17 @@ def main():
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20},
         {"wait": "saved"}, {"expect": ["saved", f"saved {folder}/image.png"]},
         {"screenshot": "saved.png"}], "door.pxn")
-    expect("an exact image was drawn", said["exact"] >= 1)
+    expect("an exact image was drawn", report["exact"] >= 1)
     saved = os.path.join(folder, "image.png")
     same = os.path.join(folder, "same.png")
-    words = said["render"]
+    words = report["render"]
     subprocess.run(["sh", "-c", words.replace("panwright", program, 1).replace(
         "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file is that of the command", a.read() == b.read())
 
-    # edits: a good one, a broken one, a mended one
-    said = view(program, folder, [
+    # edits: a valid one, an invalid one, a corrected one
+    report = view(program, folder, [
         {"wait": "exact"},
         {"replace": {"file": "door.pxn", "text": "radius=\"0.4\"", "with": "radius=\"0.6\""}},
         {"wait": "exact"}, {"expect": ["failed", "false"]}, {"expect": ["readings", "2"]},
@@ -136,9 +136,9 @@ def main():
         {"wait": "exact"}, {"expect": ["failed", "false"]},
         {"click": "tab/Parts"}, {"click": "visible/door/root/ball"}, {"expect": ["hidden", "1"]},
         {"wait": "exact"}, {"screenshot": "hidden.png"}], "door.pxn")
-    expect("the models were read four times", said["readings"] == 4)
+    expect("the models were read four times", report["readings"] == 4)
 
-    # a number of a material, live, undone, and into its text
+    # a number of a material: changed, undone, saved to its text
     with open(model, encoding="utf-8") as file:
         before = file.read()
     view(program, folder, [
@@ -151,7 +151,7 @@ def main():
     with open(model, encoding="utf-8") as file:
         expect("one number of the text is another", file.read() == before.replace("0.5 0.5 0.5", "0.9 0.5 0.5"))
 
-    # a number beyond what a slider takes is said; small windows have all widgets, and an image
+    # a number beyond the range of a slider is reported; small windows have all widgets and an image
     view(program, folder, [
         {"wait": "exact"}, {"type": ["camera/field of view", "1000"]}, {"expect": ["fov", "170"]},
         {"expect": ["limited", "field of view takes 0.001 to 170: 1000 was brought to 170"]},
@@ -161,8 +161,8 @@ def main():
         {"click": "panel/shown"}, {"expect": ["panel", "hidden"]}, {"wait": "exact"}, {"key": "P"},
         {"expect": ["panel", "384"]}], "door.pxn", size="640x480")
 
-    # two targets beside each other, as the command has them; levels and triangles
-    said = view(program, folder, [
+    # two targets side by side, also in the command; levels and triangles
+    report = view(program, folder, [
         {"wait": "exact"}, {"click": "tab/Joints"}, {"click": "poses/side by side"},
         {"type": ["pose/more/yaw", "90"]}, {"wait": "exact"}, {"expect": ["pose/door", ""]},
         {"click": "tab/Image"}, {"click": "layer/levels"}, {"expect": ["layer", "levels"]},
@@ -170,12 +170,12 @@ def main():
         {"expect": ["selected", "more/root/ball"]}, {"screenshot": "triangles.png"},
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20}, {"wait": "saved"}],
         "door.pxn", "more=door.pxn")
-    subprocess.run(["sh", "-c", said["render"].replace("panwright", program, 1).replace(
+    subprocess.run(["sh", "-c", report["render"].replace("panwright", program, 1).replace(
         "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file of two targets is that of the command", a.read() == b.read())
 
-    # a video: frames alone without ffmpeg; with one, it is told what there is, and frames go
+    # a video: without ffmpeg frames alone; with it, they are encoded and removed
     steps = [{"wait": "exact"}, {"click": "tab/Save"}, {"type": ["video/frames", "6"]},
              {"click": "video frame/one sample a pixel"}, {"wait": 3}, {"click": "video/make"}, {"wait": "video"}]
     path = os.environ["PATH"]
@@ -204,7 +204,7 @@ def main():
     expect(told, told.count(".png") == 7 and "-framerate 25" in told and not os.path.exists(folder + "/video-frames"))
     os.environ["PATH"] = path
 
-    # what is remembered: used by a hand, that closes the window; scripts leave it alone
+    # the layout is saved when a user closes the window; scripts leave it alone
     remembered = {"width": 900, "height": 640, "panel": 300.0, "panel_shown": True, "text": 1.2, "tab": "Parts",
                   "layer": "depth", "mark_white": False, "labels": True}
     state = os.path.join(folder, "state")
@@ -213,28 +213,27 @@ def main():
     with open(layout, "w", encoding="utf-8") as file:
         json.dump({key: value for key, value in remembered.items() if value is not False}, file)
     env = {**os.environ, "XDG_STATE_HOME": state}
-    hand = ('"$1" view --gl osmesa --scale 1 --json door.pxn >hand.json & "$2" "$3" --close; wait')
-    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", "sh", "-c", hand, "sh", program, sys.executable,
+    user = ('"$1" view --gl osmesa --scale 1 --json door.pxn >user.json & "$2" "$3" --close; wait')
+    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", "sh", "-c", user, "sh", program, sys.executable,
                     os.path.abspath(__file__)], cwd=folder, env=env, timeout=300, check=False)
     with open(layout, encoding="utf-8") as file:
         is_now = json.load(file)
     expect(f"{is_now}", is_now == remembered)
-    with open(os.path.join(folder, "hand.json"), encoding="utf-8") as file:
-        expect("a hand's window ends well", json.load(file)["exit_code"] == 0)
+    with open(os.path.join(folder, "user.json"), encoding="utf-8") as file:
+        expect("a window closed by a user ends well", json.load(file)["exit_code"] == 0)
     view(program, folder, [{"wait": "exact"}, {"click": "tab/Sun"}, {"expect": ["layer", "light"]}], "door.pxn", env=env)
     with open(layout, encoding="utf-8") as file:
         expect("scripts leave the layout alone", json.load(file) == remembered)
 
-    # no OpenGL for images: the window says so and stays
+    # without OpenGL for images the window stays open
     view(program, folder, [{"wait": "read"}, {"wait": 60}, {"expect": ["failed", "false"]}, {"expect": ["exact", "false"]},
                            {"expect": ["pixels", ""]}, {"click": "tab/Sun"}, {"screenshot": "no-gl.png"}],
          "door.pxn", gl="egl", env={**os.environ, "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"})
 
-    # a change that includes itself, a file that goes, many errors: the last good image stays. Then as often as makes
-    # what is not given back felt
+    # a file that includes itself, many errors: the last image stays. Then enough changes to find leaks
     reload = [{"replace": {"file": "door.pxn", "text": f'size="{a} 0.2 1"', "with": f'size="{b} 0.2 1"'}}
               for a, b in ((1, 1.5), (1.5, 1))]
-    said = view(program, folder, [
+    report = view(program, folder, [
         {"wait": "exact"},
         {"replace": {"file": "door.pxn", "text": "<sphere", "with": "<include file=\"door.pxn\"/><sphere"}},
         {"wait": "read"}, {"expect": ["failed", "true"]}, {"expect": ["exact", "true"]},
@@ -248,10 +247,10 @@ def main():
         {"repeat": {"times": 4, "steps": [{"drag": {"from": [0.2, 0.5], "to": [0.8, 0.5], "frames": 100}},
                                           {"drag": {"from": [0.8, 0.5], "to": [0.2, 0.5], "frames": 100}}]}}],
         "door.pxn", size="640x480")
-    expect(f"{said['readings']} readings", said["readings"] >= 45)
-    expect(f"{said['save_to_image_ms']}", said["save_to_image_ms"]["count"] >= 40)
-    expect(f"{said['following']}", said["following"]["images"] >= 50)
-    memory = said["memory"]["mib"]
+    expect(f"{report['readings']} readings", report["readings"] >= 45)
+    expect(f"{report['save_to_image_ms']}", report["save_to_image_ms"]["count"] >= 40)
+    expect(f"{report['following']}", report["following"]["images"] >= 50)
+    memory = report["memory"]["mib"]
     part = len(memory) // 4
     before, after = sorted(memory[part:2 * part])[part // 2], sorted(memory[-part:])[part // 2]
     # measured: 862.5 and 862.9 MiB; docs/accuracy/studio.md has 500 readings of the servicer
@@ -272,19 +271,19 @@ def main():
             expect(f"{name} shows something", count > 40 and width in (640, 1280, 2560)
                    and height in (480, 720, 960, 1440))
 
-    # what cannot be done is said
-    for step, words in (({"click": "tab/Son"}, "'tab/Sun' is"), ({"expect": ["range", "7"]}, "not '7'"),
-                        ({"replace": {"file": "door.pxn", "text": "nowhere", "with": ""}}, "does not hold")):
-        said = view(program, folder, [step], "door.pxn", code=2)
-        expect(f"{step}: {said['diagnostics']}", words in said["diagnostics"][0]["message"])
+    # errors of scripts
+    for step, words in (({"click": "tab/Son"}, "'tab/Sun' is"), ({"expect": ["range", "7"]}, "range: expected '7', found"),
+                        ({"replace": {"file": "door.pxn", "text": "nowhere", "with": ""}}, "does not contain")):
+        report = view(program, folder, [step], "door.pxn", code=2)
+        expect(f"{step}: {report['diagnostics']}", words in report["diagnostics"][0]["message"])
     view(program, folder, [{"wait": "read"}, {"expect": ["failed", "true"]}, {"screenshot": "none.png"}],
          "nothing.pxn")
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     done = subprocess.run([program, "view", "door.pxn"], capture_output=True, text=True, cwd=folder,
                           env=environment)
     expect(f"without a display: {done.stderr}", "panwright render" in done.stderr and done.returncode == 1)
-    print(f"{len(wrong)} wrong")
-    return 1 if wrong else 0
+    print(f"{len(failures)} failures")
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":

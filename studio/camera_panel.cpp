@@ -1,0 +1,54 @@
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "studio/panels.h"
+
+namespace panwright::studio {
+
+void CameraPanel::draw() {
+  Widgets& widgets = state_.widgets;
+  OrbitCamera& camera = state_.view.camera;
+  const double width = std::max(state_.image_size.x, 1.0);
+  widgets.slider("camera/range", camera.range, kNearest, kFarthest, "%.6g m", true,
+                 "Distance from the centre. Mouse wheel over the image; Ctrl + click to type");
+  widgets.slider("camera/azimuth", camera.azimuth, -180, 180, "%.3f deg", false,
+                 "From +x about +z. Left button over the image");
+  widgets.slider("camera/elevation", camera.elevation, -89.9, 89.9, "%.3f deg");
+  widgets.slider("camera/field of view", camera.fov, 0.001, 170, "%.5g deg", true,
+                 "Full horizontal angle");
+  double pixel = 2e3 * std::tan(camera.fov * kDegree / 2) / width;
+  if (widgets.slider("camera/pixel=pixel angle", pixel, 1e-5, 20, "%.5g mrad", true,
+                     "IFOV: angle of the pixel on the axis"))
+    camera.fov = 2 * std::atan(pixel * 1e-3 * state_.image_size.x / 2) / kDegree;
+  ImGui::TextDisabled("pixel footprint at the centre: %.4g m",
+                      2 * camera.range * std::tan(camera.fov * kDegree / 2) / width);
+  for (int k = 0; k < 3; ++k)
+    widgets.drag(fmt::format("camera/look at {}", "xyz"[k]), camera.centre[k], 1e-3 * camera.range,
+                 "%.6g m", "World axes. Right or middle button over the image");
+  if (widgets.button("camera/all of it=frame all", "Key F")) state_.frame_all();
+  ImGui::Separator();
+  frames();
+}
+
+void CameraPanel::frames() {
+  std::string& chosen = state_.view.camera.frame;
+  ImGui::TextUnformatted("Camera frame");
+  if (chosen.empty())
+    ImGui::TextDisabled("none: the camera orbits the centre");
+  else if (state_.widgets.button("camera/leave the frame"))
+    chosen.clear();
+  const auto& world = state_.models.world;
+  for (std::size_t i = 0; world && i < world->size(); ++i) {
+    const world::Instance& target = (*world)[i];
+    for (std::size_t k = 0; k < target.model()->frames().size(); ++k) {
+      const std::string name = target.name() + "/" + std::string(target.model()->frame_name(k));
+      if (ImGui::Selectable(name.c_str(), chosen == name)) chosen = name;
+      state_.widgets.record("frame/" + name);
+    }
+  }
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,44 @@
+// Rendered image in the window, with its mouse control, pixel values and labels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "studio/window_state.h"
+
+namespace panwright::studio {
+
+class ImageView {
+ public:
+  explicit ImageView(WindowState& state) : state_(state) {}
+
+  // mouse_taken: by something else, such as the border of the panel
+  void draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, bool mouse_taken);
+  // Pixels of the newest result with the current settings, where they changed; null: they did not.
+  const Canvas* new_canvas();
+  bool dragged() const { return dragged_; }
+  const WidgetRect& rect() const { return rect_; }
+
+ private:
+  bool take_result();
+  void paint();
+  void paint_reference();
+  void paint_edges();
+  std::string caption() const;
+  void draw_caption(const Vec2& at) const;
+  void handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken);
+  void select_part(const Vec2& pixel);
+  void pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) const;
+  void draw_labels(const Vec2& at) const;
+
+  WindowState& state_;
+  Canvas canvas_;
+  std::string painted_as_;  // settings of the canvas
+  WidgetRect rect_;
+  bool dragged_ = false;
+};
+
+// Of the comparison "flicker": whether the reference is displayed now.
+bool flicker_shows_reference();
+
+}  // namespace panwright::studio

@@ -1,0 +1,68 @@
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <cfloat>
+#include <iterator>
+
+#include "studio/panels.h"
+
+namespace panwright::studio {
+
+void SunPanel::draw() {
+  Widgets& widgets = state_.widgets;
+  ViewState& view = state_.view;
+  widgets.slider("sun/azimuth", view.sun_azimuth, -180, 180, "%.3f deg", false,
+                 "Direction to the Sun, from +x about +z. Shift + left button over the image");
+  widgets.slider("sun/elevation", view.sun_elevation, -90, 90, "%.3f deg");
+  widgets.slider("sun/distance", view.sun_distance, 0.05, 50, "%.4g AU", true);
+  if (view.camera.frame.empty()) ImGui::TextDisabled("phase angle %.3f deg", view.phase());
+  if (widgets.button("sun/behind the camera", "Phase angle 0")) {
+    view.sun_azimuth = view.camera.azimuth;
+    view.sun_elevation = view.camera.elevation;
+  }
+  ImGui::Separator();
+  exposure();
+  ImGui::Separator();
+  shadows();
+}
+
+void SunPanel::exposure() {
+  ViewState& view = state_.view;
+  ImGui::TextUnformatted("Exposure");
+  double stops = view.auto_ev && state_.result ? state_.result->ev : view.ev;
+  if (state_.widgets.check("exposure/auto", view.auto_ev,
+                           "Maps 99 % of the lit pixels of the exact image below 0.8 of white"))
+    view.ev = stops;
+  ImGui::BeginDisabled(view.auto_ev);
+  if (state_.widgets.slider("exposure/stops", stops, -12, 20, "%.3f")) view.ev = stops;
+  ImGui::EndDisabled();
+  const Histogram& histogram = state_.histogram;
+  if (!histogram.bins.empty())
+    ImGui::PlotHistogram("##histogram", histogram.bins.data(),
+                         static_cast<int>(histogram.bins.size()), 0,
+                         "sRGB codes 0 to 255, log of pixels", FLT_MAX, FLT_MAX,
+                         {ImGui::GetContentRegionAvail().x, 90});
+  ImGui::TextDisabled("%llu saturated pixels",
+                      static_cast<unsigned long long>(histogram.saturated));
+}
+
+void SunPanel::shadows() {
+  static constexpr const char* kShadows[] = {"auto", "off", "hard", "soft"};
+  static constexpr const char* kImposters[] = {"auto", "off", "always"};
+  ImGui::TextUnformatted("Shadows of the exact image");
+  state_.widgets.choice("shadows", state_.view.shadows, kShadows, std::size(kShadows));
+  ImGui::TextUnformatted("Imposters of the exact image");
+  state_.widgets.choice("imposters", state_.view.imposters, kImposters, std::size(kImposters));
+  if (!state_.result || !state_.result->exact) return;
+  const preview::SamplingReport& report = state_.result->sampling;
+  ImGui::TextDisabled("pixel error %.2g %%, flux error %.2g %%", 100 * report.rmse,
+                      100 * report.flux);
+  ImGui::TextDisabled("shadow edges within %.2g pixels", report.shadow_edge);
+  ImGui::TextDisabled("penumbra up to %.2g pixels, %u points of the Sun", report.penumbra,
+                      report.sun_points);
+  for (const preview::ImposterReport& each : report.imposters)
+    ImGui::TextDisabled("imposter of %.3g pixels: %u x %u texels, flux error %.2g %%", each.extent,
+                        each.width, each.height, 100 * each.flux_error);
+}
+
+}  // namespace panwright::studio

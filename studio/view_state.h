@@ -1,0 +1,50 @@
+// View of the window, as options of `panwright render`: camera, Sun, exposure, poses, joints.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "studio/orbit_camera.h"
+#include "workspace/views.h"
+
+namespace panwright::studio {
+
+// Pose of a target in the world.
+struct TargetPose {
+  Vec3 position{0};  // world, metres
+  Vec3 angles{0};    // degrees: roll, pitch, yaw about x, then y, then z of the world
+  Quat rotation() const;
+  bool operator==(const TargetPose&) const = default;
+};
+
+// Angles in degrees, as options take them.
+struct ViewState {
+  OrbitCamera camera;
+  double sun_azimuth = -20;
+  double sun_elevation = 30;
+  double sun_distance = 1;                    // AU
+  double ev = 0;                              // stops
+  bool auto_ev = true;                        // exposure is found from the exact image
+  std::string shadows = "auto";               // as --shadows
+  std::string imposters = "auto";             // as --imposters
+  std::map<std::string, TargetPose> poses;    // of targets by name; others are at the origin
+  std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
+
+  Vec3 sun() const;      // unit, to the Sun
+  double phase() const;  // degrees, between the directions to the camera and to the Sun
+  // Turns the Sun by a mouse movement, in parts of the image's height.
+  void turn_sun(double right, double down);
+  bool operator==(const ViewState&) const = default;
+};
+
+// The options of `panwright render` that make the same image.
+workspace::ViewText view_text(const ViewState& view, std::uint32_t width, std::uint32_t height);
+
+// `panwright render …`, quoted for a shell. files: NAME=FILE
+std::string command_line(const ViewState& view, std::uint32_t width, std::uint32_t height,
+                         const std::vector<std::string>& files, const std::string& output);
+
+}  // namespace panwright::studio

@@ -1,0 +1,77 @@
+// State that the panels and the image of the window share.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "studio/layers.h"
+#include "studio/layout.h"
+#include "studio/options.h"
+#include "studio/project.h"
+#include "studio/render_thread.h"
+#include "studio/view_state.h"
+#include "studio/widgets.h"
+#include "world/world.h"
+
+namespace panwright::studio {
+
+// Pixels of a texture, sRGB.
+struct Canvas {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  // 4*H*W
+  bool smooth = false;             // interpolated on the screen: fewer pixels than it has
+};
+
+// Settings of the displayed image, beside those of the layout.
+struct ImageSettings {
+  bool edges = false;              // of triangles
+  std::string comparison = "off";  // one of kComparisons
+  double split = 0.5;              // left end of the reference, in parts of the width
+  double difference_range = 0.1;   // at the ends of the colours, of the RMS radiance
+  bool interreflections = true;    // of the reference image
+};
+
+// Largest sRGB codes of the pixels of an image.
+struct Histogram {
+  std::vector<float> bins;      // log(1 + pixels), codes 0 to 255
+  std::uint64_t saturated = 0;  // pixels
+};
+
+// Parts by "TARGET/path".
+struct PartSelection {
+  std::set<std::string> hidden;
+  std::string selected;  // empty: none
+};
+
+struct WindowState {
+  explicit WindowState(const Options& options);
+
+  Options options;
+  Layout layout;
+  Project project;
+  RenderThread renderer;
+  Widgets widgets;
+  Project::State models;               // as of this frame
+  workspace::BoundingSpheres spheres;  // of `models`
+  ViewState view;
+  Vec2 image_size{0};                          // pixels
+  std::shared_ptr<const RenderResult> result;  // displayed; null: none yet
+  ImageSettings image;
+  Pixels color_scale;  // of the displayed layer, without pixels
+  Histogram histogram;
+  PartSelection parts;
+
+  // A copy of the world with the poses and joints of the view. Expects: a world.
+  world::World posed() const;
+  // Fits all targets into the image.
+  void frame_all();
+  // `file`, relative to the script where there is one.
+  std::filesystem::path output_path(const std::string& file) const;
+  workspace::ViewText view_text() const;
+};
+
+}  // namespace panwright::studio

@@ -1,0 +1,117 @@
+// Camera and Sun of a view against vectors computed by hand, and its options.
+#include "studio/view_state.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "world/camera.h"
+
+namespace panwright::studio {
+namespace {
+
+TEST(ViewState, DirectionsAndPhase) {
+  ViewState view;
+  view.camera.azimuth = 90;
+  view.camera.elevation = 0;
+  view.sun_azimuth = 0;
+  view.sun_elevation = 60;
+  EXPECT_LE(glm::length(view.camera.direction() - Vec3(0, 1, 0)), 1e-15);
+  EXPECT_LE(glm::length(view.sun() - Vec3(0.5, 0, std::sqrt(0.75))), 1e-15);
+  EXPECT_NEAR(view.phase(), 90, 1e-13);
+  view.sun_azimuth = 90;
+  view.sun_elevation = 1e-7;
+  EXPECT_NEAR(view.phase(), 1e-7, 1e-14);  // acos would give 0
+}
+
+// A drag to the right turns the model to the right, so the camera to the left; whatever is done,
+// no number leaves its range.
+TEST(OrbitCamera, TurnsAndStaysInRange) {
+  ViewState view;
+  OrbitCamera& camera = view.camera;
+  camera.azimuth = 170;
+  camera.turn(-0.1, 0);
+  EXPECT_NEAR(camera.azimuth, -172, 1e-12);
+  for (int i = 0; i < 100; ++i) camera.turn(0.37, 0.2), camera.zoom(10), view.turn_sun(0.3, -0.3);
+  EXPECT_LT(camera.elevation, 90);
+  EXPECT_EQ(camera.range, kFarthest);
+  EXPECT_EQ(view.sun_elevation, 90);
+  for (int i = 0; i < 200; ++i) camera.zoom(0.5);
+  EXPECT_EQ(camera.range, kNearest);
+}
+
+// A shifted point stays under the mouse.
+TEST(OrbitCamera, ShiftFollowsTheMouse) {
+  OrbitCamera camera;
+  camera.azimuth = 33;
+  camera.elevation = -20;
+  camera.range = 40;
+  camera.fov = 50;
+  constexpr std::uint32_t kSide = 500;
+  const auto place = [&](const Vec3& point) {
+    DiagnosticLog log;
+    world::Camera drawn;
+    world::set_field_of_view(drawn, kSide, kSide, camera.fov * kDegree);
+    drawn.position = camera.position();
+    drawn.world_from_camera = *world::looking_at(drawn.position, camera.centre, {}, log);
+    return *world::project(drawn, point);
+  };
+  const Vec3 point = camera.centre;
+  const Vec2 before = place(point);
+  camera.shift(0.1, -0.2);
+  const Vec2 after = place(point);
+  EXPECT_NEAR(after.x - before.x, 0.1 * kSide, 1e-9);
+  EXPECT_NEAR(after.y - before.y, -0.2 * kSide, 1e-9);
+}
+
+// A sphere fills the narrow side of the image.
+TEST(OrbitCamera, FramesASphere) {
+  for (const double aspect : {0.5, 1.0, 2.0})
+    for (const double fov : {0.01, 30.0, 120.0}) {
+      OrbitCamera camera;
+      camera.fov = fov;
+      camera.frame_all({{1, 2, 3}, 7}, aspect);  // height over width
+      const double radius = std::asin(7 / camera.range);
+      const double half = std::atan(std::tan(fov * kDegree / 2) * std::min(1.0, aspect));
+      EXPECT_LT(radius, half) << aspect << ' ' << fov;
+      EXPECT_GT(radius, 0.8 * half) << aspect << ' ' << fov;
+    }
+}
+
+TEST(ViewState, CommandLineIsTheView) {
+  ViewState view;
+  view.camera.centre = {1, 0, 0};
+  view.camera.azimuth = 0;
+  view.camera.elevation = 0;
+  view.camera.range = 9;
+  view.joints["a b/wing"] = "10deg";
+  view.shadows = "soft";
+  view.auto_ev = false;
+  view.ev = -1.5;
+  EXPECT_EQ(
+      command_line(view, 640, 480, {"it's.pan"}, "out.png"),
+      "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' --fov 30 "
+      "--sun '0.813797681 -0.296198133 0.5' --size 640x480 --ev -1.5 --shadows soft "
+      "--joint 'a b/wing=10deg'");
+}
+
+// Roll, then pitch, then yaw, about the world's axes.
+TEST(ViewState, PosesOfTargets) {
+  TargetPose pose;
+  pose.angles = {90, 0, 90};
+  const Vec3 up = pose.rotation() * Vec3(0, 0, 1);  // to −y by the roll, to +x by the yaw
+  EXPECT_NEAR(glm::length(up - Vec3(1, 0, 0)), 0, 1e-15);
+  pose.angles = {0, 90, 90};
+  EXPECT_NEAR(glm::length(pose.rotation() * Vec3(0, 0, 1) - Vec3(0, 1, 0)), 0, 1e-15);
+  ViewState view;
+  view.poses["client"] = {{1, -2.5, 0}, {0, 0, 180}};
+  const std::string command = command_line(view, 64, 48, {"a.pan", "client=b.pan"}, "out.png");
+  const auto option = command.find(" --pose 'client=1 -2.5 0 ");
+  ASSERT_NE(option, std::string::npos) << command;
+  const workspace::ViewText text = view_text(view, 64, 48);
+  ASSERT_EQ(text.poses.size(), 1u);
+  EXPECT_NE(command.find("'client=" + text.poses[0].value + "'"), std::string::npos) << command;
+}
+
+}  // namespace
+}  // namespace panwright::studio
