@@ -37,12 +37,12 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
-  arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
-  arguments.flag(
-      "--nodes", options.nodes,
-      "List the nodes alone, a line each, between tabs: name, triangles, materials, id in images, "
-      "path");
+  arguments.add("input", options.input, "Model: a .pan, .pxn or CAD file").required().type("FILE");
+  arguments.flag("--meshes", options.meshes,
+                 "List all meshes (default: those with the most triangles)");
+  arguments.flag("--nodes", options.nodes,
+                 "List only the nodes, a line each, separated by tabs: name, triangles, materials, "
+                 "id in images, path");
   declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
@@ -698,6 +698,9 @@ int run(const Options& options, const Host& host) {
 }  // namespace
 }  // namespace command_info
 
-Command info_command() { return command("info", "Show what is in a model", command_info::declare_all, command_info::run); }
+Command info_command() {
+  return command("info", "Show the contents of a model", command_info::declare_all,
+                 command_info::run);
+}
 
 }  // namespace panwright::tools

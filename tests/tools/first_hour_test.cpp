@@ -97,7 +97,7 @@ TEST_F(FirstHour, AnEditedTextIsNotReplacedByImport) {
   folder_.write("t.pxn", edited);
   const Outcome kept = import({});
   EXPECT_EQ(kept.code, 3) << kept.err;
-  EXPECT_THAT(kept.err, HasSubstr("the file was edited since 'import' wrote it"));
+  EXPECT_THAT(kept.err, HasSubstr("the file was edited, or not written by 'import'"));
   EXPECT_THAT(kept.err, HasSubstr("--force"));
   EXPECT_EQ(support::contents(text), edited);
   EXPECT_EQ(import({"--force"}).code, 0);

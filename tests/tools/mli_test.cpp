@@ -72,7 +72,7 @@ TEST(MliCommand, SheetsOfModelsByNameAndNumberAndOfPanFiles) {
   EXPECT_FALSE(stored.contains("checksum"));
   const Outcome image = mli({pan, "--sheet", "2", "--height", folder / "h.npy"});
   EXPECT_EQ(image.code, 2);
-  EXPECT_THAT(image.err, HasSubstr("a pan file holds its statistics alone"));
+  EXPECT_THAT(image.err, HasSubstr("a pan file holds its statistics only"));
   EXPECT_FALSE(std::filesystem::exists(folder / "h.npy"));
 }
 
