@@ -366,7 +366,7 @@ std::string mesh_error_words(const pan::Model& model, std::size_t i) {
   const double ratio = error / budget.tolerance;
   // what is flat is exact, whatever was asked
   return fmt::format(
-      "error {} of {} asked ({})", achieved, length_words(budget.tolerance),
+      "error {} of {} allowed ({})", achieved, length_words(budget.tolerance),
       ratio < kRoundingAlone ? "rounding alone" : fmt::format("{:.0f} %, {}", 100 * ratio, reason));
 }
 
@@ -441,7 +441,7 @@ std::string meshes_words(const pan::Model& model, const Totals& totals) {
     nearest = meshes.begin() + static_cast<std::ptrdiff_t>(i);
   }
   if (nearest != meshes.end() && ratio >= kRoundingAlone)
-    words += fmt::format(", at most {:.0f} % of what was asked ({})", 100 * ratio, name(nearest));
+    words += fmt::format(", at most {:.0f} % of the tolerance ({})", 100 * ratio, name(nearest));
   return words;
 }
 

@@ -381,7 +381,7 @@ class Run {
               uncertain_.views > 1 ? fmt::format("{} views, the worst ", uncertain_.views) : "",
               uncertain_.label.empty() ? "" : uncertain_.label + ": ", 100 * uncertain_.flux_error,
               100 * uncertain_.asked),
-          "little of it is lit, or in narrow glints: the error is relative to that");
+          "the lit share is small or in narrow glints; the error is relative to it");
     uncertain_ = {};
   }
 

@@ -85,7 +85,7 @@ class Builder {
     out_.problem = JsonProblem{
         position > 0 ? position - 1 : 0,
         overflow ? fmt::format("the number {} is too large", in_quotes(token))
-                 : fmt::format("the JSON breaks off at {}",
+                 : fmt::format("the JSON is truncated at {}",
                                token.empty() ? std::string("its end") : in_quotes(token))};
     return false;
   }

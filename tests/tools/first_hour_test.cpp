@@ -303,7 +303,7 @@ TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
         .err;
   };
   EXPECT_THAT(said("aluminium_bare", "keep"),
-              HasSubstr("the textures of 2 parts are kept and not seen: they multiply the diffuse "
+              HasSubstr("the textures of 2 parts have no effect: they multiply the diffuse "
                         "colour, and 'm' has none [W6008]"));
   EXPECT_EQ(said("white_silicone", "keep"), "");
   EXPECT_THAT(said("white_silicone", "drop"),
