@@ -355,7 +355,7 @@ std::optional<workspace::DrawOptions> draw_options(const Options& options,
   const bool studio = options.light == "studio";
   if (studio && options.engine == "gl") {
     context.log().report(Code::E0201, {}, "--light studio requires --engine reference",
-                         "OpenGL shows what the Sun lights: --light sun");
+                         "OpenGL supports sunlight only: --light sun");
     return std::nullopt;
   }
   if (studio || options.engine == "reference") draw.engine = workspace::Engine::reference;

@@ -141,8 +141,7 @@ class Builder {
     for (const std::size_t i : earlier) {
       drop[i] = true;
       out_.repeated.push_back(
-          {object.items[i].offset, fmt::format("{} is repeated in one object; the last one "
-                                               "counts",
+          {object.items[i].offset, fmt::format("{} is repeated in one object; the last one is used",
                                                in_quotes(object.keys[i]))});
     }
     std::size_t kept = 0;

@@ -193,7 +193,7 @@ class SceneMaker {
         const std::string problem =
             found == named.end()
                 ? fmt::format("there is no joint {}", in_quotes(mimic->joint))
-                : fmt::format("{} cannot follow {}: joints of one value each are expected",
+                : fmt::format("{} cannot follow {}, expected joints of one value each",
                               in_quotes(robot_.joints[i].name), in_quotes(mimic->joint));
         c_.log.report(Code::E6220, mimic->where, problem + "; the joint moves independently");
         continue;

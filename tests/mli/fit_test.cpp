@@ -98,7 +98,7 @@ TEST(Fit, RefusesWhatNoSheetHas) {
       {preset("crinkled"), {}, false, "no statistic to fit"},
       {preset("crinkled"), {.slope_rms = 0}, false, "slope_rms is 0"},
       {preset("crinkled"), {.slope_rms = std::nan("")}, false, "slope_rms is nan"},
-      {preset("quilted"), {.correlation = 0.02, .height_rms = 1e-3}, false, "the recipe has none"},
+      {preset("quilted"), {.correlation = 0.02, .height_rms = 1e-3}, false, "which the recipe lacks"},
       {preset("crinkled"),
        {.slope_rms = 0.1, .correlation = 0.02, .height_rms = 0.02},
        false,

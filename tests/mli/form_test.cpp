@@ -268,12 +268,12 @@ TEST(Form, SizesThatCannotBe) {
   EXPECT_THAT(said(Cone{0, 0.1, 0.5, 0}), HasSubstr("radius is 0"));
   EXPECT_THAT(said(Cone{0.1, 0.1, 0, 0}), HasSubstr("length is 0"));
   EXPECT_THAT(said(Cone{0.1, 0.3, 0.001, 0.02}), HasSubstr("a hundredth of their difference"));
-  EXPECT_THAT(said(Disc{0.6, 0}), HasSubstr("cut out of 1.2 by 1.2 m"));
+  EXPECT_THAT(said(Disc{0.6, 0}), HasSubstr("expected at least 1.2 by 1.2 m"));
   EXPECT_THAT(said(Disc{1e8, 0}), HasSubstr("vertices, expected at most 70000000"));
   EXPECT_THAT(said(Box{{0.1, 0.1, 0.1}, 0}), HasSubstr("flange is 0"));
   EXPECT_THAT(said(Box{{0.1, 0.1, 0}, 0.01}), HasSubstr("size is 0"));
   EXPECT_THAT(said(Box{{0.1, 0.1, 0.1}, 0.05}), HasSubstr("more than twice the flange"));
-  EXPECT_THAT(said(Box{{0.3, 0.3, 0.3}, 0.01}), HasSubstr("cut out of 1.2 by 0.9 m"));
+  EXPECT_THAT(said(Box{{0.3, 0.3, 0.3}, 0.01}), HasSubstr("expected at least 1.2 by 0.9 m"));
 }
 
 }  // namespace

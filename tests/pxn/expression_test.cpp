@@ -338,7 +338,7 @@ TEST(Expression, Problems) {
       {"!!1", "E1221 0-2 a sign or another '!' after '!' needs parentheses (write !(…))"},
       {"-!1", "E1221 1-2 a '!' after a sign needs parentheses (write -(!…))"},
       {"1 + {2}", "E1221 4-5 nested braces (inside braces, parentheses group)"},
-      {"\"x\"", "E1221 0-1 '\"' is not allowed in an expression (expressions have no texts)"},
+      {"\"x\"", "E1221 0-1 '\"' is not allowed in an expression (expressions have no strings)"},
       {"2 + \u00b0", "E1221 4-6 '\u00b0' is not allowed in an expression"},
       {"2 \xff", "E1221 2-3 '\ufffd' is not allowed in an expression"},
       {"2gap",

@@ -70,7 +70,7 @@ TEST_F(FirstHour, NewWritesAModelToBeginWith) {
   const std::string before = support::contents(text);
   const Outcome again = panwright({"new", folder});
   EXPECT_EQ(again.code, 3);
-  EXPECT_THAT(again.err, HasSubstr("is there already"));
+  EXPECT_THAT(again.err, HasSubstr("it already exists"));
   EXPECT_EQ(support::contents(text), before);
   for (const char* name : {"", ".", "..", "/", "a b", "-x", "a.pxn"})
     EXPECT_EQ(panwright({"new", "--", name}).code, 2) << name;

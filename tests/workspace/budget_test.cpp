@@ -31,8 +31,8 @@ TEST(BudgetText, TermsInAnyOrder) {
 
 TEST(BudgetText, WrongOnesAreNamed) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"", "asks for nothing"},
-      {"pixels=1", "asks for nothing"},
+      {"", "no requirement is given"},
+      {"pixels=1", "no requirement is given"},
       {"nearest=5", "require each other"},
       {"flux=1% ifov=1mrad", "require each other"},
       {"flux=1% pixels=1", "need nearest"},

@@ -37,8 +37,8 @@ class ModelReader {
     const xml_node top = text_.top();
     out_.bodies.emplace_back();
     if (std::string_view(top.name()) != "mujoco") {
-      a_.wrong(text_.at(top), fmt::format("the element {} stands where <mujoco> is expected",
-                                          in_quotes(top.name())));
+      a_.wrong(text_.at(top),
+               fmt::format("unexpected element {}, expected <mujoco>", in_quotes(top.name())));
       return std::move(out_);
     }
     out_.name = top.attribute("model").value();
@@ -216,7 +216,7 @@ class ModelReader {
     const double count = a_.number_or(element, "count", 0, 0);
     if (!(count >= 1 && count == std::floor(count)))
       return a_.wrong(a_.at(element, "count", 0),
-                      "<replicate> needs a count of 1 or more; what is in it is left out");
+                      "<replicate> needs a count of 1 or more; its contents are left out");
     Pose step = a_.pose(element, 0);
     step.position = a_.vector(element, "offset", 0).value_or(Vec3(0));
     const std::string before = suffix_;
@@ -295,9 +295,9 @@ class ModelReader {
       a_.wrong(joint.where, fmt::format("two joints are called {}", in_quotes(joint.name)));
     if (joint.type == JointType::free) {
       if (out_.bodies[body].parent != 0 || !joints.empty())
-        return a_.wrong(joint.where,
-                        "a free joint stands alone, in a body of the world; it is left "
-                        "out");
+        return a_.wrong(
+            joint.where,
+            "a free joint, expected as the only joint of a body of the world; it is left out");
       joints.push_back(std::move(joint));
       return;
     }

@@ -28,7 +28,7 @@ class RobotReader {
     const xml_node top = text_.top();
     if (std::string_view(top.name()) != "robot") {
       wrong(text_.at(top),
-            fmt::format("the element {} stands where <robot> is expected", in_quotes(top.name())));
+            fmt::format("unexpected element {}, expected <robot>", in_quotes(top.name())));
       return std::move(out_);
     }
     out_.name = top.attribute("name").value();
@@ -185,8 +185,8 @@ class RobotReader {
       return geometry::Shape(geometry::Sphere{.radius = *radius, .counts = {}});
     }
     if (kind == "mesh") return mesh_of(shape);
-    wrong(text_.at(shape), fmt::format("<{}> is no geometry, expected <box>, <cylinder>, <sphere> "
-                                       "or <mesh>; the visual is left out",
+    wrong(text_.at(shape), fmt::format("<{}> is not a geometry, expected <box>, <cylinder>, "
+                                       "<sphere> or <mesh>; the visual is left out",
                                        kind));
     return std::nullopt;
   }

@@ -35,7 +35,7 @@ TEST(MjcfBad, IsSaidAtItsPlace) {
        {"4:15 W6221"},
        "autolimits"},
       {body("<joint range='10 20'/>"), {"4:2 W6221"}, "it begins at 0.17"},
-      {body("<joint/><freejoint/>"), {"4:10 E6220"}, "stands alone"},
+      {body("<joint/><freejoint/>"), {"4:10 E6220"}, "only joint of a body"},
       {body("<freejoint/><joint/>"), {"4:14 E6220"}, "beside a free one"},
       {body("<body><freejoint/><geom size='1'/></body>"), {"4:8 E6220"}, "a body of the world"},
       {body("<joint name='a'/><joint name='a'/>"), {"4:19 E6220"}, "two joints are called 'a'"},
@@ -122,7 +122,7 @@ TEST(MjcfBad, ModelsWithoutAnythingAreRefused) {
   }
   const auto other = read_meshes({{"r.mjcf", "<sdf/>"}});
   EXPECT_FALSE(other->out);
-  EXPECT_THAT(other->text(), HasSubstr("'sdf' stands where <mujoco> is expected"));
+  EXPECT_THAT(other->text(), HasSubstr("unexpected element 'sdf', expected <mujoco>"));
 }
 
 std::string chain(int bodies) {

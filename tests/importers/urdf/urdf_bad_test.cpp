@@ -81,7 +81,7 @@ TEST(UrdfBad, IsSaidAtItsPlace) {
        "<cylinder> has no length"},
       {"<link name='a'><visual>\n<geometry><blob/></geometry></visual></link>",
        {"4:12 E6220"},
-       "is no geometry"},
+       "is not a geometry"},
       {"<link name='a'><visual/></link>", {"3:17 E6220"}, "no geometry"},
       {"<link name='a'><visual><geometry><sphere radius='1'/></geometry>\n<material "
        "name='m'/></visual></link>",
@@ -117,7 +117,7 @@ TEST(UrdfBad, RobotsWithoutLinksAreRefused) {
   }
   const auto other = read_meshes({{"r.urdf", "<sdf/>"}});
   EXPECT_FALSE(other->out);
-  EXPECT_THAT(other->text(), HasSubstr("'sdf' stands where <robot> is expected"));
+  EXPECT_THAT(other->text(), HasSubstr("unexpected element 'sdf', expected <robot>"));
 }
 
 TEST(UrdfBad, FormatsThatAreNotReadAreNamed) {
