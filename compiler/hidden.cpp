@@ -278,7 +278,7 @@ Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& opti
   const std::uint64_t gone = report.triangles_before - report.triangles_after;
   if (gone > 0 || report.capped) {
     const std::string kept =
-        report.capped ? fmt::format("; {} stay that so many rays do not decide", report.ambiguous)
+        report.capped ? fmt::format("; kept {} that these rays leave undecided", report.ambiguous)
                       : "";
     log.report_file(Code::N6304, {},
                     fmt::format("removed {} of {} triangles ({:.1f} %) as hidden; none of {} rays "

@@ -348,10 +348,9 @@ class Exporter {
               "glTF does not keep that {} others: they have values of their own",
               uncoupled_ == 1 ? "1 joint follows" : fmt::format("{} joints follow", uncoupled_)));
     if (!model_.joints().empty() && !options_.articulations)
-      log_.report_file(
-          Code::W6402, model_.name(),
-          fmt::format("glTF does not keep {}: parts stand where their values have them",
-                      counted(model_.joints().size(), "joint")));
+      log_.report_file(Code::W6402, model_.name(),
+                       fmt::format("glTF does not keep {}: parts are placed by the joint values",
+                                   counted(model_.joints().size(), "joint")));
     if (model_.decals().empty()) return;
     std::set<std::uint32_t> under;
     for (const pan::layout::Decal& decal : model_.decals()) under.insert(decal.instance);

@@ -402,7 +402,7 @@ void warn_of_unit(const Imported& model, double size, const UnitGuess& guess, Di
       unitless ? "the format has no unit" : "the unit of the format is the metre";
   if (!guess.plausible)
     log.report_file(Code::W6006, file,
-                    fmt::format("{}; the model is {:.4g} m large then, which is not the size of a "
+                    fmt::format("{}; the model is {:.4g} m large then, implausible for a "
                                 "spacecraft in any unit: it is kept in metres",
                                 unitless ? of_format + ", metres are assumed" : of_format, size),
                     "--units gives its unit");

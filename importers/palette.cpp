@@ -149,7 +149,7 @@ class Splitter {
     std::set<std::int32_t> palettes;
     for (const auto& [key, index] : materials_) palettes.insert(key.first);
     log.report_file(Code::N6301, {},
-                    fmt::format("{} stood for colours: {} of one colour each in their place",
+                    fmt::format("replaced {} by {} of one colour each",
                                 counted(palettes.size(), "palette image"),
                                 counted(materials_.size(), "material")));
   }

@@ -115,8 +115,8 @@ class Complaints {
                  kind.words + (kind.count > 1 ? fmt::format(", and {} like it",
                                                             counted(kind.count - 1, "line"))
                                               : std::string()),
-                 "a reading is zenith and azimuth of the light, zenith and azimuth of the viewer, "
-                 "in degrees, and the reflectance in 1/sr, one number or red, green and blue");
+                 "columns: zenith and azimuth of the light, zenith and azimuth of the viewer "
+                 "(degrees), reflectance (1/sr; one number or RGB)");
     return !kinds_.empty();
   }
 

@@ -158,17 +158,17 @@ class Fitter {
       if (!value) continue;
       any = true;
       if (!(*value > 0) || !(*value <= kMaxLength))
-        return refuse(fmt::format("{} is {}; a sheet can be fitted to a number above 0, at most {}",
-                                  name, format_double(*value), format_double(kMaxLength)));
+        return refuse(fmt::format("{} is {}, expected a number above 0 and at most {}", name,
+                                  format_double(*value), format_double(kMaxLength)));
     }
-    if (!any) return refuse("nothing to fit is given: slope_rms, correlation or height_rms");
+    if (!any) return refuse("no statistic to fit, expected slope_rms, correlation or height_rms");
     const bool waves = std::ranges::any_of(start_.operations, [](const Operation& each) {
       return std::holds_alternative<Wrinkle>(each);
     });
     if (target_.correlation && target_.height_rms && start_.operations.size() > 0 && !waves)
       return refuse(
-          "correlation and height_rms together are fitted by the share of `wrinkle`, and the "
-          "recipe has none; give one of them, or a recipe with a wrinkle");
+          "correlation and height_rms together are fitted by the share of `wrinkle`, which the "
+          "recipe lacks; give one of them, or add a wrinkle");
     return true;
   }
 
@@ -176,8 +176,8 @@ class Fitter {
     const double vertices = (recipe.xgrid + 1.0) * (recipe.ygrid() + 1.0);
     if (!(vertices <= kMostVertices)) {
       refuse(
-          fmt::format("a fit would have to measure sheets of {:.3g} vertices, at most {:.0g} can "
-                      "be; take a smaller sheet, or larger cells",
+          fmt::format("the fit needs sheets of {:.3g} vertices, expected at most {:.0g}; use a "
+                      "smaller sheet or larger cells",
                       vertices, kMostVertices));
       return failed;
     }
@@ -225,8 +225,8 @@ class Fitter {
       if (!mli::check(scaled(base, scale, options_.keep_size), quiet)) break;
     }
     refuse(fmt::format(
-        "a sheet of this kind, {} by {} m, has no {} of {} m; the nearest found is "
-        "{:.4g} m{}",
+        "a sheet of this kind, {} by {} m, cannot have a {} of {} m; the nearest found is {:.4g} "
+        "m{}",
         format_double(start_.width), format_double(start_.height),
         target_.correlation ? "correlation length" : "rms height", format_double(wanted), nearest,
         options_.keep_size ? "; another size of the sheet may have it" : ""));
@@ -263,8 +263,8 @@ class Fitter {
     const double wanted = *target_.height_rms / *target_.correlation;
     if (!(below > 0 && above > 0))
       return refuse(
-          fmt::format("height_rms is {:.4g} of the correlation length, and sheets of this kind and "
-                      "slope have {:.4g} to {:.4g} of it",
+          fmt::format("height_rms is {:.4g} of the correlation length, expected {:.4g} to {:.4g} "
+                      "for sheets of this kind and slope",
                       wanted, (1 + least) * wanted, (1 + most) * wanted));
     for (int i = 0; i < 20; ++i) {
       share = (below + above) / 2;

@@ -44,36 +44,36 @@ void Sampler::add_grid(geometry::Mesh& mesh, std::size_t first, std::size_t colu
 bool FormProblems::length(std::string_view what, double value, bool zero) {
   if ((value >= kMinLength && value <= kMaxLength) || (zero && value == 0)) return true;
   log.report(Code::E7001, where,
-             fmt::format("the form's {} is {}; it is a number from {} to {} m{}", what, value,
-                         kMinLength, kMaxLength, zero ? ", or 0" : ""));
+             fmt::format("the form's {} is {}, expected {} to {} m{}", what, value, kMinLength,
+                         kMaxLength, zero ? ", or 0" : ""));
   return false;
 }
 
 bool FormProblems::fits(const Vec2& needed, const Vec2& sheet) {
   if (needed.x <= sheet.x * (1 + 1e-9) && needed.y <= sheet.y * (1 + 1e-9)) return true;
-  log.report(Code::E7001, where,
-             fmt::format("the sheet is {:.6g} by {:.6g} m, and the form is cut out of {:.6g} by "
-                         "{:.6g} m; a sheet at least as large is accepted",
-                         sheet.x, sheet.y, needed.x, needed.y));
+  log.report(
+      Code::E7001, where,
+      fmt::format(
+          "the sheet is {:.6g} by {:.6g} m, expected at least {:.6g} by {:.6g} m for this form",
+          sheet.x, sheet.y, needed.x, needed.y));
   return false;
 }
 
 bool FormProblems::vertices(double count) {
   if (count <= kMaxVertices) return true;
   log.report(Code::E7001, where,
-             fmt::format("the form has {:.0f} vertices; {:.0f} are accepted: a coarser sheet has "
-                         "fewer",
-                         count, kMaxVertices));
+             fmt::format(
+                 "the form has {:.0f} vertices, expected at most {:.0f}: a coarser sheet has fewer",
+                 count, kMaxVertices));
   return false;
 }
 
 void FormProblems::folded(std::size_t triangles, std::size_t all, double height, double room) {
   if (triangles == 0) return;
-  log.report(
-      Code::W7002, where,
-      fmt::format("the sheet folds over in {} of {} triangles: it is {:.3g} m high where the "
-                  "form leaves room for less; {:.3g} m keeps it apart",
-                  std::min(triangles, all), all, height, room));
+  log.report(Code::W7002, where,
+             fmt::format("the sheet intersects itself in {} of {} triangles: its height is {:.3g} "
+                         "m, expected at most {:.3g} m",
+                         std::min(triangles, all), all, height, room));
 }
 
 namespace {
@@ -113,10 +113,10 @@ Result<geometry::Mesh> boxed(const Sheet& sheet, const Box& box, FormProblems& p
   for (int k = 0; k < 3; ++k) {
     if (!problems.length("size", s[k], false)) return failed;
     if (s[k] > 2 * box.flange) continue;
-    problems.log.report(Code::E7001, problems.where,
-                        fmt::format("a side of the box is {} m; it is more than twice the flange, "
-                                    "{} m",
-                                    s[k], box.flange));
+    problems.log.report(
+        Code::E7001, problems.where,
+        fmt::format("a side of the box is {} m, expected more than twice the flange, {} m", s[k],
+                    box.flange));
     return failed;
   }
   const Sampler sampler{sheet};

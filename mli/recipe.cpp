@@ -32,7 +32,7 @@ class Checker {
   bool within(std::string_view what, double value, double low, double high,
               std::string_view unit = "") {
     if (value >= low && value <= high) return true;
-    wrong(fmt::format("{} is {}; it is a number from {} to {}{}", what, value, low, high, unit));
+    wrong(fmt::format("{} is {}, expected a number from {} to {}{}", what, value, low, high, unit));
     return false;
   }
   bool length(std::string_view what, double value) {
@@ -42,8 +42,8 @@ class Checker {
   void pitch(std::string_view what, double value) {
     if (!length(what, value) || value >= 2 * recipe_.cell() * (1 - 1e-12)) return;
     wrong(
-        fmt::format("{} {} m is less than two cells of the grid, {:.4g} m; a larger one, or cells "
-                    "(width / xgrid) of at most {:.4g} m, are accepted",
+        fmt::format("{} {} m is less than two cells of the grid, {:.4g} m; expected a larger one, "
+                    "or cells (width / xgrid) of at most {:.4g} m",
                     what, value, 2 * recipe_.cell(), value / 2));
   }
   // 0 is a length too
@@ -72,7 +72,7 @@ class Checker {
   }
   void operator()(const Crease& op);
   void operator()(const Fractal& op) {
-    if (!(op.hurst > 0)) wrong(fmt::format("H is {}; it is above 0 and at most 1", op.hurst));
+    if (!(op.hurst > 0)) wrong(fmt::format("H is {}, expected above 0 and at most 1", op.hurst));
     if (op.hurst > 0) within("H", op.hurst, 0, 1);
     size("rms", op.rms);
     pitch("longest", op.longest != 0 ? op.longest : recipe_.width / 4);
@@ -92,10 +92,9 @@ class Checker {
   void operator()(const Button& op) {
     if (!length("pitch", op.pitch) || !size("radius", op.radius)) return;
     if (!(op.reach > op.radius && op.reach <= op.pitch / 2))
-      wrong(
-          fmt::format("reach is {} m; it is more than the radius, {} m, and at most half the "
-                      "pitch, {} m",
-                      op.reach, op.radius, op.pitch / 2));
+      wrong(fmt::format(
+          "reach is {} m, expected more than the radius, {} m, and at most half the pitch, {} m",
+          op.reach, op.radius, op.pitch / 2));
     height("pucker", op.pucker);
   }
   void operator()(const Crush& op) {
@@ -109,12 +108,12 @@ class Checker {
              double side) {
     if (!size(fmt::format("{}0", axis), from) || !size(fmt::format("{}1", axis), to)) return;
     if (from > to)
-      wrong(fmt::format("{0}0 is {1} m and {0}1 {2} m; {0}1 is as large as {0}0 or larger", axis,
-                        from, to));
+      wrong(fmt::format("{0}0 is {1} m and {0}1 {2} m, expected {0}1 at least as large as {0}0",
+                        axis, from, to));
     else if (to > side / 2 * (1 + 1e-12))
       wrong(
-          fmt::format("{0}1 is {1} m, more than half the sheet's {2}, {3} m; the sheet would be "
-                      "nowhere at its full height",
+          fmt::format("{0}1 is {1} m, more than half the sheet's {2}, {3} m; no part of the sheet "
+                      "would have its full height",
                       axis, to, side_name, side / 2));
   }
 
@@ -137,15 +136,15 @@ void Checker::operator()(const Crease& op) {
   const double area = (recipe_.width + margin) * (recipe_.cell() * recipe_.ygrid() + margin);
   if (op.density * area > kMaxRidges)
     wrong(
-        fmt::format("density {} makes {:.0f} ridges; {:.0f} are accepted, a density of {:.6g} per "
-                    "square metre",
+        fmt::format("density {} makes {:.0f} ridges, expected at most {:.0f}: a density of {:.6g} "
+                    "per square metre",
                     op.density, op.density * area, kMaxRidges, kMaxRidges / area));
   const double overlap = op.density * crease_overlap(op);
   if (overlap > kMaxOverlap)
-    wrong(fmt::format(
-        "{:.0f} ridges lie over each point of the sheet; {:.0f} are accepted, a density "
-        "of {:.6g} per square metre",
-        overlap, kMaxOverlap, op.density * kMaxOverlap / overlap));
+    wrong(
+        fmt::format("{:.0f} ridges overlap at each point of the sheet, expected at most {:.0f}: a "
+                    "density of {:.6g} per square metre",
+                    overlap, kMaxOverlap, op.density * kMaxOverlap / overlap));
   pitch("length", op.length);
 }
 
@@ -160,18 +159,18 @@ bool check_size(const Recipe& recipe, Checker& checker, const RecipePlaces& plac
   checker.at(place(places.xgrid), "");
   if (recipe.xgrid < 1 || recipe.xgrid > kMaxCells)
     checker.wrong(
-        fmt::format("xgrid is {}; a sheet has 1 to {} cells across", recipe.xgrid, kMaxCells));
+        fmt::format("xgrid is {}, expected 1 to {} cells across", recipe.xgrid, kMaxCells));
   if (!checker.good()) return false;
   const double up = recipe.ygrid();
   if (up < 1 || up > kMaxCells) {
     checker.at(place(places.height), "");
     checker.wrong(
-        fmt::format("{} m by {} m with xgrid {} is {} cells high; a sheet is 1 to {} cells "
-                    "high, as many as its height divided by width/xgrid",
+        fmt::format("{} m by {} m with xgrid {} is {} cells high, expected 1 to {}: height divided "
+                    "by width/xgrid",
                     recipe.width, recipe.height, recipe.xgrid, up, kMaxCells));
   } else if ((recipe.xgrid + 1) * (up + 1) > kMaxVertices) {
     checker.wrong(
-        fmt::format("xgrid {} makes {:.0f} vertices; {:.0f} are accepted, an xgrid of {}",
+        fmt::format("xgrid {} makes {:.0f} vertices, expected at most {:.0f}: an xgrid of {}",
                     recipe.xgrid, (recipe.xgrid + 1) * (up + 1), kMaxVertices,
                     std::floor(std::sqrt(kMaxVertices * recipe.width / recipe.height)) - 1));
   }
@@ -190,8 +189,8 @@ bool check(const Recipe& recipe, DiagnosticLog& log, const RecipePlaces& places)
   bool good = true;
   if (recipe.operations.size() > kMaxOperations) {
     checker.at(places.recipe, "");
-    checker.wrong(
-        fmt::format("{} operations; {} are accepted", recipe.operations.size(), kMaxOperations));
+    checker.wrong(fmt::format("{} operations, expected at most {}", recipe.operations.size(),
+                              kMaxOperations));
     return false;
   }
   for (std::size_t i = 0; i < recipe.operations.size(); ++i) {

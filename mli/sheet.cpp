@@ -15,11 +15,10 @@ bool scale_slopes(const SlopeRms& wanted, const Grid& grid, const SourceSpan& wh
                   DiagnosticLog& log, const Job& job) {
   const double slope = slope_rms(*grid.heights, grid.columns, {grid.cell, grid.cell}, job);
   if (!(slope > 0) && wanted.slope > 0) {
-    log.report(
-        Code::E7001, where,
-        fmt::format("operation {}, slope_rms: the sheet is level here, and no factor gives it "
-                    "slopes; it follows an operation that makes wrinkles",
-                    grid.index + 1));
+    log.report(Code::E7001, where,
+               fmt::format("operation {}, slope_rms: the sheet is flat here, expected an earlier "
+                           "operation that makes wrinkles",
+                           grid.index + 1));
     return false;
   }
   const double factor = slope > 0 ? wanted.slope / slope : 0;

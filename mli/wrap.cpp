@@ -65,9 +65,8 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
   const auto too_many = [&] {
     log.report(
         Code::E7001, where,
-        fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
-                    "larger cells (<mli_settings> of <mli type=\"wrap\">), or fewer faces, are "
-                    "accepted",
+        fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; use "
+                    "larger cells (<mli_settings> of <mli type=\"wrap\">) or fewer faces",
                     options.max_triangles, made_of.cell()));
     stop = true;
   };
@@ -209,24 +208,23 @@ bool usable(const geometry::Mesh& mesh, std::span<const std::uint32_t> chosen, c
     return false;
   };
   if (!(o.stand_off >= kMinLength && o.stand_off <= kMaxLength))
-    return bad(fmt::format("the stand-off is {}; it is a number from {} to {} m", o.stand_off,
-                           kMinLength, kMaxLength));
+    return bad(fmt::format("the stand-off is {}, expected {} to {} m", o.stand_off, kMinLength,
+                           kMaxLength));
   for (const double v : {o.border, o.margin, o.tolerance, o.weld, o.tape})
     if (!(v >= 0 && v <= kMaxLength))
-      return bad(
-          fmt::format("a length of the wrap is {}; it is a number from 0 to {} m", v, kMaxLength));
+      return bad(fmt::format("a length of the wrap is {}, expected 0 to {} m", v, kMaxLength));
   if (o.margin >= o.stand_off)
-    return bad(fmt::format("the margin is {} m; it is less than the stand-off, {} m", o.margin,
+    return bad(fmt::format("the margin is {} m, expected less than the stand-off, {} m", o.margin,
                            o.stand_off));
   if (!(o.crease_angle > 0 && o.crease_angle < kPi / 2))
-    return bad(fmt::format("the crease angle is {}; it is between 0 and π/2", o.crease_angle));
+    return bad(fmt::format("the crease angle is {}, expected between 0 and π/2", o.crease_angle));
   if (!(o.max_triangles > 0 && o.max_triangles <= kMaxVertices))
-    return bad(fmt::format("max_triangles is {}; it is above 0 and at most {:.0f}", o.max_triangles,
-                           kMaxVertices));
-  if (chosen.empty()) return bad("no face is chosen for a blanket; at least one is needed");
+    return bad(fmt::format("max_triangles is {}, expected above 0 and at most {:.0f}",
+                           o.max_triangles, kMaxVertices));
+  if (chosen.empty()) return bad("no face is chosen for a blanket, expected at least one");
   for (const std::uint32_t t : chosen) {
     if (t >= mesh.triangles.size())
-      return bad(fmt::format("face {} is chosen; the mesh has {}", t, mesh.triangles.size()));
+      return bad(fmt::format("face {} does not exist; the mesh has {}", t, mesh.triangles.size()));
     for (const std::uint32_t v : mesh.triangles[t])
       if (v >= mesh.positions.size() || !is_finite(mesh.positions[v]) ||
           glm::length(mesh.positions[v]) > kMaxLength)
@@ -309,8 +307,8 @@ std::string WrapTally::refusals() const {
   }
   if (left > 0) why += fmt::format("; {} for other reasons", left);
   return fmt::format(
-      "{} of {} groups of faces wear no blanket, {:.4g} of {:.4g} m²{}; planes, cylinders and "
-      "cones are accepted",
+      "{} of {} groups of faces have no blanket, {:.4g} of {:.4g} m²{}; expected planes, cylinders "
+      "and cones",
       refused, groups, area_refused, area, why);
 }
 
@@ -324,9 +322,8 @@ std::string WrapTally::scalings() const {
 
 std::string WrapTally::holds() const {
   if (!(held > 0)) return {};
-  return fmt::format(
-      "{:.3g} of {:.3g} m² lie lower than asked: other parts are nearer than the blanket is high",
-      held, area - area_refused);
+  return fmt::format("{:.3g} of {:.3g} m² lie lower than the stand-off: other parts are nearer",
+                     held, area - area_refused);
 }
 
 RecipeFor fitted(Recipe recipe) {

@@ -371,10 +371,10 @@ const char* Renderer::Impl::why_empty(const world::World& world, const VisibleSe
   if (world.empty()) return "nothing is in view: the world has no targets";
   bool any = false;
   for (std::size_t i = 0; i < world.size(); ++i) any = any || states[i].bounds;
-  if (!any) return "nothing is in view: nothing of the targets is visible";
+  if (!any) return "nothing is in view: no target is visible";
   if (!visible.targets.empty())
-    return "nothing is in view: what lies inside the image fell between the samples (--samples "
-           "takes more), or the camera is inside a closed mesh, which shows its outside only";
+    return "nothing is in view: targets are thinner than the sample spacing (--samples), or the "
+           "camera is inside a closed mesh, visible from outside only";
   return world.size() > 1 ? "nothing is in view: no part of a target lies inside the image"
                           : "nothing is in view: no part of the model lies inside the image";
 }

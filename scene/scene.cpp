@@ -192,7 +192,7 @@ std::string check_joints(const Scene& scene) {
   }
   std::size_t wrong = 0;
   if (!geometry::JointSet::of(std::move(joints), &wrong))
-    return fmt::format("joint {} follows what it cannot follow", wrong);
+    return fmt::format("joint {} has an invalid joint to follow", wrong);
   return {};
 }
 

@@ -70,10 +70,9 @@ class Parser {
     const bool single = name.size() > 2 && name[1] != '-';
     const auto near = nearest_name(single ? "-" + name : name, names);
     if (std::isdigit(static_cast<unsigned char>(name[1])) || name[1] == '.')
-      return fail(
-          fmt::format("{} belongs to no option; several numbers of one option stand in "
-                      "quotes, as in --sun \"1 -1 0.5\"",
-                      in_quotes(name)));
+      return fail(fmt::format(
+          "{} belongs to no option; quote several numbers of one option, as in --sun \"1 -1 0.5\"",
+          in_quotes(name)));
     fail(fmt::format("{} is not an option of '{}'; {}", in_quotes(name), command_,
                      near ? fmt::format("did you mean '{}'?", *near)
                           : fmt::format("`{} --help` lists them", command_)));

@@ -195,13 +195,13 @@ std::string budget_text(const std::string& model, const scene::Budget& budget,
     out += fmt::format("  {:>9} {:>9}  {:>9}  {}\n", mesh.before, mesh.after,
                        length_in_words(mesh.error), mesh.name);
   }
-  out += "parts: triangles, bytes, time; error of what was asked\n";
+  out += "parts: triangles, bytes, time; error of tolerance\n";
   for (std::size_t i = 0; i < std::min(kTextRows, report.parts.size()); ++i) {
     const PartReport& part = report.parts[i];
     out += fmt::format("  {:>9} {:>9} {:>8}  {} of {}  {}{}\n", part.triangles,
                        bytes_words(part.bytes), time_words(seconds_of(part, report)),
                        length_in_words(part.achieved),
-                       part.asked > 0 ? length_in_words(part.asked) : "what is given", part.name,
+                       part.asked > 0 ? length_in_words(part.asked) : "as given", part.name,
                        part.instances > 1 ? fmt::format(" (and {} more)", part.instances - 1) : "");
   }
   if (report.parts.size() > kTextRows)

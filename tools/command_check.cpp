@@ -121,8 +121,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_check
 
 Command check_command() {
-  return command("check", "Check pxn, pan and CAD files and report every problem", command_check::declare_all,
-                 command_check::run);
+  return command("check", "Check pxn, pan and CAD files and report all problems",
+                 command_check::declare_all, command_check::run);
 }
 
 }  // namespace panwright::tools

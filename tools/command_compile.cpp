@@ -30,23 +30,25 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
+  arguments.add("input", options.input, "Model to compile, a .pxn file")
+      .required()
+      .type("FILE.pxn");
   arguments
       .add("-o,--output", options.output,
-           "The pan file (default: the input's name with .pan, in the working directory)")
+           "Pan file to write (default: the input's name with .pan, in the working directory)")
       .type("FILE.pan");
   arguments
       .add("-M,--depfile", options.depfile,
-           "Write the files that were read, as a Make and Ninja dependency file")
+           "Write the list of files read, as a dependency file for Make and Ninja")
       .type("FILE");
   arguments
       .add("--budget-report", options.budget_report,
-           "Write what the budget asked for and where triangles went: .txt, .json or .html")
+           "Write a report of the budget and of triangles by part: .txt, .json or .html")
       .type("FILE");
-  arguments.flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
-  arguments.flag("--mesh-levels", options.mesh_levels,
-                 "Add coarser meshes for far views, with bounds of their error: takes seconds "
-                 "for each 100000 triangles");
+  arguments.flag("--strip-sources", options.strip_sources, "Omit the source locations of parts");
+  arguments.flag(
+      "--mesh-levels", options.mesh_levels,
+      "Add coarser meshes for far views, with error bounds (seconds per 100000 triangles)");
   declare_compress(arguments, options.compress);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
@@ -55,7 +57,7 @@ void declare_all(Arguments& arguments, Options& options) {
 
 void declare_converter(Arguments& arguments, Options& options) {
   declare_all(arguments, options);
-  arguments.add("--lic", options.license, "A licence file (-lic FILE): accepted and ignored")
+  arguments.add("--lic", options.license, "Licence file (-lic FILE), accepted and ignored")
       .type("FILE");
 }
 
@@ -163,8 +165,7 @@ Command compile_command() {
 Command converter_command(const std::string& name) {
   return command(
       name,
-      fmt::format("{}: compiles a pxn model into a pan file; the same as 'panwright compile'",
-                  name),
+      fmt::format("{}: compile a pxn model into a pan file; the same as 'panwright compile'", name),
       command_compile::declare_converter, command_compile::run);
 }
 

@@ -19,7 +19,7 @@ struct Options {
 };
 
 void declare_script(Arguments& arguments, Options& options) {
-  arguments.add("shell", options.shell, "bash (default), zsh or fish")
+  arguments.add("shell", options.shell, "Shell: bash (default), zsh or fish")
       .one_of({"bash", "zsh", "fish"})
       .type("SHELL");
   declare(arguments, options.common);
@@ -37,7 +37,8 @@ int print_script(const Options& options, const Host& host) {
 // The words are a part of another line: none of them is an option of this command, and empty ones
 // are words too.
 void declare_words(Arguments& arguments, Options& options) {
-  arguments.add("words", options.words, "The line up to the cursor, after the program's name")
+  arguments
+      .add("words", options.words, "Words of the line up to the cursor, after the program's name")
       .type("WORD…")
       .may_be_empty();
 }
@@ -58,12 +59,12 @@ int print_candidates(const Options& options, const Host& host) {
 }  // namespace command_completion
 
 Command completion_command() {
-  return command("completion", "Print a completion script of a shell", command_completion::declare_script,
-                 command_completion::print_script);
+  return command("completion", "Print a completion script for a shell",
+                 command_completion::declare_script, command_completion::print_script);
 }
 
 Command complete_command() {
-  return command("complete", "List what may stand at the cursor, for completion scripts",
+  return command("complete", "List candidates at the cursor, for completion scripts",
                  command_completion::declare_words, command_completion::print_candidates);
 }
 

@@ -127,14 +127,14 @@ void CommandContext::wrote(const std::string& path, std::string detail) {
 
 void CommandContext::say_what_was_written() const {
   if (left_out_)
-    print(stderr, "nothing is written; -o FILE writes what could be read in spite of errors\n");
+    print(stderr, "nothing is written; -o FILE writes the readable part in spite of errors\n");
   for (const auto& [path, detail] : written_) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) continue;
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     if (error) continue;
     print(stderr, "wrote {} ({}{}{}){}\n", path, bytes_words(bytes), detail.empty() ? "" : ", ",
-          detail, log_.has_errors() ? " without what could not be read or made" : "");
+          detail, log_.has_errors() ? " without the parts that failed" : "");
   }
 }
 

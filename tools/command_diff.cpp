@@ -26,8 +26,8 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("a", options.a, "A .pan or .pxn file").required().type("A");
-  arguments.add("b", options.b, "A .pan or .pxn file").required().type("B");
+  arguments.add("a", options.a, "Model: a .pan or .pxn file").required().type("A");
+  arguments.add("b", options.b, "Model: a .pan or .pxn file").required().type("B");
   arguments.flag("--all", options.all, "Count differences of provenance and storage too");
   declare(arguments, options.read);
   declare(arguments, options.read.cache);

@@ -24,11 +24,11 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
+  arguments.add("input", options.input, "Model to expand, a .pxn file").required().type("FILE.pxn");
   arguments
       .add("-o,--output", options.output,
-           "The text; images are written next to it as PNG, unless they exist (-: standard "
-           "output, without textures)")
+           "Text to write, and its images beside it as PNG unless they exist (-: standard output, "
+           "without textures)")
       .required()
       .type("FILE.pxn");
   declare(arguments, options.read);

@@ -20,7 +20,8 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("code", options.code, "A code such as E1101").type("CODE");
+  arguments.add("code", options.code, "Code to explain, as E1101 (default: lists all)")
+      .type("CODE");
   declare(arguments, options.common);
 }
 

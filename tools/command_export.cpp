@@ -26,11 +26,11 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
-  arguments.add("-o,--output", options.output, "The glTF file").required().type("FILE.glb");
-  arguments.flag("--articulations", options.articulations,
-                 "Write joints as AGI_articulations: for viewers that know them; others then show "
-                 "parts with all joints at 0");
+  arguments.add("input", options.input, "Model: a .pan, .pxn or CAD file").required().type("FILE");
+  arguments.add("-o,--output", options.output, "glTF file to write").required().type("FILE.glb");
+  arguments.flag(
+      "--articulations", options.articulations,
+      "Write joints as AGI_articulations; viewers without this extension show all joints at 0");
   declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);

@@ -25,13 +25,14 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("inputs", options.inputs, "Files to format; -: standard input to standard output")
+  arguments.add("inputs", options.inputs, "Files to format (-: standard input to standard output)")
       .required()
       .type("FILE.pxn…");
   arguments.flag("--check", options.check,
                  "Write nothing; name the files that would change, with exit code 1");
   arguments
-      .add("-o,--output", options.output, "Write here instead (-: standard output); for one file")
+      .add("-o,--output", options.output,
+           "Output file (default: in place; -: standard output); for one input")
       .type("FILE");
   declare_max_input(arguments, options.max_input);
   declare(arguments, options.common);
@@ -101,8 +102,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_fmt
 
 Command fmt_command() {
-  return command("fmt", "Lay pxn files out in their canonical form, comments and all", command_fmt::declare_all,
-                 command_fmt::run);
+  return command("fmt", "Format pxn files in their canonical form; comments are kept",
+                 command_fmt::declare_all, command_fmt::run);
 }
 
 }  // namespace panwright::tools

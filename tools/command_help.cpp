@@ -21,7 +21,7 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("command", options.command, "A command, as render (default: lists them)")
+  arguments.add("command", options.command, "Command, as render (default: lists all)")
       .type("COMMAND");
   arguments.flag("--man", options.man, "Print the manual page instead, for man -l -");
   declare(arguments, options.common);

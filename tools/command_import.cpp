@@ -44,49 +44,50 @@ void declare_all(Arguments& arguments, Options& options) {
   CadOptions& cad = options.open.cad;
   arguments
       .add("input", options.input,
-           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, URDF, MJCF, packed or not")
+           "CAD file: VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, URDF or MJCF; gzip is "
+           "accepted")
       .required()
       .type("FILE");
   arguments
       .add("-o,--output", options.output,
-           "The compiled model (.pan), or a pxn text that imports and dresses it (.pxn)")
+           "File to write: a compiled model (.pan), or a pxn text that imports it and assigns "
+           "materials (.pxn)")
       .type("OUT");
   arguments
-      .add("--report", options.report,
-           "Write what cleaning found: .txt, .json, or .html with images")
+      .add("--report", options.report, "Write a mesh report: .txt, .json, or .html with images")
       .type("FILE");
-  arguments.flag("--mesh-levels", options.mesh_levels,
-                 "Add coarser meshes for far views, with bounds of their error: takes seconds "
-                 "for each 100000 triangles");
+  arguments.flag(
+      "--mesh-levels", options.mesh_levels,
+      "Add coarser meshes for far views, with error bounds (seconds per 100000 triangles)");
   declare_compress(arguments, options.compress);
   arguments.flag("--force", options.force,
-                 "Replace a .pxn that was edited, or that 'import' did not write");
+                 "Overwrite a .pxn that was edited, or not written by 'import'");
   arguments
       .add("--root", cad.root,
-           "Folder that files named by the model must lie in (default: the model's)")
+           "Folder that must contain files named by the model (default: the model's)")
       .type("DIR");
   arguments
       .add("--budget", options.open.budget,
-           "What the scene needs of a .pan: nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% "
-           "centroid=0.01px, any of them")
+           "Accuracy budget of a .pan: any of nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% "
+           "centroid=0.01px")
       .type("TERMS");
   arguments
       .add("--budget-report", options.budget_report,
-           "Write what the budget asked for and where triangles went: .txt, .json or .html")
+           "Write a report of the budget and of triangles by part: .txt, .json or .html")
       .type("FILE");
   arguments
       .add("--max-error", options.open.max_error,
-           "Metres that a mesh may lie from an exact shape (default 0.001)")
+           "Largest distance between mesh and exact shape, metres (default 0.001)")
       .length()
       .positive()
       .type("METRES");
-  arguments.add("--max-triangles", options.open.max_triangles, "Most triangles in the file")
+  arguments.add("--max-triangles", options.open.max_triangles, "Limit of triangles in the file")
       .range(1.0, 1e12)
       .type("N");
   declare(arguments, cad);
   declare(arguments, options.cache);
   // the camera has no say here, so that the name that this option once had is free
-  arguments.add("--up", cad.up, "The same as --up-axis")
+  arguments.add("--up", cad.up, "Alias of --up-axis")
       .one_of({"auto", "y", "z"})
       .type("AXIS")
       .excludes(arguments.find("--up-axis"))
@@ -271,8 +272,7 @@ bool may_replace(const Options& options, std::string_view fresh, DiagnosticLog& 
   const auto old = read_file(options.output, kMaxBytes, apart);
   if (old && (*old == fresh || is_unedited(*old))) return true;
   log.report_file(Code::E0103, options.output,
-                  "the file was edited since 'import' wrote it, or written by something else; it "
-                  "is kept",
+                  "the file was edited, or not written by 'import'; it is kept",
                   "write to another file, or replace it with --force");
   return false;
 }
@@ -304,7 +304,7 @@ void write_import_template(const importers::Imported& imported, const Options& o
       return;
     }
     if (!options.common.json && !options.common.quiet)
-      print("{} names a file outside of its folder: read it with --root {}\n", options.output,
+      print("{} names a file outside its folder; read it with --root {}\n", options.output,
             root.empty() ? "." : root);
   }
   // the text says what was assumed, so that it stays what it was seen to be
@@ -324,7 +324,7 @@ void describe_written(const Options& options, const workspace::KnownImport& made
   if (report.triangles == 0 && !context.log().contains(Code::E6011))
     context.log().report_file(
         Code::E6011, options.input,
-        "no surface is left of the model: the file holds none, or none that is seen");
+        "the model has no surface left, expected at least one that is visible from outside");
   context.wrote(
       options.output,
       counted(report.triangles, "triangle") +
@@ -434,7 +434,8 @@ Command import_command() {
 
 Command importer_command(const std::string& name) {
   return command(
-      name, fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name),
+      name,
+      fmt::format("{}: compile a CAD file into a pan file; the same as 'panwright import'", name),
       command_import::declare_all, command_import::run_importer);
 }
 

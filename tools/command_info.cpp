@@ -37,12 +37,12 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
-  arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
-  arguments.flag(
-      "--nodes", options.nodes,
-      "List the nodes alone, a line each, between tabs: name, triangles, materials, id in images, "
-      "path");
+  arguments.add("input", options.input, "Model: a .pan, .pxn or CAD file").required().type("FILE");
+  arguments.flag("--meshes", options.meshes,
+                 "List all meshes (default: those with the most triangles)");
+  arguments.flag("--nodes", options.nodes,
+                 "List only the nodes, a line each, separated by tabs: name, triangles, materials, "
+                 "id in images, path");
   declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
@@ -366,7 +366,7 @@ std::string mesh_error_words(const pan::Model& model, std::size_t i) {
   const double ratio = error / budget.tolerance;
   // what is flat is exact, whatever was asked
   return fmt::format(
-      "error {} of {} asked ({})", achieved, length_words(budget.tolerance),
+      "error {} of {} allowed ({})", achieved, length_words(budget.tolerance),
       ratio < kRoundingAlone ? "rounding alone" : fmt::format("{:.0f} %, {}", 100 * ratio, reason));
 }
 
@@ -441,7 +441,7 @@ std::string meshes_words(const pan::Model& model, const Totals& totals) {
     nearest = meshes.begin() + static_cast<std::ptrdiff_t>(i);
   }
   if (nearest != meshes.end() && ratio >= kRoundingAlone)
-    words += fmt::format(", at most {:.0f} % of what was asked ({})", 100 * ratio, name(nearest));
+    words += fmt::format(", at most {:.0f} % of the tolerance ({})", 100 * ratio, name(nearest));
   return words;
 }
 
@@ -698,6 +698,9 @@ int run(const Options& options, const Host& host) {
 }  // namespace
 }  // namespace command_info
 
-Command info_command() { return command("info", "Show what is in a model", command_info::declare_all, command_info::run); }
+Command info_command() {
+  return command("info", "Show the contents of a model", command_info::declare_all,
+                 command_info::run);
+}
 
 }  // namespace panwright::tools

@@ -31,16 +31,16 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
+  arguments.add("input", options.input, "Model: a .pan, .pxn or CAD file").required().type("FILE");
   declare(arguments, options.pose);
-  arguments.flag(
-      "--sweep", options.sweep,
-      "Move every joint through its range, one at a time, and say what it sweeps and where "
-      "parts meet that do not at the given values");
-  arguments.add("--sweep-joint", options.swept, "Sweep this joint alone; may be repeated")
+  arguments.flag("--sweep", options.sweep,
+                 "Sweep each joint through its range; print the swept bounds and the collisions "
+                 "that the given values do not have");
+  arguments.add("--sweep-joint", options.swept, "Sweep only this joint; may be repeated")
       .type("JOINT")
       .one_value();
-  arguments.add("--steps", options.steps, "Positions of each joint in a sweep (default 25)")
+  arguments
+      .add("--steps", options.steps, "Number of positions of each joint in a sweep (default 25)")
       .range(2u, 100000u)
       .type("N");
   declare(arguments, options.read);
@@ -140,8 +140,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_joints
 
 Command joints_command() {
-  return command("joints", "List the joints of a model, and where they take its parts", command_joints::declare_all,
-                 command_joints::run);
+  return command("joints", "List the joints of a model; sweep them for collisions",
+                 command_joints::declare_all, command_joints::run);
 }
 
 }  // namespace panwright::tools

@@ -51,34 +51,36 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("inputs", options.inputs, "A .pxn file, or a material of the library")
+  arguments.add("inputs", options.inputs, ".pxn files, or materials of the library")
       .type("FILE|PRESET…");
-  arguments.add("--name", options.name, "Only this material of the files").type("NAME");
-  arguments.flag("--all", options.all, "Every material of the library");
-  arguments.flag("--list", options.list, "List the library");
-  arguments.flag("--show", options.show, "Print the text of a library's material");
-  arguments.add("--albedo", options.albedo, "Cosines of the directions whose albedo is printed")
+  arguments
+      .add("--name", options.name, "Name of the material to report on (default: all of the files)")
+      .type("NAME");
+  arguments.flag("--all", options.all, "Report on all materials of the library");
+  arguments.flag("--list", options.list, "List the materials of the library");
+  arguments.flag("--show", options.show, "Print the pxn text of a material of the library");
+  arguments.add("--albedo", options.albedo, "Cosines of the directions of printed albedos")
       .type("MU,MU…");
   arguments
-      .add("--svg", options.svg, "Write plots of albedo and lobes, or of the fit, into this folder")
+      .add("--svg", options.svg, "Folder to write plots of albedo and lobes, or of the fit, into")
       .folder()
       .type("FOLDER");
   arguments
       .add("--fit", options.fit,
-           "Fit our BRDFs to a table of measured reflectance, of one band or of RGB")
+           "Fit all BRDFs to a table of measured reflectance, of one band or RGB")
       .type("TABLE");
   arguments
       .add("--render", options.render, "Draw a sphere, a tilted tile and a wrinkled tile of each")
       .type("FILE.png");
   arguments
       .add("--light", options.light,
-           "sun: the Sun alone; studio: lamps and grey walls too, for display")
+           "Light: studio (default: Sun, lamps and grey walls, for display) or sun (the Sun alone)")
       .one_of({"studio", "sun"})
       .type("LIGHT");
-  arguments.add("--width", options.width, "Pixels across one material's image")
+  arguments.add("--width", options.width, "Width of one material's image, pixels (default 360)")
       .range(60, 4096)
       .type("PIXELS");
-  arguments.add("--engine", options.engine, "gl or reference; the studio needs reference")
+  arguments.add("--engine", options.engine, "Engine: gl or reference (the only one for the studio)")
       .one_of({"gl", "reference"})
       .type("ENGINE");
   declare(arguments, options.common);
@@ -353,7 +355,7 @@ std::optional<workspace::DrawOptions> draw_options(const Options& options,
   const bool studio = options.light == "studio";
   if (studio && options.engine == "gl") {
     context.log().report(Code::E0201, {}, "--light studio requires --engine reference",
-                         "OpenGL shows what the Sun lights: --light sun");
+                         "OpenGL supports sunlight only: --light sun");
     return std::nullopt;
   }
   if (studio || options.engine == "reference") draw.engine = workspace::Engine::reference;

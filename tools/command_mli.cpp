@@ -58,12 +58,13 @@ constexpr std::uint64_t kMostPixels = 100'000'000;
 void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("input", options.input,
-           "A preset of foil (crinkled, smooth, quilted, embossed, taped), or a .pxn or .pan file "
+           "Preset of foil (crinkled, smooth, quilted, embossed, taped), or a .pxn or .pan file "
            "with sheets")
       .required()
       .type("FILE|SHEET");
   arguments
-      .add("--sheet", options.sheet, "Only this sheet of the file: its name, or its number from 1")
+      .add("--sheet", options.sheet,
+           "Sheet of the file: its name, or its number from 1 (default: all)")
       .type("NUMBER|NAME");
   arguments
       .add("-o,--output", options.output,
@@ -72,47 +73,47 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--height", options.heights,
            "Write the heights: .npy (float64, metres), .exr (float32, metres) or .png (16 bits; "
-           "the scale is said)")
+           "prints the scale)")
       .type("FILE.npy");
   arguments
       .add("--histogram", options.histogram,
            "Plot the slopes along both axes, each beside the Gaussian of its variance")
       .type("FILE.svg");
-  arguments
-      .add("--seed", options.seed, "Another sheet of the same kind (default: the recipe's, or 1)")
+  arguments.add("--seed", options.seed, "Seed of the sheet (default: the recipe's, or 1)")
       .range(0, 4294967295.0)
       .type("N");
   arguments
       .add("--cells", options.cells,
-           "Cells across: of a preset's grid, or the coarser detail of a file's sheet")
+           "Number of cells across: of a preset's grid, or of the coarser detail of a file's sheet")
       .range(2, 100000)
       .type("N");
-  arguments.add("--sheet-width", options.sheet_width, "Metres, of a preset (default 0.5)")
+  arguments
+      .add("--sheet-width", options.sheet_width, "Width of a preset's sheet, metres (default 0.5)")
       .length()
       .positive()
       .type("METRES");
   arguments
-      .add("--sheet-height", options.sheet_height, "Metres, of a preset (default: as high as wide)")
+      .add("--sheet-height", options.sheet_height,
+           "Height of a preset's sheet, metres (default: its width)")
       .length()
       .positive()
       .type("METRES");
   arguments
       .add("--fit", options.fit,
-           "Change the recipe until its sheets have these statistics on average, and print it: "
-           "slope_rms=NUMBER, correlation=LENGTH, height_rms=LENGTH")
+           "Fit the recipe to mean statistics of its sheets, and print it: slope_rms=NUMBER, "
+           "correlation=LENGTH, height_rms=LENGTH")
       .type("\"NAME=VALUE ...\"");
   arguments
       .add("--material", options.material,
-           "Draw it in a material of the library (default: the preset's, or the file's)")
+           "Material of the library for the image (default: the preset's, or the file's)")
       .type("PRESET");
   arguments
       .add("--light", options.light,
-           "sun: the Sun alone, 48 degrees from the normal (default); studio: lamps and walls too, "
-           "slow "
-           "and grainy")
+           "Light: sun (default: the Sun alone, 48 degrees from the normal) or studio (lamps and "
+           "walls too, slow and noisy)")
       .one_of({"sun", "studio"})
       .type("LIGHT");
-  arguments.add("--width", options.width, "Pixels across the image (default 400)")
+  arguments.add("--width", options.width, "Image width, pixels (default 400)")
       .range(16, 8192)
       .type("PIXELS");
   declare(arguments, options.read);
@@ -441,7 +442,7 @@ void report_stored(const Options& options, CommandContext& context) {
   if (writes(options) || remade) {
     log.report_file(
         Code::E0201, options.input,
-        fmt::format("{} the recipe of a sheet, and a pan file holds its statistics alone",
+        fmt::format("{} the recipe of a sheet, and a pan file holds its statistics only",
                     writes(options) ? "images, heights and histograms require"
                                     : "--seed, --cells, --fit and --material require"),
         "name the .pxn file that it was compiled from");
@@ -522,7 +523,7 @@ std::vector<Subject> subjects(const Options& options, CommandContext& context) {
   if (out.size() > 1 && writes(options)) {
     context.log().report_file(
         Code::E0201, options.input,
-        fmt::format("the file has {}, and files are written of one: name it by --sheet",
+        fmt::format("the file has {}, expected one to write files of; name it by --sheet",
                     counted(out.size(), "sheet")),
         "as in --sheet 1; without -o, --height and --histogram all are listed");
     return {};
@@ -585,7 +586,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_mli
 
 Command mli_command() {
-  return command("mli", "Show a sheet of foil by itself: statistics, image, heights, slopes",
+  return command("mli", "Show a sheet of foil: statistics, image, heights, slopes",
                  command_mli::declare_all, command_mli::run);
 }
 

@@ -29,7 +29,7 @@ struct Options {
 void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("folder", options.folder,
-           "The folder to make, as probe or models/probe: its model is probe.pxn there")
+           "Folder to create, as probe or models/probe; its model is probe.pxn")
       .required()
       .type("NAME");
   declare(arguments, options.common);
@@ -52,13 +52,13 @@ int run(const Options& options, const Host& host) {
   const std::string name = folder.filename().string();
   if (!is_name(name)) {
     log.report(Code::E0201, {},
-               fmt::format("{} is no name for a model, expected letters, digits, '_' and '-'",
+               fmt::format("{} is not a valid model name, expected letters, digits, '_' and '-'",
                            in_quotes(name)));
     return context.finish();
   }
   std::error_code error;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
-    log.report_file(Code::E0103, folder.string(), "it is there already, and not an empty folder");
+    log.report_file(Code::E0103, folder.string(), "it already exists and is not an empty folder");
     return context.finish();
   }
   fs::create_directories(folder, error);
@@ -86,7 +86,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_new
 
 Command new_command() {
-  return command("new", "Write a small model to begin with, and the schema for editors beside it",
+  return command("new", "Write a small example model, and the schema for editors",
                  command_new::declare_all, command_new::run);
 }
 

@@ -54,131 +54,125 @@ void declare_reference(Arguments& arguments, Options& options) {
   constexpr const char* kGroup = "Reference engine (--engine reference)";
   arguments
       .add("--engine", options.engine,
-           "gl: OpenGL (default); reference: path tracing on the CPU, slow and with error bars")
+           "Engine: gl (OpenGL, default) or reference (path tracing on the CPU, slow, with error "
+           "bars)")
       .one_of({"gl", "reference"})
       .type("NAME");
   arguments
-      .add("--until-error", options.until_error, "Go on until the flux is known this well, as 0.1%")
+      .add("--until-error", options.until_error,
+           "Largest relative error of the flux, as 0.1%: sample until it is reached")
       .type("SHARE")
       .group(kGroup);
   arguments
       .add("--max-samples", options.max_samples,
-           "Most samples of a pixel with --until-error (default 67108864)")
+           "Limit of samples per pixel with --until-error (default 67108864)")
       .range(32u, 1u << 30)
       .type("N")
       .group(kGroup);
-  arguments.add("--bounces", options.bounces, "Interreflections that are followed (default 3)")
+  arguments.add("--bounces", options.bounces, "Number of interreflections (default 3)")
       .range(0u, 1000u)
       .type("N")
       .group(kGroup);
-  arguments.add("--seed", options.seed, "Which random numbers (default 0)").type("N").group(kGroup);
+  arguments.add("--seed", options.seed, "Seed of the random numbers (default 0)")
+      .type("N")
+      .group(kGroup);
   arguments
-      .add("--filter", options.filter,
-           "box, a pixel is the mean over its square (default), or gaussian:SIGMA, of "
-           "the image blurred by that many pixels")
+      .add("--filter", options.filter, "Pixel filter: box (default) or gaussian:SIGMA in pixels")
       .type("FILTER")
       .group(kGroup);
   arguments
       .add("--limb-darkening", options.limb_darkening,
-           "u of I = 1 - u (1 - cos) over the Sun's disc (default 0); the preview shows it in "
-           "glints")
+           "Coefficient u of I = 1 - u (1 - cos) over the Sun's disc (default 0); gl applies it to "
+           "glints only")
       .finite()
       .range(0.0, 1.0)
       .type("U")
       .group(kGroup);
-  arguments.flag("--no-sun-disc", options.no_sun_disc, "The Sun is a point").group(kGroup);
+  arguments.flag("--no-sun-disc", options.no_sun_disc, "Treat the Sun as a point").group(kGroup);
 }
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("input", options.targets,
-           "The targets: .pan files, or .pxn or CAD files to compile on the way; NAME=FILE gives "
-           "one another name than its file's")
+           "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name)")
       .type("[NAME=]FILE…");
   arguments
       .add("-o,--output", options.view.text.output,
-           "The image: .png, .exr, .npy (radiance) or .npz (radiance and ground truth)")
+           "Image to write: .png, .exr, .npy (radiance) or .npz (radiance and ground truth)")
       .type("FILE");
   declare(arguments, options.view);
   arguments
       .add("--views", options.views,
-           "JSON list of views (docs/views.md): any option of render, and the outputs of each; -: "
-           "one view a line on standard input, one reply a line on standard output")
+           "JSON list of views (docs/views.md). -: read one view a line from standard input, write "
+           "one reply a line to standard output")
       .type("FILE.json|-");
   arguments
       .add("--again", options.again,
-           "Make an image again from the record in it (.png, .exr, .npz); other options replace "
-           "what is recorded")
+           "Repeat an image from its record (.png, .exr, .npz); other options override the record")
       .type("IMAGE");
   arguments
       .add("--samples", options.samples,
-           "N x N samples in each pixel, 1 to 64 (with --engine reference default 8); or auto "
-           "(default): as many as --pixel-error asks for, pixel by pixel")
+           "Samples per pixel: auto (default: as needed by --pixel-error), or N x N with N from 1 "
+           "to 64 (reference: default 8)")
       .type("N|auto");
   arguments
       .add("--pixel-error", options.pixel_error,
-           "With --samples auto: the error to meet (default 5%), of the pixels that show a target "
-           "(RMS, in parts of the RMS of their radiance) and of their flux")
+           "Target error with --samples auto (default 5%): RMS over the pixels of targets, "
+           "relative to their RMS radiance, and of their flux")
       .type("SHARE");
   arguments.flag("--adaptive", options.adaptive,
-                 "With --samples N: N x N only where it changes the pixel");
+                 "Take N x N samples only where they change the pixel, with --samples N");
   declare_reference(arguments, options);
   arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
   arguments
       .add("--shadows", options.shadows,
-           "Shadows of the Sun's disc where its penumbra shows, with --samples auto (auto, the "
-           "default); of its centre (hard); of --sun-points of it (soft); or none (off)")
+           "Shadows: auto (default: penumbrae where visible, with --samples auto), hard (the Sun's "
+           "centre), soft (--sun-points of its disc) or off")
       .type("auto|off|hard|soft");
   arguments
       .add("--sun-points", options.sun_points,
-           "Points of the Sun's disc that cast shadows (default 64; auto: at most, as "
-           "--pixel-error asks)")
+           "Number of points of the Sun's disc that cast shadows (default 64; shadows auto: the "
+           "largest number)")
       .range(2u, 256u)
       .type("N");
-  const Argument no_shadows = arguments.flag("--no-shadows", options.no_shadows,
-                                             "Let the Sun shine through everything: --shadows off");
+  const Argument no_shadows = arguments.flag("--no-shadows", options.no_shadows, "Disable shadows");
   arguments
       .add("--shadow-side", options.shadow_side,
-           "Texels a side of every model's shadow map, or of each part of it (default 2048; "
-           "with --samples auto 2896; imposters: five for each texel of theirs)")
+           "Shadow map resolution (texels), of each model or part of it (default 2048; with "
+           "--samples auto 2896; imposters: five times their texels)")
       .range(16u, 16384u)
       .excludes(no_shadows)
       .type("N");
   arguments
       .add("--levels", options.levels,
-           "Levels of detail: auto (default): what a pixel asks for; off: the finest; or as if a "
-           "pixel saw so many metres")
+           "Level of detail: auto (pixel footprint), off (finest), or a footprint in metres")
       .type("auto|off|METRES");
   arguments
       .add("--imposters", options.imposters,
-           "Draw targets by themselves, finer than pixels, and add them by exact areas: auto "
-           "(default): with --samples auto those of up to 100 pixels, and of up to 511 whose pixels "
-           "come out right; off; always: all that are not too large; or those of up to so many "
-           "pixels")
+           "Draw small targets separately, finer than pixels: auto (default: up to 100 pixels, 511 "
+           "where accurate, with --samples auto), off, always, or largest size")
       .type("auto|off|always|PIXELS");
   arguments
-      .add("--flux-error", options.flux_error,
-           "The error of an imposter's flux to aim at (default 0.05%)")
+      .add("--flux-error", options.flux_error, "Target error of an imposter's flux (default 0.05%)")
       .type("SHARE");
   arguments
       .add("--specular-filter", options.specular_filter,
-           "With --samples N, of narrow highlights on curved surfaces: auto (default): averaged from "
-           "sample to sample where samples are too far apart to show them; off: as points show them")
+           "Filter of narrow highlights on curved surfaces, with --samples N: auto (default: "
+           "averaged between samples that are too far apart) or off")
       .type("auto|off");
   arguments
       .add("--psf", options.psf,
-           "Point spread function of the camera: a Gaussian of so many pixels RMS, which pixels "
-           "integrate (default 0: none)")
+           "Gaussian point spread function of the camera, RMS width in pixels (default 0: none)")
       .range(0.0, 64.0)
       .type("SIGMA");
   arguments.flag("--explain", options.explain,
-                 "Say how each target was drawn, the error that is estimated and the time it took");
+                 "Print how each target was drawn, its estimated error and its time");
   arguments
       .add("--max-image-memory", options.max_image_bytes,
-           "Most memory of one image, e.g. 2GB (default 12GB)")
+           "Limit of memory for one image, as 2GB (default 12GB)")
       .bytes()
       .type("BYTES");
-  arguments.add("--gl", options.gl, "OpenGL context: auto, egl or osmesa")
+  arguments.add("--gl", options.gl, "OpenGL context: auto (default), egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
       .type("KIND");
   declare(arguments, options.read);
@@ -243,17 +237,17 @@ bool follow_record(const Options& options, workspace::ViewText typed, Work& work
       if (target.file.empty()) {
         log.report_file(Code::E0207, options.again,
                         "the record does not name the file of " + in_quotes(target.name),
-                        "name it: render --again IMAGE " + target.name + "=FILE");
+                        "name it, as in: render --again IMAGE " + target.name + "=FILE");
         return false;
       }
       const auto found = workspace::find_recorded(target.file, options.again);
       std::error_code ignored;
       if (!std::filesystem::exists(found, ignored)) {
         log.report_file(Code::E0101, options.again,
-                        fmt::format("the model {} of {} is not found: neither here nor in the "
-                                    "folders around the image",
+                        fmt::format("model {} of {} not found in the working directory, the folder "
+                                    "of the image or those above it",
                                     in_quotes(target.file), in_quotes(target.name)),
-                        "name it: render --again IMAGE " + target.name + "=FILE");
+                        "name it, as in: render --again IMAGE " + target.name + "=FILE");
         return false;
       }
       typed.targets.push_back(target.name + "=" + found.string());
@@ -360,7 +354,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_render
 
 Command render_command() {
-  return command("render", "Render one or more models as a camera sees them", command_render::declare_all, command_render::run);
+  return command("render", "Render one or more models", command_render::declare_all,
+                 command_render::run);
 }
 
 }  // namespace panwright::tools

@@ -25,12 +25,12 @@ struct Options {
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments
-      .add("inputs", options.inputs,
-           "Files to upgrade: a model, and those of its included files that are meant too")
+      .add("inputs", options.inputs, "Files to upgrade: a model, and any of its included files")
       .required()
       .type("FILE.pxn…");
   arguments
-      .add("-o,--output", options.output, "Write here instead (-: standard output); for one file")
+      .add("-o,--output", options.output,
+           "Output file (default: in place; -: standard output); for one input")
       .type("FILE");
   declare_root(arguments, options.root);
   declare_max_input(arguments, options.max_input);

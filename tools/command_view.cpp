@@ -33,25 +33,27 @@ struct Options {
 void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("targets", options.targets,
-           "Targets: .pan, .pxn or CAD files, read again when a file changes; NAME=FILE sets a name")
+           "Targets: .pan, .pxn or CAD files, reloaded when they change; NAME=FILE names a target "
+           "(default: the file's name)")
       .required()
       .type("[NAME=]FILE…");
   arguments
       .add("-D,--define", options.defines,
-           "Give a <param> of the models another value, as -D span=2.4m; may be repeated")
+           "Set a <param> of the models, as -D span=2.4m; may be repeated")
       .type("NAME=VALUE")
       .one_value();
   arguments
       .add("--script", options.script,
-           "Run a script, a JSON list of steps (docs/studio.md); the window closes at its end")
+           "JSON list of actions and screenshots to run in the window (docs/studio-scripts.md); the window "
+           "closes after the last one")
       .type("FILE.json");
-  arguments.add("--size", options.size, "Size of the window in pixels (default 1280x720)")
-      .type("WxH");
+  arguments.add("--size", options.size, "Window size in pixels (default 1280x720)").type("WxH");
   arguments
       .add("--scale", options.scale,
            "Scale of text and widgets, as 1.5 (default: that of the screen)")
       .type("FACTOR");
-  arguments.add("--gl", options.gl, "OpenGL context that draws images: auto, egl or osmesa")
+  arguments
+      .add("--gl", options.gl, "OpenGL context that draws images: auto (default), egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
       .type("KIND");
   declare(arguments, options.common);
@@ -72,8 +74,8 @@ int run(const Options& options, const Host& host) {
   const auto program = studio();
   if (!program) {
     log.report(Code::E5001, {},
-               fmt::format("{}, which opens the window, is missing: it is built where GLFW and "
-                           "Dear ImGui are installed",
+               fmt::format("{}, the program of the window, is not installed; building it requires "
+                           "GLFW and Dear ImGui",
                            kProgram));
     return context.finish();
   }
@@ -99,8 +101,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_view
 
 Command view_command() {
-  return command("view",
-                 "Show models in a window that follows their files, and move camera, Sun and joints",
+  return command("view", "Show models in a window and reload them when their files change",
                  command_view::declare_all, command_view::run);
 }
 

@@ -96,8 +96,8 @@ struct OperationText {
 
 bool refuse(std::string_view item, DiagnosticLog& log) {
   log.report(Code::E0201, {},
-             fmt::format("--fit: {} is not understood; expected slope_rms=NUMBER, "
-                         "correlation=LENGTH and height_rms=LENGTH, blanks between, each once",
+             fmt::format("--fit: {} is not valid, expected slope_rms=NUMBER, correlation=LENGTH "
+                         "and height_rms=LENGTH, separated by blanks, each once",
                          in_quotes(item)),
              "as in --fit \"slope_rms=0.15 correlation=2cm\"");
   return false;

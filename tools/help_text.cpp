@@ -59,10 +59,9 @@ std::vector<OptionGroup> option_groups(const Arguments& arguments) {
 }
 
 std::string exit_code_words() {
-  return "0 ok, 1 errors in a model (diff: models differ; fmt --check: files would change), 2 "
-         "wrong "
-         "usage, 3 a file or standard output could not be read or written, 4 damaged pan file, 70 "
-         "internal error, 130 stopped by Ctrl-C (143, 129 by SIGTERM, SIGHUP)";
+  return "0 success, 1 errors in a model (diff: models differ; fmt --check: files would change), 2 "
+         "wrong usage, 3 input or output error, 4 damaged pan file, 70 internal error, 130 stopped "
+         "by Ctrl-C (143, 129 by SIGTERM, SIGHUP)";
 }
 
 std::string program_help(std::span<const DescribedCommand> table) {
@@ -101,7 +100,7 @@ std::string command_help(const DescribedCommand& command, const std::string& pro
     for (const Option* option : group.options)
       append_row(option_words(*option), option->help, kColumn, out);
   }
-  append_row("-h, --help", "Show this", kColumn, out);
+  append_row("-h, --help", "Show this help", kColumn, out);
   if (!command.examples.empty()) out += "\nExamples, from a copy of the folder examples/:\n";
   for (const Example& example : command.examples)
     out += fmt::format("  {}{}{}\n      {}\n", program, example.words.empty() ? "" : " ",

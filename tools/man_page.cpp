@@ -47,11 +47,9 @@ void append_examples(const std::vector<Example>& examples, std::string& out) {
 std::string program_man_page(std::span<const DescribedCommand> table) {
   std::string out = head("panwright", "spacecraft models from text and CAD files to images");
   out +=
-      ".SH SYNOPSIS\n.B panwright\n.I COMMAND\n[\\fIOPTIONS\\fR] ...\n"
-      ".SH DESCRIPTION\n"
-      "Compiles spacecraft, written as pxn text or imported from CAD files, to checked pan files, "
-      "and renders them as the camera of a rendezvous sees them: in float radiance, with ground "
-      "truth and the error beside the speed.\n.SH COMMANDS\n";
+      ".SH SYNOPSIS\n.B panwright\n.I COMMAND\n[\\fIOPTIONS\\fR] ...\n.SH DESCRIPTION\nCompiles "
+      "spacecraft, written as pxn text or imported from CAD files, to checked pan files. Renders "
+      "them as float radiance images, with ground truth and error estimates.\n.SH COMMANDS\n";
   for (const DescribedCommand& each : table)
     out += fmt::format(".TP\n.BR panwright\\-{} (1)\n{}\n", each.command.name,
                        plain(each.command.help));
@@ -61,9 +59,8 @@ std::string program_man_page(std::span<const DescribedCommand> table) {
       append_examples(each.examples, out);
   out += fmt::format(".SH EXIT STATUS\n{}.\n", plain(exit_code_words()));
   out +=
-      ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nMessages have no colours.\n.TP\n.B PANWRIGHT_CACHE\n"
-      "off: results of earlier runs are not used.\n.TP\n.B XDG_CACHE_HOME\nThe folder of that "
-      "cache.\n";
+      ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nMessages have no colours.\n.TP\n.B PANWRIGHT_CACHE\noff: "
+      "disables the cache.\n.TP\n.B XDG_CACHE_HOME\nThe folder of that cache.\n";
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace panwright::tools {
 
 void declare(Arguments& arguments, PoseOptions& options) {
   declare(arguments, options.joints);
-  arguments.add("--sun", options.sun, "Direction to the Sun, world axes, for joints that aim at it")
+  arguments.add("--sun", options.sun, "Direction to the Sun for joints that aim at it, world axes")
       .type("\"X Y Z\"")
       .group("Joints");
 }

@@ -111,8 +111,8 @@ std::string explained(const Written& image) {
   const preview::SamplingReport& sampling = *image.sampling;
   if (sampling.sun_points > 1)
     text += fmt::format(
-        "  shadows: {} points of the Sun's disc, penumbra up to {:.3g} pixels, what it leaves "
-        "within {:.2g} rms of the disc's light\n",
+        "  shadows: {} points of the Sun's disc, penumbra up to {:.3g} pixels, residual error at "
+        "most {:.2g} RMS of the disc's light\n",
         sampling.sun_points, sampling.penumbra, sampling.sun_error);
   else if (sampling.penumbra > 0)
     text += fmt::format("  shadows: hard, the penumbra is {:.2g} pixels or narrower\n",

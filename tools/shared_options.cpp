@@ -16,16 +16,17 @@ void declare(Arguments& arguments, CommonOptions& common) {
   arguments.add("--sarif", common.sarif, "Also write the diagnostics to FILE as SARIF 2.1.0")
       .type("FILE")
       .group(kGroup);
-  arguments.flag("-q,--quiet", common.quiet, "Leave out notes, and what was written").group(kGroup);
-  arguments.flag("--timings", common.timings, "Say how long each step took").group(kGroup);
+  arguments.flag("-q,--quiet", common.quiet, "Suppress notes and the list of files written")
+      .group(kGroup);
+  arguments.flag("--timings", common.timings, "Print the time of each step").group(kGroup);
   arguments
       .add("--color", common.color,
-           "When messages have colours: auto (default: on a terminal, unless NO_COLOR is set), "
-           "always or never")
+           "Colours in messages: auto (default: on a terminal unless NO_COLOR is set), always or "
+           "never")
       .one_of({"auto", "always", "never"})
       .type("WHEN")
       .group(kGroup);
-  arguments.add("-j,--threads", common.threads, "Threads to use (default 0: all cores)")
+  arguments.add("-j,--threads", common.threads, "Number of threads (default 0: all cores)")
       .range(0, 1024)
       .type("N")
       .group(kGroup);
@@ -33,9 +34,8 @@ void declare(Arguments& arguments, CommonOptions& common) {
 
 void declare(Arguments& arguments, CacheOption& cache) {
   arguments.flag("--no-cache", cache.off,
-                 "Make everything anew, and do not keep for the next run what took long: meshes, "
-                 "levels, foil, hidden parts (otherwise in ~/.cache/panwright). It changes no "
-                 "result");
+                 "Neither read nor write the cache (~/.cache/panwright) of meshes, levels, foil "
+                 "and hidden parts. Results are the same");
 }
 
 std::filesystem::path CacheOption::folder() const {
@@ -43,13 +43,11 @@ std::filesystem::path CacheOption::folder() const {
 }
 
 void declare_max_input(Arguments& arguments, std::uint64_t& bytes) {
-  arguments.add("--max-input", bytes, "Most bytes of input to read, e.g. 512MB")
-      .bytes()
-      .type("BYTES");
+  arguments.add("--max-input", bytes, "Limit of input size, as 512MB").bytes().type("BYTES");
 }
 
 void declare_root(Arguments& arguments, std::string& root) {
-  arguments.add("--root", root, "Folder that included files must lie in (default: the file's)")
+  arguments.add("--root", root, "Folder that must contain included files (default: the file's)")
       .type("DIR");
 }
 
@@ -59,8 +57,9 @@ void declare_compress(Arguments& arguments, std::string& form) {
   };
   arguments
       .add("--compress", form,
-           "A smaller file, slower to load, that programs of format 1.0 refuse. Alone: lossless. "
-           "quantised, meshopt:16 or draco:14 keep so many bits of a coordinate, and say the error")
+           "Compress the file (slower to load; refused by readers of format 1.0). Default form: "
+           "lossless. quantised, meshopt:16 or draco:14 round coordinates to that number of bits "
+           "and print the error")
       .type("FORM")
       .bare_value("lossless")
       .some_of({"none", "lossless", "quantised", "meshopt", "meshopt:16", "draco:11", "draco:14",
@@ -100,23 +99,23 @@ void declare(Arguments& arguments, ReadOptions& read) {
   declare_root(arguments, read.open.root);
   arguments
       .add("-D,--define", read.parameters,
-           "Give a <param> of the model another value, as -D span=2.4m; may be repeated")
+           "Set a <param> of the model, as -D span=2.4m; may be repeated")
       .type("NAME=VALUE")
       .one_value();
   declare_max_input(arguments, read.open.max_input);
   arguments
       .add("--max-error", read.open.max_error,
-           "Metres that a mesh may lie from its shape, in the world: overrides the model's "
-           "budget (default: the budget, or 0.001)")
+           "Largest distance between mesh and shape, metres, in place of the model's budget "
+           "(default: the budget, or 0.001)")
       .length()
       .positive()
       .type("METRES");
   arguments
       .add("--budget", read.open.budget,
-           "What the scene needs, in place of the model's own budget: nearest=5km ifov=0.1mrad "
-           "pixels=0.25 flux=0.1% centroid=0.01px approach=FRAME, any of them; or none")
+           "Accuracy budget in place of the model's: any of nearest=5km ifov=0.1mrad pixels=0.25 "
+           "flux=0.1% centroid=0.01px approach=FRAME; or none")
       .type("TERMS");
-  arguments.add("--max-triangles", read.open.max_triangles, "Most triangles in the file")
+  arguments.add("--max-triangles", read.open.max_triangles, "Limit of triangles in the file")
       .range(1.0, 1e12)
       .type("N");
 }
@@ -144,54 +143,54 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
     return arguments.add(name, value, help).type(type).group(kGroup);
   };
   option("--units", cad.units, "UNIT",
-         "What a number of the file measures: auto (default), m, mm, cm, dm, km, um, in or ft")
+         "Length unit of the file: auto (default), m, mm, cm, dm, km, um, in or ft")
       .one_of({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"});
   // not "--up", which is the camera's
   option("--up-axis", cad.up, "AXIS",
-         "The file's axis that points up: y or z (default auto: z in STL, PLY and STEP, else y)")
+         "Up axis of the file: y or z (default auto: z in STL, PLY and STEP, else y)")
       .one_of({"auto", "y", "z"});
-  arguments.flag("--keep-hidden", cad.keep_hidden, "Keep faces that nobody outside can see")
+  arguments.flag("--keep-hidden", cad.keep_hidden, "Keep faces that are not visible from outside")
       .group(kGroup);
   const Argument no_weld =
-      arguments.flag("--no-weld", cad.no_weld, "Leave meshes as they are").group(kGroup);
+      arguments.flag("--no-weld", cad.no_weld, "Disable the clean-up of meshes").group(kGroup);
   option("--weld", cad.weld, "METRES",
-         "Vertices this far apart in the file become one (default 0: at one place)")
+         "Largest distance of vertices to weld (default 0: equal positions)")
       .length()
       .not_negative()
       .excludes(no_weld);
   option("--crease", cad.crease_deg, "DEG",
-         "Faces without normals look smooth where they meet at no more (default 30)")
+         "Largest angle of smooth edges between faces without normals (default 30)")
       .angle()
       .range(0.0, 180.0);
   arguments
       .flag("--crease-normals", cad.crease_normals,
-            "Compute all normals anew with the crease angle, not only those that are missing")
+            "Recompute all normals with the crease angle, not only missing ones")
       .excludes(no_weld)
       .group(kGroup);
-  option("--scene", cad.scene, "NAME|N", "glTF: the scene (default: the file's own)");
-  option(
-      "--animation", cad.animation, "NAME|N|none",
-      "glTF: the animation that poses the nodes (default: all, at the first frame where nodes are "
-      "displaced without it)");
-  option("--time", cad.time, "SECONDS", "glTF: the time of the pose (default: the first frame)")
+  option("--scene", cad.scene, "NAME|N", "glTF: scene to read (default: the file's own)");
+  option("--animation", cad.animation, "NAME|N|none",
+         "glTF: animation that poses the nodes (default: all, at the first frame where nodes are "
+         "displaced without it)");
+  option("--time", cad.time, "SECONDS", "glTF: time of the pose (default: the first frame)")
       .finite();
   option("--primitives", cad.primitives, "N",
          "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")
       .range(0u, 100000u);
   option("--deflection", cad.deflection, "METRES",
-         "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
+         "STEP: largest distance of triangles from their surfaces (default 0: 1e-4 of the model's "
+         "size)")
       .length()
       .not_negative();
-  option(
-      "--max-seconds", cad.max_seconds, "SECONDS",
-      "STEP: processor time that reading may take (default 600); on the clock four times as much")
+  option("--max-seconds", cad.max_seconds, "SECONDS",
+         "STEP: limit of processor time (default 600); the limit of elapsed time is four times as "
+         "long")
       .finite()
       .positive();
   option("--assume", cad.assume, "KIND",
          "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply, step, "
          "urdf or mjcf")
       .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step", "urdf", "mjcf"});
-  arguments.flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
+  arguments.flag("--recentre", cad.recentre, "Move the centre of the model to the origin")
       .group(kGroup);
 }
 
@@ -203,18 +202,17 @@ void declare(Arguments& arguments, ViewOptions& options) {
     arguments.add(name, value, help).type(type).group(kGroup);
   };
   add("--camera", view.camera, "\"X Y Z\"",
-      "Where the camera is, metres, world axes (default: in front of the targets)");
-  add("--look-at", view.look_at, "\"X Y Z\"",
-      "The point that the boresight passes through (default: the origin)");
-  add("--up", view.up, "\"X Y Z\"", "Direction that is up in the image (default 0 0 1)");
+      "Camera position, metres, world axes (default: in front of the targets)");
+  add("--look-at", view.look_at, "\"X Y Z\"", "Point on the boresight (default: the origin)");
+  add("--up", view.up, "\"X Y Z\"", "Up direction of the image (default 0 0 1)");
   add("--quat", view.quat, "\"W X Y Z\"",
       "Attitude world_from_camera instead of --look-at; x right, y down, z boresight");
   add("--camera-frame", view.camera_frame, "[NAME/]FRAME",
-      "Put the camera into a frame of a target");
+      "Place the camera in a frame of a target");
   arguments
       .add("--pose", options.poses,
-           "Position and attitude world_from_model of a target, NAME=\"X Y Z W I J K\"; without "
-           "NAME= of the only one; may be repeated")
+           "Position and attitude world_from_model of a target, NAME=\"X Y Z W I J K\" (NAME= is "
+           "optional for a single one); may be repeated")
       .type("[NAME=]\"X Y Z W I J K\"")
       .one_value()
       .group(kGroup);
@@ -223,14 +221,14 @@ void declare(Arguments& arguments, ViewOptions& options) {
       "Direction to the Sun, world axes (default: from behind the camera's left shoulder)");
   add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
   add("--sun-irradiance", view.sun_irradiance, "E|R,G,B",
-      "In-band irradiance at the target, W/m²; radiance is then W/(m² sr), otherwise per unit "
-      "irradiance, 1/sr");
+      "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit "
+      "irradiance, 1/sr)");
   add("--fov", view.fov, "DEG",
-      "Full horizontal field of view, degrees (default: the targets fill the image)");
+      "Full horizontal field of view, degrees (default: fits the targets)");
   add("--ifov", view.ifov, "ANGLE",
       "Angle of the pixel on the axis, as 0.2mrad; a bare number is degrees");
   add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
-  add("--ortho", view.ortho, "METRES", "Orthographic image of this width");
+  add("--ortho", view.ortho, "METRES", "Width of an orthographic image");
   add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");
   add("--ev", view.ev, "STOPS|auto",
       "Exposure of PNG output: 2^EV (default 0); auto: 99 of 100 lit pixels lie below 0.8 of "

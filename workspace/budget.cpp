@@ -37,9 +37,9 @@ class BudgetReader {
     }
     scene::Budget& b = budget_;
     if (!b.tolerance && !b.nearest && !b.flux)
-      return fail("it asks for nothing, expected nearest=, tolerance= or flux=, or none");
+      return fail("no requirement is given, expected nearest=, tolerance= or flux=, or none");
     if (b.nearest.has_value() != b.ifov.has_value())
-      return fail("nearest and ifov belong together");
+      return fail("nearest and ifov require each other");
     if (!b.nearest && (b.pixels || b.centroid || !b.approach.empty()))
       return fail("pixels, centroid and approach need nearest and ifov");
     if (given_.contains("corridor") && b.approach.empty())
@@ -69,7 +69,7 @@ class BudgetReader {
     const std::string_view name = word.substr(0, sign);
     if (sign == word.npos || std::ranges::find(kTerms, name) == kTerms.end()) {
       const auto near = nearest_name(name, kTerms);
-      fail(fmt::format("{} is no term", in_quotes(word)),
+      fail(fmt::format("{} is not a term", in_quotes(word)),
            near ? fmt::format("did you mean '{}='?", *near)
                 : "terms are tolerance, nearest, ifov, pixels, flux, centroid, approach, corridor");
       return false;

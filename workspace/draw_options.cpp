@@ -166,7 +166,7 @@ void read_gl(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
     reader.share("pixel-error", text.pixel_error, "1%", gl.pixel_error);
   reader.flag("adaptive", text.adaptive, gl.adaptive);
   if (gl.adaptive && draw.samples == 0)
-    reader.fail("--adaptive requires --samples N; auto is adaptive by itself");
+    reader.fail("--adaptive requires --samples N; auto is always adaptive");
   gl.specular_filter = text.specular_filter != "off";
   if (text.specular_filter && gl.specular_filter && *text.specular_filter != "auto")
     reader.refuse("specular-filter", text.specular_filter, "auto or off");
@@ -179,8 +179,7 @@ void read_gl(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
   if (metres && *metres >= 0)
     gl.level_pixel = *metres;
   else
-    reader.refuse("levels", text.levels,
-                  "auto, off, or what a pixel sees, as 2cm or 0.02 (metres)");
+    reader.refuse("levels", text.levels, "auto, off, or a footprint, as 2cm or 0.02 (metres)");
 }
 
 void read_reference(const ViewText& text, DrawReader& reader, preview::ReferenceOptions& traced) {

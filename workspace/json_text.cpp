@@ -34,9 +34,9 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
   const std::size_t last = before.find_last_not_of(" \t\r\n");
   if (at < text.size() && (text[at] == '}' || text[at] == ']') && last != before.npos &&
       before[last] == ',')
-    problem.hint = "no comma stands behind the last item";
+    problem.hint = "the last item has no comma after it";
   else if (at < text.size() && text[at] == '\'')
-    problem.hint = "text stands in double quotes";
+    problem.hint = "strings have double quotes";
   else if (at < text.size() && text[at] == '/')
     problem.hint = "JSON has no comments";
   return problem;

@@ -199,7 +199,7 @@ std::string text_of(const json& object, const char* name) {
 
 // Why a record cannot be read; empty: it can.
 std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
-  if (!value.is_object()) return "it is no object";
+  if (!value.is_object()) return "it is not an object";
   const auto schema = value.find("schema");
   if (schema == value.end() || *schema != kSchema) return "its schema is not 1";
   record.program = text_of(value, "program");
@@ -209,7 +209,7 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
   const auto targets = value.find("targets");
   if (targets == value.end() || !targets->is_array() || targets->empty()) return "no targets";
   for (const json& target : *targets) {
-    if (!target.is_object()) return "a target is no object";
+    if (!target.is_object()) return "a target is not an object";
     record.targets.push_back(
         {text_of(target, "name"), text_of(target, "file"), text_of(target, "build_id")});
     if (record.targets.back().name.empty()) return "a target has no name";
@@ -301,7 +301,7 @@ void compare_with_record(const Record& record, const world::World& world,
   for (const RecordedTarget& target : record.targets) {
     const auto found = world.find(target.name);
     if (!found) {
-      warn(fmt::format("the target {} is not there now", in_quotes(target.name)));
+      warn(fmt::format("the target {} is missing now", in_quotes(target.name)));
       continue;
     }
     const std::string now = world[*found].model()->build_id().hex();
@@ -309,7 +309,8 @@ void compare_with_record(const Record& record, const world::World& world,
       warn(fmt::format("the model {} has changed since: its build identity was {}, and is {}",
                        in_quotes(target.name), target.build_id, now));
   }
-  if (record.nodes_moved) warn("a program had moved or hidden nodes, which no option can");
+  if (record.nodes_moved)
+    warn("nodes were moved or hidden through the library, which no option reproduces");
 }
 
 }  // namespace panwright::workspace

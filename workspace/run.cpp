@@ -376,12 +376,12 @@ class Run {
       log_.report_file(
           Code::W5008, uncertain_.output,
           fmt::format(
-              "{}{}the flux of an imposter is estimated to be off by {:.2g} %, more than the "
-              "{:.2g} % that --flux-error asks for",
+              "{}{}the estimated flux error of an imposter is {:.2g} %, expected at most {:.2g} % "
+              "(--flux-error)",
               uncertain_.views > 1 ? fmt::format("{} views, the worst ", uncertain_.views) : "",
               uncertain_.label.empty() ? "" : uncertain_.label + ": ", 100 * uncertain_.flux_error,
               100 * uncertain_.asked),
-          "little of it is lit, or in narrow glints: the error is relative to that");
+          "the lit share is small or in narrow glints; the error is relative to it");
     uncertain_ = {};
   }
 
@@ -392,8 +392,7 @@ class Run {
     if (draw.samples > 0 || draw.gl.samples > 0 || reached <= asked) return;
     log_.report_file(
         Code::W5008, view.output,
-        fmt::format("{}the estimated error is {:.2g} %, more than the {:.2g} % that "
-                    "--pixel-error asks for",
+        fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",
                     view.label.empty() ? "" : view.label + ": ", 100 * reached, 100 * asked));
   }
 

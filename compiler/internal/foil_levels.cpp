@@ -98,7 +98,7 @@ class FoilLevels {
     if (!reported_.insert({foil.shape, level}).second) return;
     log_.report(Code::N2024, {},
                 fmt::format("{}:{}:{}: the sheet has cells of {:.3g} m in place of {:.3g} m: a "
-                            "pixel of the budget sees {:.3g} m at the nearest",
+                            "pixel of the budget spans {:.3g} m at the nearest",
                             foil.source.file, foil.source.line, foil.source.column,
                             foil.levels[level].detail, foil.recipe.cell(), pixel));
   }

@@ -61,18 +61,18 @@ void report_whole(const std::string& file, double size, DiagnosticLog& log) {
   if (size > kLargest)
     log.report_file(
         Code::W2022, file,
-        fmt::format("the model is {} large, more than any spacecraft: {} if what was "
-                    "read as metres is millimetres, {} if it is inches",
+        fmt::format("the model is {} large, more than any spacecraft; read as millimetres it is "
+                    "{}, as inches {}",
                     words, length_in_words(size * 1e-3), length_in_words(size * 0.0254)),
-        "units=\"mm\" at the root says what bare lengths are, a unit behind a number "
-        "what it is: 6mm; --units mm does for CAD files");
+        "set units=\"mm\" at the root, or write a unit after each number, as 6mm; for CAD files "
+        "--units mm");
   else
     log.report_file(Code::W2022, file,
-                    fmt::format("the model is {} large, less than any spacecraft: {} if what was "
-                                "read as millimetres is metres, {} if it is inches",
+                    fmt::format("the model is {} large, less than any spacecraft; read as metres "
+                                "it is {}, as inches {}",
                                 words, length_in_words(size * 1e3), length_in_words(size * 25.4)),
-                    "units=\"m\" at the root says what bare lengths are, a unit behind a number "
-                    "what it is: 6m; --units m does for CAD files");
+                    "set units=\"m\" at the root, or write a unit after each number, as 6m; for "
+                    "CAD files --units m");
 }
 
 }  // namespace
@@ -102,12 +102,11 @@ void check_size(const scene::Scene& scene, const pan::Contents& contents, Diagno
   }
   if (!(most > 0)) return;
   if (most > kMostRatio * least) {
-    log.report_file(
-        Code::W2023, file,
-        fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
-                    path_of(contents, smallest), length_in_words(least), path_of(contents, largest),
-                    length_in_words(most), most / least),
-        "one of them may be in another unit: a unit behind a number says what it is, 6mm");
+    log.report_file(Code::W2023, file,
+                    fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
+                                path_of(contents, smallest), length_in_words(least),
+                                path_of(contents, largest), length_in_words(most), most / least),
+                    "check their units; a unit after a number sets it, as 6mm");
     return;
   }
   const double size = whole.size();

@@ -104,7 +104,7 @@ class Translation {
   void find_sources(std::int32_t texture, bool has_texcoords) {
     if (!has_texcoords) {
       if (texture < 0) return;
-      named_.insert("textures laid on by longitude and latitude");
+      named_.insert("textures mapped by longitude and latitude");
       flatten(texture);
       return;
     }
@@ -458,7 +458,7 @@ class Translation {
     if (m_.coat && (m_.coat->index != 1.5 || m_.coat->depth != Vec3(0)))
       named_.insert("index and depth of coats");
     if (shines_ && materials::brdf_model_of(m_).compensated)
-      named_.insert("light that microfacets scatter more than once");
+      named_.insert("multiple scattering between microfacets");
   }
 
   void measure() {
@@ -479,7 +479,8 @@ class Translation {
       share += mixture_error() / std::max(mean(mean_diffuse_ + mean_reflectance_), 1e-6);
     if (named_.empty() && share > kWorthSaying)
       named_.insert(
-          "exact Fresnel reflectances (it has Schlick's curve, and weakens diffuse light by it)");
+          "exact Fresnel reflectances (it uses Schlick's approximation, which also attenuates "
+          "diffuse light)");
     for (const std::string& what : named_) lost[what] = share;
   }
 
@@ -551,7 +552,7 @@ std::size_t MaterialWriter::place(std::size_t material, std::int32_t texture, bo
 
 void MaterialWriter::note_colors(std::size_t place) {
   if (mixes_colors_[place])
-    lose("vertex colours over diffuse light alone", 1, json_[place]["name"].get<std::string>());
+    lose("vertex colours of diffuse light only", 1, json_[place]["name"].get<std::string>());
   mixes_colors_[place] = false;
 }
 

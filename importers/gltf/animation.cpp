@@ -161,7 +161,7 @@ class Poser {
     if (animations == 0 || !(first_ <= last_))
       say("--time has no effect: the file has no animation");
     else if (time < first_ || time > last_)
-      say(fmt::format("{:.4g} s is {} key of the animations, at {:.4g} s: nodes stand as there",
+      say(fmt::format("{:.4g} s is {} key of the animations, at {:.4g} s: the nodes have that pose",
                       time, time < first_ ? "before the first" : "after the last",
                       time < first_ ? first_ : last_));
     else if (moved == 0)

@@ -81,10 +81,10 @@ class BufferLoader {
     const std::uint64_t there = buffer.bytes.size();
     if (there < buffer.declared)
       d_.report(Code::E6206, &json, at,
-                fmt::format("{} bytes are declared and {} are there", buffer.declared, there));
+                fmt::format("{} bytes are declared, found {}", buffer.declared, there));
     else if (there > buffer.declared + 3 && !json.broken)
       d_.report(Code::W6215, &json, at,
-                fmt::format("{} bytes are there and {} declared", there, buffer.declared));
+                fmt::format("found {} bytes, {} are declared", there, buffer.declared));
     buffer.bytes = buffer.bytes.first(std::min(there, buffer.declared));
   }
 

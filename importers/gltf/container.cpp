@@ -56,7 +56,7 @@ class Chunks {
     const std::size_t body = at + 8;
     const std::size_t there = std::min<std::size_t>(length, bytes_.size() - body);
     if (there < length)
-      complain(at, fmt::format("a chunk of {} bytes, of which {} are there", length, there));
+      complain(at, fmt::format("a chunk of {} bytes, found {}", length, there));
     else if (length % 4 != 0)
       complain(at, fmt::format("the length {} of a chunk is not a multiple of 4", length));
     const std::string_view bytes = bytes_.substr(body, there);

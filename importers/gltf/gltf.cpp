@@ -122,7 +122,7 @@ class Reader {
   bool parse(std::string_view json) {
     if (const std::size_t zero = json.find('\0'); zero != json.npos) {
       d_.report(Code::E6203, static_cast<std::uint32_t>(zero), "",
-                "a zero byte in the JSON; what follows is not read");
+                "a zero byte in the JSON; the rest is not read");
       json = json.substr(0, zero);
     }
     const std::uint64_t values = std::max<std::uint64_t>(d_.options.limits.memory / kValueBytes, 1);

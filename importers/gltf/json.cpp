@@ -85,7 +85,7 @@ class Builder {
     out_.problem = JsonProblem{
         position > 0 ? position - 1 : 0,
         overflow ? fmt::format("the number {} is too large", in_quotes(token))
-                 : fmt::format("the JSON breaks off at {}",
+                 : fmt::format("the JSON is truncated at {}",
                                token.empty() ? std::string("its end") : in_quotes(token))};
     return false;
   }
@@ -141,8 +141,7 @@ class Builder {
     for (const std::size_t i : earlier) {
       drop[i] = true;
       out_.repeated.push_back(
-          {object.items[i].offset, fmt::format("{} is repeated in one object; the last one "
-                                               "counts",
+          {object.items[i].offset, fmt::format("{} is repeated in one object; the last one is used",
                                                in_quotes(object.keys[i]))});
     }
     std::size_t kept = 0;

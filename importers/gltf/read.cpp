@@ -114,8 +114,8 @@ bool may_invent(Document& document, std::uint64_t bytes, const std::string& obje
   constexpr std::uint64_t kFree = 1 << 20;
   if (bytes > kFree && bytes / 64 > document.file_bytes) {
     document.report(Code::E6002, nullptr, object,
-                    fmt::format("{} bytes of zeros are more than a file of {} bytes may ask for",
-                                bytes, document.file_bytes));
+                    fmt::format("{} bytes of zeros exceed the limit for a file of {} bytes", bytes,
+                                document.file_bytes));
     return false;
   }
   return document.charge(bytes, object);

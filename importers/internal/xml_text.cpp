@@ -39,7 +39,7 @@ std::string_view first_element(std::string_view text) {
 std::string not_well_formed(const pugi::xml_parse_result& result) {
   std::string problem = result.description();
   if (!problem.empty()) problem[0] = static_cast<char>(std::tolower(problem[0]));
-  return fmt::format("the XML text is not well-formed: {}; what stands before is read", problem);
+  return fmt::format("the XML text is not well-formed: {}; the text before is read", problem);
 }
 
 }  // namespace
@@ -81,8 +81,7 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
   included_.push_back({top.name() - offset, bytes->size(), file});
   if (std::ranges::find(names, std::string_view(top.name())) == names.end()) {
     context_->log.report(Code::E6220, at(top),
-                         fmt::format("the element {} stands where {} is expected; nothing of the "
-                                     "file is read",
+                         fmt::format("unexpected element {}, expected {}; the file is not read",
                                      in_quotes(top.name()), fmt::join(names, " or ")));
     return without();
   }

@@ -81,7 +81,7 @@ class ObjReader {
     if (is_in(kFreeForm, word)) return s_.skipped("free-form statement");
     if (is_in(kIgnored, word)) return;
     s_.trouble(Code::E6501, "word", at(word), [&] {
-      return fmt::format("{} begins no line of OBJ; the line is left out", in_quotes(word));
+      return fmt::format("{} is not an OBJ statement; the line is left out", in_quotes(word));
     });
   }
 
@@ -95,7 +95,7 @@ class ObjReader {
       const auto value = parse_double(word);
       if (!value) {
         s_.trouble(Code::E6501, "number", at(word), [&] {
-          return fmt::format("{} is not a number; what uses this line is left out",
+          return fmt::format("{} is not a number; elements that use this line are left out",
                              in_quotes(word));
         });
         return -1;
@@ -109,7 +109,7 @@ class ObjReader {
     if (count >= wanted) return true;
     if (count >= 0)
       s_.trouble(Code::E6501, "few numbers", at(rest), [&] {
-        return fmt::format("{} where {} are wanted; what uses this line is left out",
+        return fmt::format("{}, expected {}; elements that use this line are left out",
                            counted(static_cast<std::size_t>(count), "number"), wanted);
       });
     return false;

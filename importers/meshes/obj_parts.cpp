@@ -85,7 +85,7 @@ bool ObjMesher::take_face(std::size_t face, std::vector<ObjCorner>& corners) {
     }
     if (!is_usable(l_.points[static_cast<std::size_t>(c.point)])) {
       s_.trouble(Code::E6501, "place", s_.at(where, where + 1), [&] {
-        return fmt::format("the face names vertex {}, which has no place, and is left out",
+        return fmt::format("the face names vertex {}, which has no position, and is left out",
                            std::int64_t{c.point} + 1);
       });
       return false;

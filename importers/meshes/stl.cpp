@@ -237,7 +237,7 @@ class TextReader {
                  s_.at(word), [&] {
                    return fmt::format(
                        "a facet of {}{}", counted(face_.size(), "corner"),
-                       face_.size() < 3 ? ", which is left out" : "; STL has triangles alone");
+                       face_.size() < 3 ? ", which is left out" : "; STL has only triangles");
                  });
     if (!broken_ && face_.size() >= 3 &&
         assembly_.has_room_for(mesh_.triangles.size() + face_.size() - 2, s_.at(word)))

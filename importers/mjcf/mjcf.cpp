@@ -170,7 +170,7 @@ class SceneMaker {
     std::ranges::sort(names);
     const auto near = nearest_name(name, names);
     c_.log.report(Code::E6220, coupling.where,
-                  fmt::format("there is no hinge or slide {}; the joints move by themselves",
+                  fmt::format("there is no hinge or slide {}; the joints move independently",
                               in_quotes(name)),
                   near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
     return nullptr;
@@ -200,7 +200,7 @@ class SceneMaker {
       if (!leader) continue;
       if (leads(joints, leader->joint, follower->joint)) {
         c_.log.report(Code::E6220, coupling.where,
-                      fmt::format("the joint {} follows itself; it moves by itself",
+                      fmt::format("the joint {} follows itself; it moves independently",
                                   in_quotes(coupling.follower)));
         continue;
       }
@@ -374,7 +374,7 @@ Result<Imported> read(Files& files, const InputFile& file, const Options& option
   if (model.bodies.size() < 2 && model.bodies[0].geoms.empty()) {
     if (log.errors() == errors)
       log.report(Code::E6220, text.at(text.top()),
-                 "the model has no body and nothing to see, expected a <worldbody> with bodies");
+                 "the model has no body and no geom, expected a <worldbody> with bodies");
     context.tell();
     return failed;
   }

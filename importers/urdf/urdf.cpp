@@ -193,9 +193,9 @@ class SceneMaker {
         const std::string problem =
             found == named.end()
                 ? fmt::format("there is no joint {}", in_quotes(mimic->joint))
-                : fmt::format("{} cannot follow {}: joints of one value each are expected",
+                : fmt::format("{} cannot follow {}, expected joints of one value each",
                               in_quotes(robot_.joints[i].name), in_quotes(mimic->joint));
-        c_.log.report(Code::E6220, mimic->where, problem + "; the joint moves by itself");
+        c_.log.report(Code::E6220, mimic->where, problem + "; the joint moves independently");
         continue;
       }
       scene::Joint& joint = joints[static_cast<std::size_t>(leader_[i])];
@@ -228,7 +228,7 @@ class SceneMaker {
       joints[at].multiplier = 1;
       joints[at].offset = 0;
       c_.log.report(Code::E6220, robot_.joints[i].mimic->where,
-                    fmt::format("the joint {} follows itself; it moves by itself",
+                    fmt::format("the joint {} follows itself; it moves independently",
                                 in_quotes(joints[at].name)));
     }
   }

@@ -351,7 +351,7 @@ std::optional<Problem> back_problem(const Model& model, std::size_t index) {
                                             index, back.instance)};
   if ((model.meshes()[instance.mesh].flags & layout::kMeshClosed) != 0 && front.cutout_map < 0)
     return Problem{Code::E4012,
-                   fmt::format("backs[{}] is of a closed mesh, whose back is not seen", index)};
+                   fmt::format("backs[{}] is of a closed mesh, whose back is not visible", index)};
   return {};
 }
 
@@ -479,7 +479,7 @@ std::string joint_problem(const layout::Joint& joint) {
   for (std::size_t i = 0; i < geometry::kMaxJointValues; ++i) {
     const double lower = joint.lower[i], upper = joint.upper[i], value = joint.value[i];
     if ((i >= count || !limited) && (lower != 0 || upper != 0))
-      return fmt::format("has limits of value {}, which it has not", i);
+      return fmt::format("has limits of value {}, which its kind does not have", i);
     if (i >= count && value != 0) return fmt::format("has a value {} beyond those of its kind", i);
     if (i >= count) continue;
     if (limited && !(lower <= upper)) return "has a lower limit above the upper one";
@@ -533,7 +533,8 @@ std::optional<Problem> joints_problem(const Model& model) {
     return Problem{Code::E4012, fmt::format("two joints have the name {}", in_quotes(*twice))};
   std::size_t wrong = 0;
   if (!geometry::JointSet::of(std::move(all), &wrong))
-    return Problem{Code::E4012, fmt::format("joints[{}] follows what it cannot follow", wrong)};
+    return Problem{Code::E4012,
+                   fmt::format("joints[{}].mimic is a joint that it cannot follow", wrong)};
   return {};
 }
 

@@ -272,23 +272,21 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
     log.report_file(
         Code::W5012, {},
         fmt::format(
-            "there is memory for shadows of {} points of the Sun's disc, not of {}: penumbrae have "
-            "steps of {:.2g} of the Sun's light, expected {:.2g} (RMS; a smaller --shadow-side "
-            "leaves room for more)",
+            "memory for shadows of {} points of the Sun's disc, expected {}: penumbrae have steps "
+            "of {:.2g}, expected {:.2g} (RMS); a smaller --shadow-side allows more",
             missed.points, missed.asked, error_of_sun_points(missed.points),
             error_of_sun_points(missed.asked)));
   if (!worst) return;
   log.report_file(
       Code::W5012, {},
-      fmt::format(
-          "the shadow map of '{}' has texels of {:.3g} m where a pixel spans {:.3g} m: edges "
-          "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
-          "({})",
-          scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, kEdgeOfTexel * coarsest, kEdgeOfTexel * kMostPixelsATexel,
-          worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
-              ? "single precision allows no finer ones for triangles so large: smaller ones help"
-              : "a larger --shadow-side may give finer ones"));
+      fmt::format("the shadow map of '{}' has texels of {:.3g} m at pixels of {:.3g} m: shadow "
+                  "edges are off by up to {:.2g} pixels, expected {:.2g} ({})",
+                  scene.world[worst->targets.front().target].name(), worst->layout.texel,
+                  worst->layout.pixel, kEdgeOfTexel * coarsest, kEdgeOfTexel * kMostPixelsATexel,
+                  worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
+                      ? "single precision allows no finer texels for such large triangles; use "
+                        "smaller triangles"
+                      : "a larger --shadow-side may give finer texels"));
 }
 
 }  // namespace panwright::preview

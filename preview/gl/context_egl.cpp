@@ -175,7 +175,7 @@ ContextAttempt create_egl_context(bool hardware_only) {
                                : fmt::format("device {}: {}", i, attempt.reason));
     if (attempt.context && !hardware_only) return attempt;
   }
-  if (found.empty()) add_reason("there is no device");
+  if (found.empty()) add_reason("no device found");
   if (hardware_only) return {nullptr, std::move(reasons)};
   if (has_word(egl().client_extensions, "EGL_MESA_platform_surfaceless")) {
     auto attempt = on_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);

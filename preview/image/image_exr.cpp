@@ -22,7 +22,7 @@ class FileStream final : public Imf::OStream {
     const auto bytes = as_bytes(std::string_view(c, static_cast<std::size_t>(n)));
     if (!file_.write_at(position_, bytes, log_)) {
       reported_ = true;
-      throw std::runtime_error("the disk refused");
+      throw std::runtime_error("writing failed");
     }
     position_ += static_cast<std::uint64_t>(n);
   }

@@ -79,8 +79,8 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
     if (!(error > options.until_error)) return;
     if (batches.batches() >= most) {
       log.report_file(Code::W5008, {},
-                      fmt::format("the flux is known to {:.2g} of itself after {} samples a pixel; "
-                                  "{:.2g} was wanted",
+                      fmt::format("the relative error of the flux is {:.2g} after {} samples per "
+                                  "pixel, expected {:.2g}",
                                   error, std::uint64_t{batches.batches()} * view.batch_samples(),
                                   options.until_error));
       return;
@@ -144,10 +144,9 @@ void add_ground_truth(const TraceScene& scene, const world::World& world,
 const char* empty_because(const world::World& world, const TraceScene& scene,
                           std::span<const Cell> cells) {
   if (world.empty()) return "nothing is in view: the world has no targets";
-  if (scene.targets().empty())
-    return "nothing is in view: all targets are hidden, or have nothing to show";
+  if (scene.targets().empty()) return "nothing is in view: all targets are hidden or empty";
   if (cells.empty()) return "nothing is in view: no part of the model lies inside the image";
-  return "nothing is in view: the camera may be inside a closed mesh, which shows its outside only";
+  return "nothing is in view: the camera may be inside a closed mesh, visible from outside only";
 }
 
 }  // namespace

@@ -408,7 +408,7 @@ class KindReader {
       if (power_of(other.kind) != 0) as_length(*part);
       const bool bare = !part->is_zero() && part->pi == 0 && bare_.angle->factor != 1;
       if (other.kind.measure == Measure::unknown && other.angular && bare && !clash_)
-        fail(part->begin, part->end, "a bare number beside what may be an angle",
+        fail(part->begin, part->end, "a bare number combined with a possible angle",
              fmt::format("give it its unit: {}, or {}", with_unit(text_, *part, "deg"),
                          with_unit(text_, *part, bare_.length->name)));
     }

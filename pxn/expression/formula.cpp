@@ -152,7 +152,7 @@ class FormulaReader {
   }
 
   void braces() {
-    fail(at_, at_ + 1, text_[at_] == '{' ? "nested braces" : "a brace closes what is not open",
+    fail(at_, at_ + 1, text_[at_] == '{' ? "nested braces" : "unmatched closing brace",
          text_[at_] == '{' ? "inside braces, parentheses group" : "");
   }
 
@@ -161,7 +161,7 @@ class FormulaReader {
     const std::string_view found = text_.substr(at_, length);
     std::string hint;
     if (found == "%") hint = "the remainder is written mod(a, b)";
-    if (found == "\"" || found == "'") hint = "expressions have no texts";
+    if (found == "\"" || found == "'") hint = "expressions have no strings";
     if (found == "[" || found == "]") hint = "parentheses group";
     fail(at_, at_ + length,
          fmt::format("{} is not allowed in an expression",
@@ -298,7 +298,7 @@ class FormulaReader {
     Frame& frame = frames_.back();
     if (frame.kind == Kind::condition) return no_colon();
     if (frame.kind != Kind::function)
-      return fail(at_, at_ + 1, "',' separates the values of a function, and here is none",
+      return fail(at_, at_ + 1, "',' outside the arguments of a function",
                   "numbers have a decimal point");
     frame.compared = false;
     if (++frame.values > kFunctions[frame.function].most) return wrong_number(frame);
@@ -308,7 +308,7 @@ class FormulaReader {
   void close() {
     const Frame frame = frames_.back();
     if (frame.kind == Kind::condition) return no_colon();
-    if (frame.kind == Kind::all) return fail(at_, at_ + 1, "')' closes what is not open");
+    if (frame.kind == Kind::all) return fail(at_, at_ + 1, "unmatched ')'");
     if (frame.kind == Kind::function && frame.values < kFunctions[frame.function].least)
       return wrong_number(frame);
     frames_.pop_back();
@@ -348,7 +348,7 @@ class FormulaReader {
   void read_end() {
     const Frame& frame = frames_.back();
     if (formula_.program.empty() && formula_.operands.empty())
-      return fail(0, text_.size(), "there is nothing between the braces");
+      return fail(0, text_.size(), "no expression between the braces");
     if (want_operand_)
       return fail(text_.size(), text_.size() + 1, "the expression ends where a value is needed");
     if (frame.kind == Kind::condition) return no_colon();

@@ -464,7 +464,7 @@ bool Values::replace_expressions(std::uint32_t element, const Text& text, std::s
     const std::size_t open = text.text.find('{', at);
     if (const std::size_t lone = text.text.find('}', at); lone < open) {
       reporter_.report(Code::E1221, place(text, {text.text.substr(lone, 1), lone}), doc_, element,
-                       [&] { return Reporter::Text("this brace closes what is not open"); });
+                       [&] { return Reporter::Text("unmatched closing brace"); });
       return false;
     }
     out += text.text.substr(at, std::min(open, text.text.size()) - at);

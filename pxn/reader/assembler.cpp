@@ -234,10 +234,9 @@ class Assembler {
              Context& context) {
     if (scene_.nodes.size() >= options_.limits.nodes) {
       report(Code::E1008, use, item, [&] {
-        return Reporter::Text(
-            fmt::format("the model has more than {} nodes, with all that parts, repeats and "
-                        "includes make of them",
-                        options_.limits.nodes));
+        return Reporter::Text(fmt::format(
+            "the model has more than {} nodes, counting those of parts, repeats and includes",
+            options_.limits.nodes));
       });
       stopped_ = true;
       return false;
@@ -307,7 +306,7 @@ class Assembler {
     if (joints_.add(known, node, prefix, where, use.part->file->document, element, scene_)) return;
     if (!taken_.insert({use.part, element}).second) return;
     report_at(Code::E1210, use, element, [&] {
-      return Reporter::Text(fmt::format("duplicate joint {}; what is inside this one is at rest",
+      return Reporter::Text(fmt::format("duplicate joint {}; the contents of this one stay at rest",
                                         in_quotes(prefix + known.joint.name)));
     });
   }

@@ -292,9 +292,8 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
   say(Code::W7002, many_triangles(worn.triangles, worn.finest_cell));
   if (worn.coarsened > 0)
     say(Code::W7002,
-        fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
-                    "triangles each and three million in all; <mli_settings> of <mli "
-                    "type=\"wrap\"> sets others",
+        fmt::format("cells of {} are up to {:.2g} m, too large for all wrinkles, within a million "
+                    "triangles each; set others by <mli_settings> of <mli type=\"wrap\">",
                     counted(worn.coarsened, "blanket"), worn.largest_cell));
 }
 

@@ -328,7 +328,7 @@ bool Loader::read_arguments(Work& work, std::uint32_t element, const Definition&
         reporter_.report(
             Code::E1210, values.value_place(c, attribute::with_name), document, c, [&] {
               return Reporter::Text(
-                  fmt::format("{} has a value already; the first one counts", in_quotes(*name)));
+                  fmt::format("{} has a value already; the first one is used", in_quotes(*name)));
             });
       continue;
     }

@@ -313,11 +313,10 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
     reporter_.report(
         Code::W6008, values.value_place(rule, attribute::assign_material), document, rule, [&] {
           if (unseen > 0)
-            return Reporter::Text(
-                fmt::format("the textures of {} are kept and not seen: they multiply the diffuse "
-                            "colour, and {} has none",
-                            counted(unseen, "part"), in_quotes(material->name)),
-                "assign a material with a diffuse colour");
+            return Reporter::Text(fmt::format("the textures of {} have no effect: they multiply "
+                                              "the diffuse colour, and {} has none",
+                                              counted(unseen, "part"), in_quotes(material->name)),
+                                  "assign a material with a diffuse colour");
           return Reporter::Text(
               fmt::format("{} {} colour from an image of at most {} texels, as from a palette, "
                           "which {} replaces by one colour",

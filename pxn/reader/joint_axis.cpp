@@ -73,13 +73,14 @@ std::string described(const AxisLine& line) {
 Reporter::Text no_line(const std::string& joint, const std::string& pattern,
                        const std::vector<AxisLine>& lines, bool some_elsewhere) {
   if (lines.empty())
-    return {fmt::format("joint {} has no axis: {} in what {} fits; its nodes stay at rest",
-                        in_quotes(joint),
-                        some_elsewhere ? "none is along the axis that is written"
-                                       : "there is no cylinder, cone, torus or circular hole",
-                        in_quotes(pattern)),
-            "write axis=\"x y z\" and origin=\"x y z\", or name a node with a round part by "
-            "axis_from"};
+    return {
+        fmt::format("joint {} has no axis: {} in the nodes that {} matches; its nodes stay at rest",
+                    in_quotes(joint),
+                    some_elsewhere ? "none is along the axis that is written"
+                                   : "there is no cylinder, cone, torus or circular hole",
+                    in_quotes(pattern)),
+        "write axis=\"x y z\" and origin=\"x y z\", or name a node with a round part by "
+        "axis_from"};
   std::string list;
   for (std::size_t i = 0; i < std::min(lines.size(), kMostNamed); ++i)
     list +=

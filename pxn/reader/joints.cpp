@@ -89,7 +89,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
       joint.mimic = find(known, known.mimic);
       const bool there = joint.mimic != scene::kNone;
       if (!there)
-        refuse(known, fmt::format("follows {}, which is no joint", in_quotes(known.mimic)),
+        refuse(known, fmt::format("follows {}, which is not a joint", in_quotes(known.mimic)),
                hint_for(known.mimic));
       else if (const scene::Joint& leader = scene.joints[static_cast<std::size_t>(joint.mimic)];
                geometry::value_count(leader.kind) != 1) {
@@ -101,7 +101,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
     if (known.gimbal.empty()) continue;
     joint.gimbal = find(known, known.gimbal);
     if (joint.gimbal == scene::kNone) {
-      refuse(known, fmt::format("aims with {}, which is no joint", in_quotes(known.gimbal)),
+      refuse(known, fmt::format("aims with {}, which is not a joint", in_quotes(known.gimbal)),
              hint_for(known.gimbal));
       continue;
     }
@@ -115,7 +115,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
       continue;
     refuse(known, fmt::format("aims with {}, which {}", in_quotes(known.gimbal),
                               !turns                 ? "does not turn"
-                              : node == scene::kNone ? "does not stand around it"
+                              : node == scene::kNone ? "does not enclose it"
                                                      : "follows another joint"));
     joint.gimbal = scene::kNone;
   }

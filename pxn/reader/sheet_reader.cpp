@@ -293,7 +293,7 @@ class SheetReader {
       wrong(values_.value_place(element_, attribute::mli_edge),
             "a box has no cut edge: it is closed");
     return beside(attribute::mli_edge, attribute::mli_thickness, kThickness,
-                  "thickness without edge: 'edge' names the material of what is cut");
+                  "thickness without edge: 'edge' names the material of cut edges");
   }
 
   // A length that goes with a material.
@@ -312,13 +312,13 @@ class SheetReader {
                            attribute::mli_standoff});
     if (values_.has(element_, attribute::mli_thickness))
       wrong(values_.value_place(element_, attribute::mli_thickness),
-            "a wrap has no thickness: its cut edge is as high as it stands off");
+            "a wrap has no thickness: its cut edge has the height of the stand-off");
     for (const std::size_t which :
          {attribute::mli_translate, attribute::mli_rotate, attribute::mli_quat,
           attribute::mli_scale, attribute::mli_tolerance})
       if (values_.has(element_, which))
         wrong(values_.value_place(element_, which),
-              "a wrap has no placement and no tolerance of its own: it lies on what it covers");
+              "a wrap has no placement and no tolerance: it lies on the shapes that it covers");
     const auto pattern = [&](std::size_t which, std::optional<std::string>& out) {
       if (!values_.has(element_, which)) return;
       out = values_.text(element_, which);

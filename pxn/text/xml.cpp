@@ -142,7 +142,7 @@ class Scanner {
     std::uint32_t end = at_ < size_ && text_[at_] == '#' ? at_ + 1 : at_;
     while (end < size_ && is(text_[end], CharClass::name)) ++end;
     if (end == at_ || end >= size_ || text_[end] != ';') {
-      report(Code::E1001, begin, begin + 1, "'&' begins no reference; write '&amp;'");
+      report(Code::E1001, begin, begin + 1, "'&' without a reference; write '&amp;'");
       return;
     }
     const bool number = text_[at_] == '#';
@@ -422,7 +422,7 @@ class Scanner {
     for (std::size_t i = first; i < doc_.attributes.size(); ++i) {
       if (doc_.name(doc_.attributes[i]) != name) continue;
       report(Code::E1007, begin, end,
-             fmt::format("{} is given twice; the first one counts", quoted(begin, end)));
+             fmt::format("{} is given twice; the first one is used", quoted(begin, end)));
       return;
     }
     if (end - begin > kLongestName) {

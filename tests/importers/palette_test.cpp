@@ -77,7 +77,7 @@ TEST(Palette, EachColorIsAMaterial) {
     EXPECT_EQ(model.scene.shapes.size(), 4u);  // the whole one, and three that both places share
     ASSERT_EQ(model.scene.materials.size(), 3u);
     ASSERT_EQ(model.materials.size(), 3u);
-    EXPECT_THAT(to_text(log), HasSubstr("1 palette image stood for colours: 3 materials"));
+    EXPECT_THAT(to_text(log), HasSubstr("replaced 1 palette image by 3 materials"));
     for (std::size_t i = 0; i < 3; ++i) {
       const scene::Instance& one = model.scene.instances[i];
       const auto& mesh =

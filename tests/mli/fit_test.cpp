@@ -95,14 +95,14 @@ TEST(Fit, RefusesWhatNoSheetHas) {
     bool keep;
     const char* message;
   } cases[] = {
-      {preset("crinkled"), {}, false, "nothing to fit is given"},
+      {preset("crinkled"), {}, false, "no statistic to fit"},
       {preset("crinkled"), {.slope_rms = 0}, false, "slope_rms is 0"},
       {preset("crinkled"), {.slope_rms = std::nan("")}, false, "slope_rms is nan"},
-      {preset("quilted"), {.correlation = 0.02, .height_rms = 1e-3}, false, "the recipe has none"},
+      {preset("quilted"), {.correlation = 0.02, .height_rms = 1e-3}, false, "which the recipe lacks"},
       {preset("crinkled"),
        {.slope_rms = 0.1, .correlation = 0.02, .height_rms = 0.02},
        false,
-       "sheets of this kind and slope have"},
+       "for sheets of this kind and slope"},
       {preset("crinkled"), {.correlation = 2}, true, "the nearest found is"},
       {preset("crinkled"), {.correlation = 1e-5}, true, "has no correlation length"},
   };

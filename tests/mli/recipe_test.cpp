@@ -32,15 +32,15 @@ TEST(Recipe, SizesThatCannotBe) {
     EXPECT_THAT(said_of(recipe(wrong, 1, 10, {})), HasSubstr("width is ")) << wrong;
     EXPECT_THAT(said_of(recipe(1, wrong, 10, {})), HasSubstr("height is ")) << wrong;
   }
-  EXPECT_EQ(said_of(recipe(1, 1, 0, {})), "xgrid is 0; a sheet has 1 to 100000 cells across\n");
+  EXPECT_EQ(said_of(recipe(1, 1, 0, {})), "xgrid is 0, expected 1 to 100000 cells across\n");
   EXPECT_EQ(said_of(recipe(1, 1, 10'000'000, {})),
-            "xgrid is 10000000; a sheet has 1 to 100000 cells across\n");
+            "xgrid is 10000000, expected 1 to 100000 cells across\n");
   EXPECT_EQ(said_of(recipe(1, 1, 50'000, {})),
-            "xgrid 50000 makes 2500100001 vertices; 70000000 are accepted, an xgrid of 8365\n");
+            "xgrid 50000 makes 2500100001 vertices, expected at most 70000000: an xgrid of 8365\n");
   EXPECT_THAT(said_of(recipe(1, 0.001, 100, {})), HasSubstr("is 0 cells high"));
-  EXPECT_THAT(said_of(recipe(0.001, 1e9, 100, {})), HasSubstr("cells high; a sheet is 1 to"));
+  EXPECT_THAT(said_of(recipe(0.001, 1e9, 100, {})), HasSubstr("cells high, expected 1 to"));
   EXPECT_EQ(said_of(recipe(1, 1, 8000, {Smooth{2000}})),
-            "operation 1, smooth: number of passes is 2000; it is a number from 0 to 1562\n");
+            "operation 1, smooth: number of passes is 2000, expected a number from 0 to 1562\n");
   // what is proposed is accepted
   DiagnosticLog log;
   EXPECT_TRUE(check(recipe(1, 1, 8365, {}), log));
@@ -64,19 +64,18 @@ TEST(Recipe, OperationsThatCannotBe) {
   Crease short_ridges;
   short_ridges.length = 0.01;
   const Case cases[] = {
-      {Random{-1}, "operation 2, random: amplitude is -1; it is a number from 0 to"},
+      {Random{-1}, "operation 2, random: amplitude is -1, expected a number from 0 to"},
       {Random{kNan}, "amplitude is nan"},
-      {Smooth{10'001}, "number of passes is 10001; it is a number from 0 to 10000"},
+      {Smooth{10'001}, "number of passes is 10001, expected a number from 0 to 10000"},
       {Constant{kInfinite}, "height is inf"},
-      {Taper{0.3, 0.2, 0, 0}, "x0 is 0.3 m and x1 0.2 m; x1 is as large as x0 or larger"},
+      {Taper{0.3, 0.2, 0, 0}, "x0 is 0.3 m and x1 0.2 m, expected x1 at least as large as x0"},
       {Taper{0, 0.6, 0, 0}, "x1 is 0.6 m, more than half the sheet's width, 0.5 m"},
       {Taper{0, 0, 0.1, 0.26}, "y1 is 0.26 m, more than half the sheet's height, 0.25 m"},
       {Taper{0, kNan, 0, 0}, "x1 is nan"},
       {Taper{-1, 0, 0, 0}, "x0 is -1"},
       {Wrinkle{0, 1, 0, 3}, "wavelength is 0"},
       {Wrinkle{0.01, 1, 0, 3},
-       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; a larger one, or cells "
-       "(width / xgrid) of at most 0.005 m, are accepted"},
+       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; expected a larger one, or cells (width / xgrid) of at most 0.005 m"},
       {Fractal{0.7, 1, 0.01}, "longest 0.01 m is less than two cells"},
       {Emboss{Pattern::quilt, 0.01, 1}, "pitch 0.01 m is less than two cells"},
       {Seam{true, 0.2, 0.01, 1, 0, 0}, "width 0.01 m is less than two cells"},
@@ -85,30 +84,30 @@ TEST(Recipe, OperationsThatCannotBe) {
       {short_ridges, "length 0.01 m is less than two cells"},
       {Wrinkle{0.1, kNan, 0, 3}, "amplitude is nan"},
       {Wrinkle{0.1, 1, kInfinite, 3}, "direction is inf"},
-      {Wrinkle{0.1, 1, 0, 0.5}, "anisotropy is 0.5; it is a number from 1 to 100"},
-      {dense, "are accepted, a density of"},
-      {overlapping, "ridges lie over each point of the sheet; 100 are accepted, a density of"},
-      {long_tailed, "tail is 1; it is a number from 1.01 to 10"},
-      {Fractal{0, 1, 0}, "H is 0; it is above 0 and at most 1"},
-      {Fractal{kNan, 1, 0}, "H is nan; it is above 0 and at most 1"},
-      {Fractal{1.5, 1, 0}, "H is 1.5; it is a number from 0 to 1"},
+      {Wrinkle{0.1, 1, 0, 0.5}, "anisotropy is 0.5, expected a number from 1 to 100"},
+      {dense, ": a density of"},
+      {overlapping, "ridges overlap at each point of the sheet, expected at most 100: a density of"},
+      {long_tailed, "tail is 1, expected a number from 1.01 to 10"},
+      {Fractal{0, 1, 0}, "H is 0, expected above 0 and at most 1"},
+      {Fractal{kNan, 1, 0}, "H is nan, expected above 0 and at most 1"},
+      {Fractal{1.5, 1, 0}, "H is 1.5, expected a number from 0 to 1"},
       {Fractal{0.5, -1, 0}, "rms is -1"},
       {Fractal{0.5, 1, -1}, "longest is -1"},
       {Emboss{Pattern::quilt, 0, 1}, "pitch is 0"},
       {Emboss{Pattern::diamond, 1, kNan}, "depth is nan"},
       {Seam{true, 0.6, 0.1, 0, 0, 0},
-       "position is 0.6; it is a number from 0 to 0.5 m, on the sheet"},
+       "position is 0.6, expected a number from 0 to 0.5 m, on the sheet"},
       {Seam{false, 0.6, 0, 0, 0, 0}, "width is 0"},
       {Seam{false, 0.6, 0.1, 0, -1, 0}, "stitch is -1"},
       {Button{0, 0, 0, 0}, "pitch is 0"},
       {Button{0.2, 0.05, 0.15, 0},
-       "reach is 0.15 m; it is more than the radius, 0.05 m, and at most half the pitch, 0.1 m"},
+       "reach is 0.15 m, expected more than the radius, 0.05 m, and at most half the pitch, 0.1 m"},
       {Button{0.2, 0.05, 0.05, 0}, "reach is 0.05 m"},
       {Button{0.2, 0.05, kNan, 0}, "reach is nan m"},
       {Crush{0, 1}, "size is 0"},
       {Crush{1, kInfinite}, "depth is inf"},
-      {SlopeRms{-0.1}, "slope is -0.1; it is a number from 0 to 100"},
-      {SlopeRms{0.1}, "the sheet is level here"},
+      {SlopeRms{-0.1}, "slope is -0.1, expected a number from 0 to 100"},
+      {SlopeRms{0.1}, "the sheet is flat here"},
   };
   for (const Case& each : cases)
     EXPECT_THAT(said_of(recipe(1, 0.5, 100, {Constant{1}, each.operation})), HasSubstr(each.said));

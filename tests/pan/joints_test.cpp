@@ -128,7 +128,7 @@ TEST(Joints, AreCheckedAgainstTheRules) {
   EXPECT_THAT(broken([](Contents& c) { c.joints[0].value[1] = 7; }),
               HasSubstr("joints[0] has a value 1 beyond those of its kind"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[1].joint.lower[5] = -1; }),
-              HasSubstr("joints[1] has limits of value 5, which it has not"));
+              HasSubstr("joints[1] has limits of value 5, which its kind does not have"));
   EXPECT_THAT(broken([](Contents& c) {
                 c.joints[1].joint = {};
                 c.joints[1].joint.kind = JointKind::scale;
@@ -141,9 +141,9 @@ TEST(Joints, AreCheckedAgainstTheRules) {
   EXPECT_THAT(broken([](Contents& c) { c.joints[1].name = "turn"; }),
               HasSubstr("two joints have the name 'turn'"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[1].joint.mimic = 1; }),
-              HasSubstr("joints[1] follows what it cannot follow"));
+              HasSubstr("joints[1].mimic is a joint that it cannot follow"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[0].joint.mimic = 1; }),
-              HasSubstr("follows what it cannot follow"));
+              HasSubstr("mimic is a joint that it cannot follow"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[1].joint.mimic = 2; }), HasSubstr("E4010"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[1].node = 3; }), HasSubstr("E4010"));
   EXPECT_THAT(broken([](Contents& c) { c.joints[0].value[0] = NAN; }), HasSubstr("E4012"));

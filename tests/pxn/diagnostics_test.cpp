@@ -76,7 +76,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "in its "
        "first line: <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>)\n"},
       {"E1006", "3:1787 E1006 'group' is nested deeper than 256 elements\n"},
-      {"E1007", "3:31 E1007 'rings' is given twice; the first one counts\n"},
+      {"E1007", "3:31 E1007 'rings' is given twice; the first one is used\n"},
       {"E1101",
        "3:4 E1101 unknown element 'spere' in <pangu_model>, expected group, include, transform, "
        "rotate, frame_s, appearance, texture, sphere, mesh or mli (did you mean 'sphere'?)\n"},

@@ -302,8 +302,8 @@ TEST(Expression, Problems) {
   at.scope.set("gap", {0.5, Dimension::length});
   at.scope.set("i", {3, Dimension::none});
   const std::pair<const char*, const char*> cases[] = {
-      {"", "E1221 0-0 there is nothing between the braces"},
-      {" ", "E1221 0-1 there is nothing between the braces"},
+      {"", "E1221 0-0 no expression between the braces"},
+      {" ", "E1221 0-1 no expression between the braces"},
       {"1 +", "E1221 3-4 the expression ends where a value is needed"},
       {"*2", "E1221 0-1 a value is missing before '*'"},
       {"2**3", "E1221 2-3 a value is missing before '*' (powers are written ^)"},
@@ -317,14 +317,14 @@ TEST(Expression, Problems) {
       {"1.2.3", "E1221 3-4 an operator is missing before '.' (a product is written with *)"},
       {"(1 + 2", "E1221 0-1 this '(' is not closed"},
       {"sin(1", "E1221 0-3 the parenthesis after this is not closed"},
-      {"1 + 2)", "E1221 5-6 ')' closes what is not open"},
+      {"1 + 2)", "E1221 5-6 unmatched ')'"},
       {"()", "E1221 1-2 a value is missing before ')'"},
       {"sin()", "E1221 4-5 no value between these parentheses"},
       {"max(1,)", "E1221 6-7 a value is missing before ')'"},
       {"sin(1, 2)", "E1221 0-3 sin takes 1 value, found more"},
       {"atan2(1)", "E1221 0-5 atan2 takes 2 values, found 1"},
       {"1, 2",
-       "E1221 1-2 ',' separates the values of a function, and here is none (numbers have a "
+       "E1221 1-2 ',' outside the arguments of a function (numbers have a "
        "decimal point)"},
       {"1 ? 2", "E1221 2-3 this '?' has no ':' (write condition ? value : other)"},
       {"(1 ? 2) : 3", "E1221 3-4 this '?' has no ':' (write condition ? value : other)"},
@@ -338,7 +338,7 @@ TEST(Expression, Problems) {
       {"!!1", "E1221 0-2 a sign or another '!' after '!' needs parentheses (write !(…))"},
       {"-!1", "E1221 1-2 a '!' after a sign needs parentheses (write -(!…))"},
       {"1 + {2}", "E1221 4-5 nested braces (inside braces, parentheses group)"},
-      {"\"x\"", "E1221 0-1 '\"' is not allowed in an expression (expressions have no texts)"},
+      {"\"x\"", "E1221 0-1 '\"' is not allowed in an expression (expressions have no strings)"},
       {"2 + \u00b0", "E1221 4-6 '\u00b0' is not allowed in an expression"},
       {"2 \xff", "E1221 2-3 '\ufffd' is not allowed in an expression"},
       {"2gap",

@@ -143,12 +143,12 @@ TEST(JointElement, WhatCannotBeIsSaidAndTheRestStays) {
       summary("type='ball' mimic='j'"),
       "2:1 E1231 joint 'j' is ball and cannot follow another: only joints of one value can\n");
   EXPECT_EQ(summary("type='continuous' mimic='k'"),
-            "2:1 E1232 joint 'j' follows 'k', which is no joint\n");
+            "2:1 E1232 joint 'j' follows 'k', which is not a joint\n");
   EXPECT_EQ(summary("type='continuous' mimic='j'"),
             "2:1 E1232 joint 'j' follows itself through others\n");
   EXPECT_EQ(summary("type='continuous' pointing='0 0 1' gimbal='k'",
                     "<joint name='k' type='continuous'/>"),
-            "2:1 E1232 joint 'j' aims with 'k', which does not stand around it\n");
+            "2:1 E1232 joint 'j' aims with 'k', which does not enclose it\n");
   EXPECT_THAT(summary("type='continuous'", "<joint name='j' type='continuous'/>"),
               HasSubstr("E1210 duplicate joint 'j'"));
   EXPECT_THAT(summary("type='continuous' multiplier='2'"), HasSubstr("E11"));

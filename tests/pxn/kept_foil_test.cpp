@@ -205,7 +205,7 @@ TEST_F(KeptFoil, WarningsStay) {
       "0'/>" +
       wrap("*", "standoff='1cm'", "<mli_operations><random> 50mm </random></mli_operations>");
   const Read without = read(text, false);
-  EXPECT_THAT(without.says, testing::HasSubstr("wear no blanket"));
+  EXPECT_THAT(without.says, testing::HasSubstr("have no blanket"));
   EXPECT_THAT(without.says, testing::HasSubstr("heights meet the base"));
   expect_same(read(text), without);
   const Read again = read(text);

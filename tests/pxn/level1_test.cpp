@@ -271,7 +271,7 @@ TEST(Level1, AWithTwiceAndNamesOfTheLanguage) {
       "<part name=\"p\"><param name=\"a\" value=\"1\"/><box size=\"{a}\"/></part>";
   const Reading twice = read_model(
       part + "<use part=\"p\"><with name=\"a\" value=\"2\"/><with name=\"a\" value=\"3\"/></use>");
-  EXPECT_EQ(twice.summary(), "2:119 E1210 'a' has a value already; the first one counts\n");
+  EXPECT_EQ(twice.summary(), "2:119 E1210 'a' has a value already; the first one is used\n");
   EXPECT_EQ(std::get<geometry::Box>(twice.scene->shapes[0]).size, Vec3(2));
   const Reading names = read_model(
       "<param name=\"pi\" value=\"3\"/><param name=\"sin\" value=\"2\"/>\n"

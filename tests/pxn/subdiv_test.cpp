@@ -57,7 +57,7 @@ TEST(Subdiv, ProblemsStandAtTheirPlaces) {
             "5:9 E2001 index 7 of 6 vertices, expected at most 5\n");
   EXPECT_EQ(cage("<face><outline>1 2 5 4</outline></face>").summary(),
             "5:1 E2026 face 2: it runs along its edge from vertex 1 to 2 the same way as face 1, "
-            "expected outlines counter-clockwise seen from outside\n");
+            "expected outlines counter-clockwise from outside\n");
   EXPECT_EQ(cage("<face><outline>1 4 1 2</outline></face>").summary(),
             "5:1 E2015 face 2: its outline has vertex 1 twice, expected each vertex once\n");
   EXPECT_EQ(cage("<face><outline>1 4 5 2</outline><uv>0 1 2 3</uv></face>").summary(),

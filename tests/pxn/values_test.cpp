@@ -323,7 +323,7 @@ TEST(Values, PlacesInsideExpressions) {
   EXPECT_EQ(complaint(kL, "{1 &amp;&amp; gpa}").substr(0, 10), "1:21 E1222");
   EXPECT_EQ(complaint(kL, "{1 +"), "1:7 E1221 this brace is not closed\n");
   EXPECT_EQ(complaint(kL, "{1 + }"), "1:12 E1221 the expression ends where a value is needed\n");
-  EXPECT_EQ(complaint(kL, "{}"), "1:8 E1221 there is nothing between the braces\n");
+  EXPECT_EQ(complaint(kL, "{}"), "1:8 E1221 no expression between the braces\n");
   EXPECT_EQ(complaint(kL, "{1 + {2}}"),
             "1:12 E1221 nested braces (inside braces, parentheses group)\n");
   EXPECT_EQ(complaint(kL, "{2}mm"),
@@ -449,8 +449,8 @@ TEST(Values, Labels) {
   EXPECT_EQ(complaint(kName, "bolt{j}"),
             "1:15 E1222 'j' is not a parameter or variable that is known here\n");
   EXPECT_EQ(complaint(kName, "bolt{1"), "1:14 E1221 this brace is not closed\n");
-  EXPECT_EQ(complaint(kName, "bolt}"), "1:14 E1221 this brace closes what is not open\n");
-  EXPECT_EQ(complaint(kName, "{1}}"), "1:13 E1221 this brace closes what is not open\n");
+  EXPECT_EQ(complaint(kName, "bolt}"), "1:14 E1221 unmatched closing brace\n");
+  EXPECT_EQ(complaint(kName, "{1}}"), "1:13 E1221 unmatched closing brace\n");
   EXPECT_EQ(complaint(kName, "{1/0} {k}"),
             "1:12 E1223 1 / 0 has no finite value (condition ? value : other can leave it out)\n"
             "1:17 E1222 'k' is not a parameter or variable that is known here\n");

@@ -189,7 +189,7 @@ TEST(Wraps, GoBelowWhatIsNear) {
   EXPECT_EQ(alone.summary(), "");
   EXPECT_EQ(among.summary(), "");
   EXPECT_THAT(read_1(text("<box size='0.8 0.6 0.01' translate='0 0 0.517'/>")).summary(),
-              HasSubstr("m² lie lower than asked: other parts are nearer"));  // half of it
+              HasSubstr("m² lie lower than the stand-off: other parts are nearer"));  // half of it
   EXPECT_GT(worst(alone).first, 2e-3);
   EXPECT_GT(worst(alone).second, 10e-3);
   EXPECT_LE(worst(among).first, 0);
@@ -370,7 +370,7 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
              "</xgrid></mli_settings><mli_operations/></mli>",
        "E7001 a sheet of type 'flat' has no on"},
       {"<mli type='flat'><mli_operations/></mli>", "2:2 E1103 <mli> needs <mli_settings>"},
-      {"<sphere radius='1' foil='smooth'/>", "2:1 E7001 1 of 1 groups of faces wear no blanket"},
+      {"<sphere radius='1' foil='smooth'/>", "2:1 E7001 1 of 1 groups of faces have no blanket"},
       {"<box size='58' name='bus'/>\n" + wrap("on='bus'"),
        "3:1 E7001 the blankets have more than 20000000 triangles with cells of 0.01 m"},
       {box + wrap("on='bus'", "<random> 9cm </random>"),

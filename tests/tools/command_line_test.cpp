@@ -83,7 +83,7 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"export", "a"}, "-o FILE.glb is missing"},
       {{"render", "a", "-j", "-1"}, "--threads is '-1', expected a whole number from 0 to 1024"},
       {{"info", "a", "--threads", "1.5"}, "--threads is '1.5', expected a whole number"},
-      {{"render", "a", "--sun", "1", "-1", "0.5"}, "'-1' belongs to no option; several numbers"},
+      {{"render", "a", "--sun", "1", "-1", "0.5"}, "'-1' belongs to no option; quote several numbers"},
       {{"diff", "a"}, "is missing: panwright diff A B"},
       {{"compile", "a", "--max-error", "nan"},
        "--max-error is 'nan', expected a length, as 2mm or 0.002 (metres)"},

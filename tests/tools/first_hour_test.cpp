@@ -70,7 +70,7 @@ TEST_F(FirstHour, NewWritesAModelToBeginWith) {
   const std::string before = support::contents(text);
   const Outcome again = panwright({"new", folder});
   EXPECT_EQ(again.code, 3);
-  EXPECT_THAT(again.err, HasSubstr("is there already"));
+  EXPECT_THAT(again.err, HasSubstr("it already exists"));
   EXPECT_EQ(support::contents(text), before);
   for (const char* name : {"", ".", "..", "/", "a b", "-x", "a.pxn"})
     EXPECT_EQ(panwright({"new", "--", name}).code, 2) << name;
@@ -97,7 +97,7 @@ TEST_F(FirstHour, AnEditedTextIsNotReplacedByImport) {
   folder_.write("t.pxn", edited);
   const Outcome kept = import({});
   EXPECT_EQ(kept.code, 3) << kept.err;
-  EXPECT_THAT(kept.err, HasSubstr("the file was edited since 'import' wrote it"));
+  EXPECT_THAT(kept.err, HasSubstr("the file was edited, or not written by 'import'"));
   EXPECT_THAT(kept.err, HasSubstr("--force"));
   EXPECT_EQ(support::contents(text), edited);
   EXPECT_EQ(import({"--force"}).code, 0);
@@ -303,7 +303,7 @@ TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
         .err;
   };
   EXPECT_THAT(said("aluminium_bare", "keep"),
-              HasSubstr("the textures of 2 parts are kept and not seen: they multiply the diffuse "
+              HasSubstr("the textures of 2 parts have no effect: they multiply the diffuse "
                         "colour, and 'm' has none [W6008]"));
   EXPECT_EQ(said("white_silicone", "keep"), "");
   EXPECT_THAT(said("white_silicone", "drop"),

@@ -67,8 +67,7 @@ TEST_F(Info, SaysHowLargeAModelIs) {
        {std::vector<std::string>{"info", meters}, {"check", meters}, {"compile", meters}}) {
     const auto outcome = panwright(words);
     EXPECT_EQ(outcome.code, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("the model is 340 m large, more than any spacecraft: 340 mm "
-                                       "if what was read as metres is millimetres"))
+    EXPECT_THAT(outcome.err, HasSubstr("the model is 340 m large, more than any spacecraft; read as millimetres it is 340 mm"))
         << words[0];
     EXPECT_THAT(outcome.err, HasSubstr("[W2022]"));
   }
@@ -98,7 +97,7 @@ TEST_F(Info, SaysWhatWasAskedAndWhatCameOfIt) {
   EXPECT_THAT(out, HasSubstr("flux to 2 %, gives "));
   EXPECT_THAT(out, HasSubstr("decided by as given for 1 mesh, flux for 1 mesh; finest 1 mm in the "
                              "world\n"));
-  EXPECT_THAT(out, HasSubstr("error 200 µm of 250 µm asked (80 %, flux)\n"));
+  EXPECT_THAT(out, HasSubstr("error 200 µm of 250 µm allowed (80 %, flux)\n"));
   EXPECT_THAT(out, HasSubstr("error 0 (as given)\n"));
 
   const json read = object(contents);

@@ -72,7 +72,7 @@ TEST(MliCommand, SheetsOfModelsByNameAndNumberAndOfPanFiles) {
   EXPECT_FALSE(stored.contains("checksum"));
   const Outcome image = mli({pan, "--sheet", "2", "--height", folder / "h.npy"});
   EXPECT_EQ(image.code, 2);
-  EXPECT_THAT(image.err, HasSubstr("a pan file holds its statistics alone"));
+  EXPECT_THAT(image.err, HasSubstr("a pan file holds its statistics only"));
   EXPECT_FALSE(std::filesystem::exists(folder / "h.npy"));
 }
 
@@ -136,7 +136,7 @@ TEST(MliCommand, RefusesWithOneMessage) {
       {{"crinkled", "--height", folder / "a.tif"}, 2, "heights are written as"},
       {{"crinkled", "--histogram", folder / "a.png"}, 2, "histograms are written as .svg"},
       {{"crinkled", "-o", folder / "a.png", "--height", folder / "a.png"}, 2, "[E0206]"},
-      {{"crinkled", "--fit", "corelation=2cm"}, 2, "'corelation=2cm' is not understood"},
+      {{"crinkled", "--fit", "corelation=2cm"}, 2, "'corelation=2cm' is not valid"},
       {{"crinkled", "--fit", "slope_rms=0.1 slope_rms=0.2"}, 2, "each once"},
       {{"crinkled", "--fit", " "}, 2, "[E0201]"},
       {{"crinkled", "--fit", "slope_rms=-1"}, 1, "slope_rms is -1"},

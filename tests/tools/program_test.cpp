@@ -112,7 +112,7 @@ TEST(Program, WritesWhatCouldBeReadAndSaysSo) {
   EXPECT_EQ(with.code, 1);
   EXPECT_THAT(with.err, HasSubstr("m.pxn:3:"));
   EXPECT_THAT(with.err, HasSubstr("did you mean 'sphere'?"));
-  EXPECT_THAT(with.err, HasSubstr("without what could not be read"));
+  EXPECT_THAT(with.err, HasSubstr("without the parts that failed"));
   EXPECT_EQ(json::parse(panwright({"info", folder / "m.pan", "--json"}).out)["triangles"], 24);
   const Outcome without = panwright({"compile", folder.write("n.pxn", model("<spere/>"))});
   EXPECT_EQ(without.code, 1);

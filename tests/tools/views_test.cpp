@@ -106,7 +106,7 @@ TEST_F(Views, AreNamedWhereTheFluxOfAnImposterIsUncertain) {
     if (done.err.find("[E5007]") != std::string::npos) return;  // without OpenGL
     ASSERT_EQ(done.code, 0) << done.err;
     if (shiny) {
-      EXPECT_THAT(done.err, HasSubstr("2 views, the worst view 0: the flux of an imposter"));
+      EXPECT_THAT(done.err, HasSubstr("2 views, the worst view 0: the estimated flux error of an imposter"));
     } else {
       EXPECT_THAT(done.err, Not(HasSubstr("[W5008]")));
     }

@@ -31,16 +31,16 @@ TEST(BudgetText, TermsInAnyOrder) {
 
 TEST(BudgetText, WrongOnesAreNamed) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"", "asks for nothing"},
-      {"pixels=1", "asks for nothing"},
-      {"nearest=5", "belong together"},
-      {"flux=1% ifov=1mrad", "belong together"},
+      {"", "no requirement is given"},
+      {"pixels=1", "no requirement is given"},
+      {"nearest=5", "require each other"},
+      {"flux=1% ifov=1mrad", "require each other"},
       {"flux=1% pixels=1", "need nearest"},
       {"flux=1% centroid=1", "need nearest"},
       {"nearest=5 ifov=1mrad corridor=5deg", "needs an approach"},
       {"flux=1% flux=2%", "twice"},
-      {"flux", "no term"},
-      {"fluks=1%", "no term"},
+      {"flux", "is not a term"},
+      {"fluks=1%", "is not a term"},
       {"flux=", "flux is ''"},
       {"flux=0", "flux is '0'"},
       {"flux=-1%", "flux is '-1%'"},

@@ -208,7 +208,7 @@ class PolygonsReader {
     if (sides.misoriented > 0)
       out.push_back({Code::W2007,
                      fmt::format("at {} neighbouring faces have opposite winding, expected "
-                                 "outlines counter-clockwise seen from outside",
+                                 "outlines counter-clockwise from outside",
                                  counted(sides.misoriented, "edge")),
                      "polygons"});
     // sheets of two faces enclose nothing, but for rounding

@@ -101,11 +101,10 @@ Problem add_edges(Cage& cage) {
           fmt::format("{} faces meet at its edge from vertex {} to {}, expected at most 2", end - i,
                       one.low, one.high));
     if (end - i == 2 && one.forward == sides[i + 1].forward)
-      return cage_problem(
-          Code::E2026, "faces", sides[i + 1].face,
-          fmt::format("it runs along its edge from vertex {} to {} the same way as face {}, "
-                      "expected outlines counter-clockwise seen from outside",
-                      one.low, one.high, one.face + 1));
+      return cage_problem(Code::E2026, "faces", sides[i + 1].face,
+                          fmt::format("it runs along its edge from vertex {} to {} the same way as "
+                                      "face {}, expected outlines counter-clockwise from outside",
+                                      one.low, one.high, one.face + 1));
     const auto number = static_cast<std::uint32_t>(cage.edges.size());
     for (std::size_t k = i; k < end; ++k) cage.edge[sides[k].corner] = number;
     Cage::Edge edge{

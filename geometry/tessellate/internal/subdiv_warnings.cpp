@@ -90,8 +90,8 @@ void look_at_borders(const Subdiv& shape, const Cage& cage, std::vector<ShapePro
       cage.first.begin() - 1);
   out.push_back(
       {Code::W2028,
-       fmt::format("the surface is open at {} of its cage where two borders have one place: "
-                   "vertices {} and {} are also {} and {}",
+       fmt::format("the surface is open at {} of its cage where two borders coincide: vertices {} "
+                   "and {} equal {} and {}",
                    counted(count, "edge"), found->a, found->b, (found + 1)->a, (found + 1)->b),
        "faces", face});
 }

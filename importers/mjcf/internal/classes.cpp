@@ -33,9 +33,8 @@ void Classes::add(const xml_node& element, std::size_t its_class, std::uint32_t 
     if (is_new) {
       classes_.push_back({its_class, {}});
     } else if (classes_[known->second].outer != its_class || known->second == kTop) {
-      c_.log.report(
-          Code::E6220, text_.at(child),
-          fmt::format("the class {} stands twice; the second one is left out", in_quotes(name)));
+      c_.log.report(Code::E6220, text_.at(child),
+                    fmt::format("duplicate class {}; the second one is left out", in_quotes(name)));
       continue;
     }
     add(child, known->second, depth + 1);
@@ -51,10 +50,10 @@ std::size_t Classes::of(const xml_node& element, std::size_t around, const char*
   for (const auto& [name, index] : by_name_) names.push_back(name);
   std::ranges::sort(names);
   const auto near = nearest_name(given.value(), names);
-  c_.log.report(
-      Code::E6220, text_.at(given),
-      fmt::format("there is no class {}; the defaults around are taken", in_quotes(given.value())),
-      near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
+  c_.log.report(Code::E6220, text_.at(given),
+                fmt::format("there is no class {}; the enclosing defaults are used",
+                            in_quotes(given.value())),
+                near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
   return around;
 }
 

@@ -37,8 +37,8 @@ class ModelReader {
     const xml_node top = text_.top();
     out_.bodies.emplace_back();
     if (std::string_view(top.name()) != "mujoco") {
-      a_.wrong(text_.at(top), fmt::format("the element {} stands where <mujoco> is expected",
-                                          in_quotes(top.name())));
+      a_.wrong(text_.at(top),
+               fmt::format("unexpected element {}, expected <mujoco>", in_quotes(top.name())));
       return std::move(out_);
     }
     out_.name = top.attribute("model").value();
@@ -65,8 +65,8 @@ class ModelReader {
       if (name == macro)
         return c_.trouble(Code::E6220, macro, text_.at(element), [&] {
           return fmt::format(
-              "<{}> is left out: what it stands for is not written here; let MuJoCo "
-              "write the whole model first: mj_saveLastXML()",
+              "<{}> is not supported and is left out; expand the model with MuJoCo first: "
+              "mj_saveLastXML()",
               name);
         });
     c_.skipped(std::string(name));
@@ -117,7 +117,7 @@ class ModelReader {
         mesh.file.scale = *scale;
       else
         a_.wrong(a_.at(element, "scale", its_class),
-                 "a scale of 0 leaves nothing of the mesh; it stays as it is");
+                 "a scale of 0 flattens the mesh; it is not scaled");
     }
     if (const auto at = a_.vector(element, "refpos", its_class)) mesh.reference.position = *at;
     if (const auto q = a_.numbers(element, "refquat", its_class, 4, 4)) {
@@ -137,7 +137,7 @@ class ModelReader {
                                   text_.at(element.attribute("file")));
       return;
     }
-    c_.lost(file.empty() ? "textures by formula" : "cube textures");
+    c_.lost(file.empty() ? "procedural textures" : "cube textures");
     add_asset(element, file, textures_, texture_files_.size());
     texture_files_.emplace_back();
   }
@@ -173,7 +173,7 @@ class ModelReader {
     std::string name = element.attribute("name").value();
     if (name.empty()) name = stem_of(file);
     if (!known.try_emplace(name, index).second)
-      a_.wrong(text_.at(element), fmt::format("the {} {} stands twice; the first one is taken",
+      a_.wrong(text_.at(element), fmt::format("duplicate {} {}; the first one is used",
                                               element.name(), in_quotes(name)));
   }
 
@@ -216,7 +216,7 @@ class ModelReader {
     const double count = a_.number_or(element, "count", 0, 0);
     if (!(count >= 1 && count == std::floor(count)))
       return a_.wrong(a_.at(element, "count", 0),
-                      "<replicate> needs a count of 1 or more; what is in it is left out");
+                      "<replicate> needs a count of 1 or more; its contents are left out");
     Pose step = a_.pose(element, 0);
     step.position = a_.vector(element, "offset", 0).value_or(Vec3(0));
     const std::string before = suffix_;
@@ -268,9 +268,8 @@ class ModelReader {
     // it looks along −z, with y up
     if (camera) mark.pose.rotation = mark.pose.rotation * Quat(0, 1, 0, 0);
     if (!mark_names_.try_emplace(mark.name, 0).second)
-      return a_.tolerated(
-          mark.where,
-          fmt::format("the frame {} stands twice; the first one is kept", in_quotes(mark.name)));
+      return a_.tolerated(mark.where, fmt::format("duplicate frame {}; the first one is kept",
+                                                  in_quotes(mark.name)));
     out_.bodies[body].marks.push_back(std::move(mark));
   }
 
@@ -280,8 +279,7 @@ class ModelReader {
                   std::size_t around) {
     if (body == 0)
       return a_.wrong(text_.at(element),
-                      "a joint stands in the world, which does not move; "
-                      "expected in a body");
+                      "a joint in the world, which does not move; expected in a body");
     ModelJoint joint;
     joint.name = name_of(element);
     joint.where = text_.at(element);
@@ -297,16 +295,14 @@ class ModelReader {
       a_.wrong(joint.where, fmt::format("two joints are called {}", in_quotes(joint.name)));
     if (joint.type == JointType::free) {
       if (out_.bodies[body].parent != 0 || !joints.empty())
-        return a_.wrong(joint.where,
-                        "a free joint stands alone, in a body of the world; it is left "
-                        "out");
+        return a_.wrong(
+            joint.where,
+            "a free joint, expected as the only joint of a body of the world; it is left out");
       joints.push_back(std::move(joint));
       return;
     }
     if (!joints.empty() && joints[0].type == JointType::free)
-      return a_.wrong(joint.where,
-                      "a joint stands beside a free one, which leaves nothing to move; "
-                      "it is left out");
+      return a_.wrong(joint.where, "a joint beside a free one has no effect; it is left out");
     if (const auto anchor = a_.vector(element, "pos", its_class)) joint.anchor = *anchor;
     joint.anchor = frame(joint.anchor);
     if (const auto axis = a_.vector(element, "axis", its_class))
@@ -465,7 +461,7 @@ class ModelReader {
     if (type == kPlane) {
       const auto size = a_.numbers(element, "size", its_class, 2, 3);
       if (!size || !((*size)[0] > 0 && (*size)[1] > 0)) {
-        c_.skipped("plane without end");
+        c_.skipped("infinite plane");
         return false;
       }
       geom.shapes = {geometry::Plane{.width = 2 * (*size)[0], .height = 2 * (*size)[1]}};

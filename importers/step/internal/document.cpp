@@ -563,7 +563,7 @@ class Reading {
     if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
     if (!parts) {
       log_.report(Code::W6009, place_of(text_, number),
-                  fmt::format("the transform of {} leaves nothing of it", in_quotes(name)));
+                  fmt::format("the transform of {} flattens it", in_quotes(name)));
       return scene::kNone;
     }
     auto& nodes = out_.scene.nodes;
@@ -743,7 +743,7 @@ Result<Imported> read_document(const Text& text, std::string_view bytes, const s
     throw OverLimit{"memory"};
   } catch (const Standard_Failure& failure) {
     log.report_file(Code::E6601, name,
-                    fmt::format("OpenCASCADE gives up: {}", failure.GetMessageString()));
+                    fmt::format("OpenCASCADE failed: {}", failure.GetMessageString()));
     return failed;
   }
 }

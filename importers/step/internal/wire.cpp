@@ -330,7 +330,7 @@ AnswerReader::State AnswerReader::take(std::string_view bytes) {
       return damaged("it holds a record of no known kind or size");
     if (left.size() - kRecordHead < size) break;
     if (!take_record(kind, left.substr(kRecordHead, size)))
-      return damaged(fmt::format("its record of kind {} is not sound", kind));
+      return damaged(fmt::format("its record of kind {} is invalid", kind));
     left.remove_prefix(kRecordHead + size);
   }
   waiting_.erase(0, waiting_.size() - left.size());

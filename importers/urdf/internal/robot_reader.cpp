@@ -28,7 +28,7 @@ class RobotReader {
     const xml_node top = text_.top();
     if (std::string_view(top.name()) != "robot") {
       wrong(text_.at(top),
-            fmt::format("the element {} stands where <robot> is expected", in_quotes(top.name())));
+            fmt::format("unexpected element {}, expected <robot>", in_quotes(top.name())));
       return std::move(out_);
     }
     out_.name = top.attribute("name").value();
@@ -143,8 +143,8 @@ class RobotReader {
     const bool known = paint.name.empty() || !paint.has_content() ||
                        !paint_named_.try_emplace(paint.name, index).second;
     if (known && !paint.name.empty() && paint.has_content() && element.parent() == text_.top())
-      tolerated(paint.where, fmt::format("the material {} stands twice; the first one is taken",
-                                         in_quotes(paint.name)));
+      tolerated(paint.where,
+                fmt::format("duplicate material {}; the first one is used", in_quotes(paint.name)));
     out_.paints.push_back(std::move(paint));
     return index;
   }
@@ -185,8 +185,8 @@ class RobotReader {
       return geometry::Shape(geometry::Sphere{.radius = *radius, .counts = {}});
     }
     if (kind == "mesh") return mesh_of(shape);
-    wrong(text_.at(shape), fmt::format("<{}> is no geometry, expected <box>, <cylinder>, <sphere> "
-                                       "or <mesh>; the visual is left out",
+    wrong(text_.at(shape), fmt::format("<{}> is not a geometry, expected <box>, <cylinder>, "
+                                       "<sphere> or <mesh>; the visual is left out",
                                        kind));
     return std::nullopt;
   }
@@ -216,7 +216,7 @@ class RobotReader {
     if (const auto scale = numbers<3>(shape, "scale")) {
       mesh.scale = {(*scale)[0], (*scale)[1], (*scale)[2]};
       if (mesh.scale.x == 0 || mesh.scale.y == 0 || mesh.scale.z == 0) {
-        wrong(text_.at(shape.attribute("scale")), "a scale of 0 leaves nothing of the mesh");
+        wrong(text_.at(shape.attribute("scale")), "a scale of 0 flattens the mesh");
         return std::nullopt;
       }
     }
@@ -246,7 +246,7 @@ class RobotReader {
     link.where = text_.at(element);
     if (link.name.empty()) return;
     if (!link_named_.try_emplace(link.name, static_cast<std::int32_t>(out_.links.size())).second)
-      return wrong(link.where, fmt::format("the link {} stands twice; the second one is left out",
+      return wrong(link.where, fmt::format("duplicate link {}; the second one is left out",
                                            in_quotes(link.name)));
     read_inertial(element.child("inertial"), link);
     for (const xml_node child : element.children()) {

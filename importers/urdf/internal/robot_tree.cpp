@@ -23,7 +23,7 @@ void cut_rings(const Robot& robot, std::vector<std::int32_t>& hangs_on,
     if (seen[link] == walk && hangs_on[link] != kNone) {
       const RobotJoint& joint = robot.joints[static_cast<std::size_t>(hangs_on[link])];
       context.log.report(Code::E6220, joint.where,
-                         fmt::format("the joint {} makes the link {} hang on itself, expected a "
+                         fmt::format("the joint {} makes the link {} its own ancestor, expected a "
                                      "tree; the joint is left out",
                                      in_quotes(joint.name), in_quotes(robot.links[link].name)));
       hangs_on[link] = kNone;
@@ -41,7 +41,7 @@ std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& con
     if (place != kNone) {
       context.log.report(
           Code::E6220, joint.where,
-          fmt::format("the link {} hangs on the joint {} already, expected one joint for each "
+          fmt::format("the link {} is the child of joint {} already, expected one joint for each "
                       "link; the joint {} is left out",
                       in_quotes(robot.links[static_cast<std::size_t>(joint.child)].name),
                       in_quotes(robot.joints[static_cast<std::size_t>(place)].name),
@@ -55,12 +55,11 @@ std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& con
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     if (hangs_on[i] != kNone) continue;
     if (root != kNone) {
-      context.log.report(
-          Code::E6220, robot.links[i].where,
-          fmt::format("the link {} hangs on no joint, as {} does, expected one such link; both "
-                      "stand at the origin",
-                      in_quotes(robot.links[i].name),
-                      in_quotes(robot.links[static_cast<std::size_t>(root)].name)));
+      context.log.report(Code::E6220, robot.links[i].where,
+                         fmt::format("the link {} has no parent joint, like {}, expected one root "
+                                     "link; both are at the origin",
+                                     in_quotes(robot.links[i].name),
+                                     in_quotes(robot.links[static_cast<std::size_t>(root)].name)));
       continue;
     }
     root = static_cast<std::int32_t>(i);

@@ -236,7 +236,7 @@ class ExtrusionMesher {
   void check_count(std::size_t count, std::string_view what, List list) {
     if (count <= 1 || count >= along_) return;
     report(Code::W6114, list, count,
-           fmt::format("{} has {} items for a spine of {} points; the last holds for the others",
+           fmt::format("{} has {} items for a spine of {} points; the last is used for the others",
                        what, count, along_));
   }
 

@@ -81,7 +81,7 @@ class GifReader {
         case 0x3b:
           throw Damaged{"it holds no image"};
         default:
-          throw Damaged{fmt::format("byte {} begins no block", at_ - 1)};
+          throw Damaged{fmt::format("byte {} is not the start of a block", at_ - 1)};
       }
     }
   }

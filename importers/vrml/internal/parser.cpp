@@ -332,7 +332,7 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
   if (unknown_depth_ > 0) return nullptr;  // what is around it is skipped, and has been reported
   if (vrml97_ && is_transform10(name)) {
     report(Code::W6118, where,
-           fmt::format("{} is a node of VRML 1.0; it moves what follows it in its group",
+           fmt::format("{} is a node of VRML 1.0; it transforms the nodes after it in its group",
                        in_quotes(name)));
     return spec10(name);
   }

@@ -66,7 +66,7 @@ void Parser::prototype() {
     scope_ = inner.around;
     prototype->body = arena_.copied(std::span<Node* const>(body));
   } else {
-    report(Code::E6103, here(), "'{' and the body of the prototype are expected");
+    report(Code::E6103, here(), "expected '{' and the body of the prototype");
   }
   field_names_ = outer;
   --depth_;
@@ -99,7 +99,7 @@ void Parser::external_prototype() {
 std::span<FieldSpec> Parser::interface(bool external) {
   std::vector<FieldSpec> specs;
   if (!accept('[')) {
-    report(Code::E6103, here(), "'[' and an interface are expected");
+    report(Code::E6103, here(), "expected '[' and an interface");
     return {};
   }
   const char* const open = p_ - 1;
@@ -118,7 +118,7 @@ std::span<FieldSpec> Parser::interface(bool external) {
     const auto access = access_named(peek_word());
     if (!access) {
       report(Code::E6103, where,
-             fmt::format("eventIn, eventOut, field or exposedField is expected, and not {}",
+             fmt::format("expected eventIn, eventOut, field or exposedField, found {}",
                          in_quotes(token_here())));
       while (!at_end() && !access_named(peek_word()) && *p_ != ']' && *p_ != '{' && *p_ != '}') {
         p_ += std::max<std::size_t>(1, token_here().size());
@@ -288,7 +288,7 @@ void Parser::route() {
   const SourceSpan from_at = here();
   const std::string_view from = is_word(*p_) ? name() : std::string_view();
   if (from.empty() || !accept_word("TO")) {
-    report(Code::E6103, here(), "ROUTE node.event TO node.event is expected");
+    report(Code::E6103, here(), "expected ROUTE node.event TO node.event");
     return;
   }
   skip_blanks();

@@ -363,7 +363,7 @@ bool Parser::booleans(FieldType type, Value& value) {
   }
   if (integers_.size() == 0 && !(bracket && is_list(type))) {
     report(Code::E6107, here(),
-           fmt::format("TRUE or FALSE is expected, and not {}", in_quotes(token_here())));
+           fmt::format("expected TRUE or FALSE, found {}", in_quotes(token_here())));
     const bool skipped =
         at_word() && !brace_follows() &&
         (field_names_ == nullptr || spec_of(*field_names_, peek_word()) == nullptr);
@@ -451,7 +451,7 @@ bool Parser::strings(FieldType type, Value& value) {
   if (strings_.empty() && !(bracket && is_list(type))) {
     if (*p_ != '\n' && *p_ != '\r')
       report(Code::E6103, here(),
-             fmt::format("a string is expected, and not {}", in_quotes(token_here())));
+             fmt::format("expected a string, found {}", in_quotes(token_here())));
     return false;
   }
   if (!is_list(type)) strings_.resize(1);
@@ -491,8 +491,7 @@ bool Parser::words10(FieldType type, Value& value) {
     }
   }
   if (strings_.empty()) {
-    report(Code::E6103, here(),
-           fmt::format("a word is expected, and not {}", in_quotes(token_here())));
+    report(Code::E6103, here(), fmt::format("expected a word, found {}", in_quotes(token_here())));
     return false;
   }
   if (type == FieldType::sf_enum) strings_.resize(1);
@@ -535,8 +534,8 @@ bool Parser::nodes(FieldType type, Value& value) {
         text != "USE" && text != "DEF" && text != "NULL" && !text.empty() && !brace_follows();
     if (field || !at_word()) {
       report(Code::E6103, here(),
-             at_end() ? "a node is expected where the text ends"
-                      : fmt::format("a node is expected, and not {}", in_quotes(token_here())));
+             at_end() ? "expected a node, found the end of the text"
+                      : fmt::format("expected a node, found {}", in_quotes(token_here())));
       return false;
     }
     if (Node* node = node_value(&there)) node_stack_.push_back(node);
@@ -544,7 +543,7 @@ bool Parser::nodes(FieldType type, Value& value) {
   std::span<Node* const> list = std::span<Node* const>(node_stack_).subspan(first);
   if (type == FieldType::sf_node && list.size() > 1) {
     report(Code::E6106, span(open, open + 1),
-           fmt::format("SFNode holds one node, and not {}", list.size()));
+           fmt::format("SFNode holds one node, found {}", list.size()));
     list = list.first(1);
   }
   const auto kept = arena_.copied(list);

@@ -174,10 +174,11 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
   const auto told = told_by_first_node(text);
   if (told && told != header.format) {
     header.format = told;
-    log.report(Code::W6102, where,
-               fmt::format("the header is {}, and the first node is one of {} alone; the file is "
-                           "read as that",
-                           in_quotes(line), *told == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
+    log.report(
+        Code::W6102, where,
+        fmt::format(
+            "the header is {}, but the first node exists only in {}; the file is read as that",
+            in_quotes(line), *told == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
   } else if (header.standard && line_begin > mark) {
     log.report(Code::W6102, where, "the header is not the first line");
   }

@@ -274,7 +274,7 @@ void Scene10::cube(Node& node) {
     if (sheet)
       builder_.context.log.report(
           Code::W6009, node.where,
-          "the Cube has a side of 0 m; it is a sheet, seen from both sides");
+          "the Cube has a side of 0 m; it is a sheet, visible from both sides");
     return add_primitive(node, sheet ? *sheet : box_of(size, texture_index() != scene::kNone), 0);
   }
   std::array<double, 24> points;

@@ -143,7 +143,7 @@ bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t
     const auto sheet = sheet_of(size);
     if (sheet)
       context_.log.report(Code::W6009, geometry.where,
-                          "the Box has a side of 0 m; it is a sheet, seen from both sides");
+                          "the Box has a side of 0 m; it is a sheet, visible from both sides");
     *made = place(sheet ? *sheet : box_of(size, look.texture != scene::kNone), look, parent, name,
                   geometry);
     return true;

@@ -35,7 +35,7 @@ TEST(MjcfBad, IsSaidAtItsPlace) {
        {"4:15 W6221"},
        "autolimits"},
       {body("<joint range='10 20'/>"), {"4:2 W6221"}, "it begins at 0.17"},
-      {body("<joint/><freejoint/>"), {"4:10 E6220"}, "stands alone"},
+      {body("<joint/><freejoint/>"), {"4:10 E6220"}, "only joint of a body"},
       {body("<freejoint/><joint/>"), {"4:14 E6220"}, "beside a free one"},
       {body("<body><freejoint/><geom size='1'/></body>"), {"4:8 E6220"}, "a body of the world"},
       {body("<joint name='a'/><joint name='a'/>"), {"4:19 E6220"}, "two joints are called 'a'"},
@@ -46,7 +46,7 @@ TEST(MjcfBad, IsSaidAtItsPlace) {
       {"<default><default class='a'/><default class='b'><default class='a'/></default></default>" +
            body(""),
        {"3:50 E6220"},
-       "stands twice"},
+       "duplicate class"},
       {body("<body quat='1 0 0 0' euler='0 0 1'><geom size='1'/></body>"),
        {"4:2 E6220"},
        "has 2 orientations"},
@@ -77,7 +77,7 @@ TEST(MjcfBad, IsSaidAtItsPlace) {
        "not part of another one"},
       {"<asset><mesh name='a' file='c.stl'/><mesh name='a' file='d.stl'/></asset>" + body(""),
        {"3:38 E6220"},
-       "stands twice"},
+       "duplicate mesh"},
       {"<include file='other.xml'/>" + body(""), {"3:16 W6004"}, "cannot be read"},
       {"<include/>" + body(""), {"3:2 E6220"}, "<include> has no file"},
       {"<include file='model.xml'/>" + body(""), {"3:16 E6220"}, "included already"},
@@ -102,7 +102,7 @@ TEST(MjcfBad, IsSaidAtItsPlace) {
            body("<joint name='a'/><joint name='b'/>"),
        {"3:12 W6221"},
        "follows a curve"},
-      {body("<site name='s'/><camera name='s'/>"), {"4:18 W6221"}, "stands twice"},
+      {body("<site name='s'/><camera name='s'/>"), {"4:18 W6221"}, "duplicate frame"},
       {body("") + "<worldbody><body name='b'", {"5:1 E6220"}, "not well-formed"},
   };
   for (const auto& each : cases) {
@@ -122,7 +122,7 @@ TEST(MjcfBad, ModelsWithoutAnythingAreRefused) {
   }
   const auto other = read_meshes({{"r.mjcf", "<sdf/>"}});
   EXPECT_FALSE(other->out);
-  EXPECT_THAT(other->text(), HasSubstr("'sdf' stands where <mujoco> is expected"));
+  EXPECT_THAT(other->text(), HasSubstr("unexpected element 'sdf', expected <mujoco>"));
 }
 
 std::string chain(int bodies) {

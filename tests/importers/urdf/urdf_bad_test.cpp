@@ -29,16 +29,16 @@ TEST(UrdfBad, IsSaidAtItsPlace) {
   } cases[] = {
       {kLinks + joint("x", "a", "b") + joint("y", "c", "b"),
        {"5:2 E6220", "3:34 E6220"},
-       "hangs on the joint 'x' already"},
+       "is the child of joint 'x' already"},
       {kLinks + joint("x", "a", "b") + joint("y", "b", "c") + joint("z", "c", "a"),
        {"6:2 E6220"},
-       "hang on itself"},
+       "its own ancestor"},
       {kLinks + joint("x", "a", "a") + joint("y", "a", "b") + joint("z", "a", "c"),
        {"4:2 E6220"},
-       "hang on itself"},
-      {kLinks + joint("x", "a", "b"), {"3:34 E6220"}, "hangs on no joint, as 'a' does"},
+       "its own ancestor"},
+      {kLinks + joint("x", "a", "b"), {"3:34 E6220"}, "has no parent joint, like 'a'"},
       {"<link name='arm'/>" + joint("x", "arm", "arn"), {"3:86 E6220"}, "did you mean 'arm'?"},
-      {"<link name='a'/><link name='a'/>", {"3:18 E6220"}, "stands twice"},
+      {"<link name='a'/><link name='a'/>", {"3:18 E6220"}, "duplicate link"},
       {"<link/>", {"3:2 E6220"}, "<link> has no name"},
       {kLinks + joint("x", "a", "b") + joint("x", "b", "c"), {"5:2 E6220"}, "two joints"},
       {kLinks + joint("x", "a", "b", "", "hinge") + joint("y", "a", "c"),
@@ -81,7 +81,7 @@ TEST(UrdfBad, IsSaidAtItsPlace) {
        "<cylinder> has no length"},
       {"<link name='a'><visual>\n<geometry><blob/></geometry></visual></link>",
        {"4:12 E6220"},
-       "is no geometry"},
+       "is not a geometry"},
       {"<link name='a'><visual/></link>", {"3:17 E6220"}, "no geometry"},
       {"<link name='a'><visual><geometry><sphere radius='1'/></geometry>\n<material "
        "name='m'/></visual></link>",
@@ -117,7 +117,7 @@ TEST(UrdfBad, RobotsWithoutLinksAreRefused) {
   }
   const auto other = read_meshes({{"r.urdf", "<sdf/>"}});
   EXPECT_FALSE(other->out);
-  EXPECT_THAT(other->text(), HasSubstr("'sdf' stands where <robot> is expected"));
+  EXPECT_THAT(other->text(), HasSubstr("unexpected element 'sdf', expected <robot>"));
 }
 
 TEST(UrdfBad, FormatsThatAreNotReadAreNamed) {

@@ -244,7 +244,7 @@ TEST(VrmlLost, ColoursThatAreNone) {
 
 TEST(VrmlLost, BillboardsAndTransformsOfTexturesOnPrimitives) {
   EXPECT_EQ(note(*read97("Billboard { children " + kShape + " }"), Code::W6008),
-            "unsupported properties ignored: the turning of billboards");
+            "unsupported properties ignored: rotation of billboards");
   const std::string texture = "Texture2 { image 1 1 3 0xff0000 } Texture2Transform { rotation 1 } ";
   for (const std::string shape : {"Cube { }", "Sphere { }", "Cylinder { }", "Cone { }"})
     EXPECT_EQ(note(*read_text("#VRML V1.0 ascii\n" + texture + shape), Code::W6008),
