@@ -42,7 +42,7 @@ target_include_directories(panwright_flags INTERFACE
 set(PANWRIGHT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror=return-type)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # note: GCC 12 sees overlap and overruns in std::string's operator+ where there are none (GCC bugs 105329, 105651)
-  list(APPEND PANWRIGHT_WARNINGS -Wno-restrict -Wno-array-bounds)
+  list(APPEND PANWRIGHT_WARNINGS -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # a source that another one includes is a header to GCC
