@@ -114,7 +114,7 @@ void run(Context& context) {
                             preview::View other = view;
                             other.to_sun.z += turned ? 1e-9 : 2e-9;
                             turned = !turned;
-                            renderer.render(other, options, log);
+                            static_cast<void>(renderer.render(other, options, log));
                           }});
     const std::vector<Timing> timings = interleaved(variants, context.quick() ? 1 : 3);
     for (std::size_t i = 0; i < ways.size(); ++i) {

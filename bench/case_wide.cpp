@@ -127,7 +127,7 @@ void run(Context& context) {
                           preview::View view = view_of(i, large);
                           view.to_sun.z += turned ? 1e-9 : 2e-9;
                           turned = !turned;
-                          renderers[i].render(view, {}, log);
+                          static_cast<void>(renderers[i].render(view, {}, log));
                         }});
   const std::vector<Timing> timings = interleaved(variants, context.runs());
   for (std::size_t i = 0; i < subjects.size(); ++i) {

@@ -156,8 +156,8 @@ void spacecraft(Context& context, const std::string& name, std::uint64_t rays) {
   row.must_error = 0.05;
   row.reference = "points of the blanket over the faces below";
   context.add(row);
-  const auto share = [&](std::uint64_t rays) {
-    return static_cast<double>(rays) / static_cast<double>(std::max<std::uint64_t>(1, found.rays));
+  const auto share = [&](std::uint64_t part) {
+    return static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(1, found.rays));
   };
   row.setting = fmt::format("{}: {} rays to the faces below, other parts apart", name, found.rays);
   row.error = share(found.pierced);

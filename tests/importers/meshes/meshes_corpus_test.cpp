@@ -14,7 +14,7 @@
 #include "geometry/mesh/check.h"
 #include "importers/import.h"
 
-namespace panwright::importers::corpus_test {
+namespace panwright::importers::meshes_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ INSTANTIATE_TEST_SUITE_P(Files, SmallBody, testing::ValuesIn(kBodies),
                          [](const auto& body) { return "body" + std::to_string(body.index); });
 
 }  // namespace
-}  // namespace panwright::importers::corpus_test
+}  // namespace panwright::importers::meshes_corpus_test

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "importers/import.h"
 
-namespace panwright::importers::corpus_test {
+namespace panwright::importers::gltf_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -214,4 +214,4 @@ TEST(GltfCorpus, TrianglesAreThoseOfTheValidator) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::corpus_test
+}  // namespace panwright::importers::gltf_corpus_test

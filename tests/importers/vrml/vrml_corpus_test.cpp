@@ -17,7 +17,7 @@
 #include "importers/import.h"
 #include "tests/support/paths.h"
 
-namespace panwright::importers::corpus_test {
+namespace panwright::importers::vrml_corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST(VrmlCorpus, WhatIsMalformedIsSaidWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace panwright::importers::corpus_test
+}  // namespace panwright::importers::vrml_corpus_test
