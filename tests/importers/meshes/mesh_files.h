@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/text.h"
@@ -172,6 +173,18 @@ inline std::string ply_of(const Polyhedron& in, Order order) {
     for (const std::uint32_t v : face) append_bytes(out, static_cast<std::int32_t>(v), big);
   }
   return out;
+}
+
+inline std::size_t node_index(const scene::Scene& scene, std::string_view name) {
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    if (scene.nodes[i].name == name) return i;
+  return scene.nodes.size();
+}
+
+inline scene::Joint* joint_named(scene::Scene& scene, std::string_view name) {
+  for (scene::Joint& joint : scene.joints)
+    if (joint.name == name) return &joint;
+  return nullptr;
 }
 
 }  // namespace panwright::importers

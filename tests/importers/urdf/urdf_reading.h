@@ -16,16 +16,4 @@ inline std::unique_ptr<MeshReading> read_robot(const std::string& body,
   return read_meshes(std::move(others), options);
 }
 
-inline std::size_t node_index(const scene::Scene& scene, std::string_view name) {
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
-    if (scene.nodes[i].name == name) return i;
-  return scene.nodes.size();
-}
-
-inline scene::Joint* joint_named(scene::Scene& scene, std::string_view name) {
-  for (scene::Joint& joint : scene.joints)
-    if (joint.name == name) return &joint;
-  return nullptr;
-}
-
 }  // namespace panwright::importers
