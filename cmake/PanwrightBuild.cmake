@@ -41,8 +41,8 @@ target_include_directories(panwright_flags INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/panwright>)
 set(PANWRIGHT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror=return-type)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # note: GCC 12 sees overlap and overruns in std::string's operator+ where there are none (GCC bugs 105329, 105651)
-  list(APPEND PANWRIGHT_WARNINGS -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+  # note: GCC 12 sees overlaps, overruns and unset members of std::string and std::optional where there are none (GCC bugs 105329, 105562, 105651)
+  list(APPEND PANWRIGHT_WARNINGS -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-maybe-uninitialized)
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # a source that another one includes is a header to GCC
