@@ -104,7 +104,7 @@ TEST(Fit, RefusesWhatNoSheetHas) {
        false,
        "for sheets of this kind and slope"},
       {preset("crinkled"), {.correlation = 2}, true, "the nearest found is"},
-      {preset("crinkled"), {.correlation = 1e-5}, true, "has no correlation length"},
+      {preset("crinkled"), {.correlation = 1e-5}, true, "cannot have a correlation length"},
   };
   for (const auto& each : cases) {
     DiagnosticLog log;

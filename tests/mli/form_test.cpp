@@ -214,7 +214,7 @@ TEST(Form, SaysWhatMeetsItself) {
   ASSERT_TRUE(formed(sheet_of(recipe(2, 1, 100, {Constant{0.06}})), Tube{0.3, 0.8, 0.1}, log).ok());
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].code, Code::W7002);
-  EXPECT_THAT(log.entries()[0].message, HasSubstr("it is 0.06 m high"));
+  EXPECT_THAT(log.entries()[0].message, HasSubstr("its height is 0.06 m"));
   EXPECT_THAT(log.entries()[0].message, HasSubstr(", expected at most 0.05 m"));
   DiagnosticLog none;
   ASSERT_TRUE(
