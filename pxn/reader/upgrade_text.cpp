@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "pxn/pxn.h"
+#include "pxn/reader/loader.h"
 #include "pxn/text/grammar.h"
 #include "pxn/text/markup.h"
 
