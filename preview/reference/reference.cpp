@@ -26,7 +26,8 @@ constexpr double kWidestPsf = 64;  // pixels
 // bytes for each pixel that a target may fall on, while it is rendered
 constexpr std::uint64_t kPixelBytes = 260;
 
-[[maybe_unused]] bool is_sound(const world::Camera& camera, const ReferenceOptions& options) {
+[[maybe_unused]] bool is_sound_request(const world::Camera& camera,
+                                       const ReferenceOptions& options) {
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
@@ -212,7 +213,7 @@ Result<ReferenceImage> Reference::render(const world::World& world, const world:
 Result<ReferenceImage> Reference::rendered(const world::World& world, const world::Camera& camera,
                                            const ReferenceOptions& options, DiagnosticLog& log,
                                            const Job& job) {
-  assert(is_sound(camera, options));
+  assert(is_sound_request(camera, options));
   if (camera.width > kMaxReferenceSide || camera.height > kMaxReferenceSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels, expected at most {} a side",
