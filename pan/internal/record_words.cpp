@@ -1,6 +1,6 @@
 #include "pan/internal/record_words.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 

@@ -1,6 +1,6 @@
 #include "importers/step/internal/entities.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <Interface_Check.hxx>
 #include <StepBasic_ProductDefinition.hxx>

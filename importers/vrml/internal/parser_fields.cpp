@@ -1,5 +1,5 @@
 // Contents of a node: fields, and nodes that stand where fields do.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "base/text.h"
 #include "importers/vrml/internal/characters.h"
