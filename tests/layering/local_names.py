@@ -29,7 +29,7 @@ def target_of(path):
         if path.startswith(prefix):
             return target
     parts = path.split("/")
-    return "/".join(parts[:-1]) if parts[0] in ("tests", "examples") else parts[0]
+    return "/".join(parts[:2]) if parts[0] in ("tests", "examples") else parts[0]
 
 
 def without_angles(text):
