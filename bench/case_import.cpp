@@ -40,14 +40,8 @@ struct Job {
   bool normals = false;
 };
 
-void run_import(Context& context) {
-  const fs::path panwright = context.program("panwright");
-  if (panwright.empty()) return context.note("the program is not built: nothing to time");
-  const Band band(context.quick() ? 40 : 708);
-  const double million = static_cast<double>(band.triangles()) * 1e-6;
-  const fs::path wrl = context.scratch() / "band.wrl";
-  const fs::path plain = context.scratch() / "plain.glb";
-  const fs::path lit = context.scratch() / "lit.glb";
+// Writes the band in every format, in a process of its own.
+bool write_files(const Context& context, const Band& band) {
   // note: the largest size that this process ever had counts towards the peaks of those it starts
   const pid_t writer = ::fork();
   if (writer == 0) {
@@ -60,8 +54,13 @@ void run_import(Context& context) {
     ::_exit(done ? 0 : 1);
   }
   int status = 1;
-  if (writer < 0 || ::waitpid(writer, &status, 0) != writer || status != 0)
-    return context.note("the files cannot be written");
+  return writer >= 0 && ::waitpid(writer, &status, 0) == writer && status == 0;
+}
+
+std::vector<Job> jobs_of(const Context& context, const fs::path& panwright) {
+  const fs::path wrl = context.scratch() / "band.wrl";
+  const fs::path plain = context.scratch() / "plain.glb";
+  const fs::path lit = context.scratch() / "lit.glb";
   const auto out = [&](const char* name) { return (context.scratch() / name).string(); };
   const std::string keep = "--keep-hidden", as_is = "--no-weld";
   std::vector<Job> jobs = {
@@ -123,6 +122,50 @@ void run_import(Context& context) {
   const fs::path assimp = installed("assimp");
   if (!assimp.empty())
     jobs.push_back({"assimp info of the glb", assimp, {"info", lit.string()}, 0, {}, true});
+  return jobs;
+}
+
+// peak: memory of the process, bytes
+void add_rows(Context& context, const Band& band, const Job& job, bool ours, double peak,
+              const Timing& timing) {
+  if (peak == 0) return context.note(job.setting + ": the program failed");
+  Row row;
+  row.case_name = "import";
+  row.setting =
+      fmt::format("{} Mtri={:.3g}", job.setting, static_cast<double>(band.triangles()) * 1e-6);
+  set_time(row, timing, 1);
+  row.speed_unit = "s a process";
+  row.must_is_least = false;
+  if (!context.quick()) row.must = job.must_seconds;
+  if (job.model.empty()) {
+    // errors of images are in other cases: here their memory
+    row.error = peak / band.array_bytes(job.normals);
+    row.error_unit = "memory over the scene's arrays";
+    row.reference = "arrays of the mesh in double";
+  } else {
+    row.error = worst_in(band, job.model);
+    row.error_unit = "m of 1 m";
+    row.reference = "the numbers written";
+    row.must_error = 1e-7;  // rounding to single precision about the middle of the mesh
+  }
+  context.add(row);
+  if (job.model.empty() || !ours) return;
+  Row memory = row;
+  memory.setting = fmt::format("memory of: {}", row.setting);
+  memory.error = peak / band.array_bytes(job.normals);
+  memory.error_unit = "memory over the scene's arrays";
+  memory.reference = "arrays of the mesh in double";
+  memory.must = 0;
+  memory.must_error = context.quick() ? 0 : 3;
+  context.add(memory);
+}
+
+void run_import(Context& context) {
+  const fs::path panwright = context.program("panwright");
+  if (panwright.empty()) return context.note("the program is not built: nothing to time");
+  const Band band(context.quick() ? 40 : 708);
+  if (!write_files(context, band)) return context.note("the files cannot be written");
+  std::vector<Job> jobs = jobs_of(context, panwright);
   std::vector<Variant> variants;
   std::vector<double> peaks(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i)
@@ -135,45 +178,13 @@ void run_import(Context& context) {
   // too slow to be run in turn with the others
   const fs::path castle = installed("tovrmlx3d");
   if (!castle.empty()) {
-    jobs.push_back({"tovrmlx3d of the vrml", castle, {wrl.string()}, 0, {}, true});
+    const std::string wrl = (context.scratch() / "band.wrl").string();
+    jobs.push_back({"tovrmlx3d of the vrml", castle, {wrl}, 0, {}, true});
     peaks.push_back(0);
-    timings.push_back(timed([&] { run_program(castle, {wrl.string()}, &peaks.back()); }, 1));
+    timings.push_back(timed([&] { run_program(castle, {wrl}, &peaks.back()); }, 1));
   }
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const Job& job = jobs[i];
-    if (peaks[i] == 0) {
-      context.note(job.setting + ": the program failed");
-      continue;
-    }
-    Row row;
-    row.case_name = "import";
-    row.setting = fmt::format("{} Mtri={:.3g}", job.setting, million);
-    set_time(row, timings[i], 1);
-    row.speed_unit = "s a process";
-    row.must_is_least = false;
-    if (!context.quick()) row.must = job.must_seconds;
-    if (job.model.empty()) {
-      // what an image is wrong by stands in other cases: here its memory
-      row.error = peaks[i] / band.array_bytes(job.normals);
-      row.error_unit = "memory over the scene's arrays";
-      row.reference = "arrays of the mesh in double";
-    } else {
-      row.error = worst_in(band, job.model);
-      row.error_unit = "m of 1 m";
-      row.reference = "the numbers written";
-      row.must_error = 1e-7;  // rounding to single precision about the middle of the mesh
-    }
-    context.add(row);
-    if (job.model.empty() || job.program != panwright) continue;
-    Row memory = row;
-    memory.setting = fmt::format("memory of: {}", row.setting);
-    memory.error = peaks[i] / band.array_bytes(job.normals);
-    memory.error_unit = "memory over the scene's arrays";
-    memory.reference = "arrays of the mesh in double";
-    memory.must = 0;
-    memory.must_error = context.quick() ? 0 : 3;
-    context.add(memory);
-  }
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    add_rows(context, band, jobs[i], jobs[i].program == panwright, peaks[i], timings[i]);
 }
 
 const bool kAdded =

@@ -243,7 +243,7 @@ std::string plural(std::uint64_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-void report(const MeshReport& mesh_report, DiagnosticLog& log) {
+void report_meshes(const MeshReport& mesh_report, DiagnosticLog& log) {
   const CleanReport& total = mesh_report.total;
   std::string done;
   const auto tell = [&](std::uint64_t count, const char* one, const char* many) {
@@ -320,7 +320,7 @@ Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& o
                             DiagnosticLog& log, const Job& job, const WorkCache* cache) {
   return run_job(job, log, [&]() -> Result<MeshReport> {
     MeshReport mesh_report = SceneCleaner(scene, options, cache, job).run();
-    report(mesh_report, log);
+    report_meshes(mesh_report, log);
     return mesh_report;
   });
 }

@@ -28,7 +28,7 @@ Row terms(double x) {
 }
 
 // Least squares by Householder's reflections. rows: as many as values, at least kTerms
-Row solved(std::vector<Row> rows, std::vector<double> values) {
+Row solved_rows(std::vector<Row> rows, std::vector<double> values) {
   Row diagonal{};
   for (std::size_t c = 0; c < kTerms; ++c) {
     double norm = 0;
@@ -57,7 +57,7 @@ Row solved(std::vector<Row> rows, std::vector<double> values) {
   return result;
 }
 
-double fitted(const Row& coefficients, double x) {
+double fitted_value(const Row& coefficients, double x) {
   const Row row = terms(x);
   double sum = 0;
   for (std::size_t k = 0; k < kTerms; ++k) sum += coefficients[k] * row[k];
@@ -81,11 +81,11 @@ HFit hapke_h_fit(double w) {
     rows.push_back(row);
     values.push_back(h - 1);
   }
-  fit.coefficients = solved(std::move(rows), std::move(values));
+  fit.coefficients = solved_rows(std::move(rows), std::move(values));
   for (std::size_t i = 1; i <= 2 * kNodes; ++i) {
     const double root = static_cast<double>(i) / (2 * kNodes);
     const double x = root * root;
-    fit.error = std::max(fit.error, std::fabs(fitted(fit.coefficients, x) / exact(x) - 1));
+    fit.error = std::max(fit.error, std::fabs(fitted_value(fit.coefficients, x) / exact(x) - 1));
   }
   return fit;
 }
@@ -95,7 +95,7 @@ HapkeHCorrection::HapkeHCorrection(double w, const std::array<double, 8>& coeffi
   for (int i = -1; i <= kCorrectionSteps + 1; ++i) {
     const double root = static_cast<double>(std::clamp(i, 0, kCorrectionSteps)) / kCorrectionSteps;
     const double x = std::max(root * root * root * root, 1e-30);
-    ratios_.push_back(exact(x) / fitted(coefficients, x));
+    ratios_.push_back(exact(x) / fitted_value(coefficients, x));
   }
   // beyond the ends as cubics go on
   const std::size_t last = ratios_.size() - 1;

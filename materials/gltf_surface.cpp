@@ -16,7 +16,7 @@ constexpr double kNarrowest = 0.05;  // slope of the narrowest lobe that is comp
 double fifth_power(double x) { return x * x * x * x * x; }
 
 // D·G/(4 n·l n·v) of GGX with Smith's correlated masking, 1/sr; h: the half vector
-double lobe(double roughness, const Vec3& l, const Vec3& v, const Vec3& h) {
+double gltf_lobe(double roughness, const Vec3& l, const Vec3& v, const Vec3& h) {
   const double alpha = std::max(roughness * roughness, 1e-4), alpha2 = alpha * alpha;
   const double width = h.z * h.z * (alpha2 - 1) + 1;
   const double toward_v = l.z * std::sqrt(v.z * v.z * (1 - alpha2) + alpha2);
@@ -66,7 +66,7 @@ double coat_share(const GltfSurface& s, const Vec3& v) {
 Vec3 gltf_rough(const GltfSurface& s, const Vec3& l, const Vec3& v, bool smooth_coat) {
   const Vec3 h = glm::normalize(l + v);
   const double rise = fifth_power(1 - glm::dot(v, h));
-  const double shine = lobe(s.roughness, l, v, h);
+  const double shine = gltf_lobe(s.roughness, l, v, h);
   const Vec3 f0 = glm::min(reflectance_of_index(s.ior) * s.specular_color, Vec3(1));
   const Vec3 fresnel = f0 + (Vec3(1) - f0) * rise;
   const double passed = 1 - s.specular * std::max({fresnel.x, fresnel.y, fresnel.z});
@@ -76,7 +76,7 @@ Vec3 gltf_rough(const GltfSurface& s, const Vec3& l, const Vec3& v, bool smooth_
   const double coat = coat_share(s, v);
   if (!(coat > 0)) return below;
   if (smooth_coat) return (1 - coat) * below;
-  return glm::mix(below, Vec3(lobe(s.clearcoat_roughness, l, v, h)), coat);
+  return glm::mix(below, Vec3(gltf_lobe(s.clearcoat_roughness, l, v, h)), coat);
 }
 
 double changed_for(std::span<const Compared> parts, const GltfSurface& surface, const Vec3& v) {

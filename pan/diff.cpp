@@ -12,98 +12,89 @@
 
 #include "base/text.h"
 #include "pan/internal/material_limits.h"
+#include "pan/internal/record_keys.h"
+#include "pan/internal/record_words.h"
 #include "pan/internal/report.h"
 
 namespace panwright::pan {
 
 namespace {
 
+using internal::back_words;
+using internal::decal_words;
+using internal::frame_words;
+using internal::image_words;
+using internal::input_words;
+using internal::instance_words;
+using internal::joint_words;
+using internal::keypoint_words;
+using internal::Keys;
+using internal::level_words;
+using internal::material_words;
+using internal::mesh_words;
+using internal::node_words;
+using internal::Numbering;
+using internal::sheet_words;
+using internal::Side;
+using internal::texture_words;
 using layout::FieldType;
 using layout::SectionKind;
 
-using Keys = std::vector<Hash128>;  // one per record, all different
-using Ids = std::vector<Hash128>;   // one per string
-
-Hash128 joined(std::initializer_list<Hash128> parts) {
-  return hash128(std::as_bytes(std::span(parts.begin(), parts.size())));
+template <class T>
+std::string numbers(const std::byte* at, std::uint32_t count) {
+  std::vector<T> values(count);
+  std::memcpy(values.data(), at, count * sizeof(T));
+  return fmt::format("{}", fmt::join(values, " "));
 }
 
-// note: strings are hashed once each, so that many records with one long name stay cheap
-Ids hashed_strings(const Model& model) {
-  Ids ids(model.string_offsets().size() - 1);
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    ids[i] = hash128(as_bytes(model.string(static_cast<std::uint32_t>(i))));
-  return ids;
-}
-
-// Makes equal keys different by counting them.
-class Numbering {
- public:
-  Hash128 operator()(Hash128 key) { return joined({key, {count_[key]++, 0}}); }
-
- private:
-  std::map<Hash128, std::uint64_t> count_;
-};
-
-template <class Record>
-Keys named_keys(std::span<const Record> records, const Ids& strings) {
-  Keys keys;
-  Numbering number;
-  for (const Record& record : records) keys.push_back(number(strings[record.name]));
-  return keys;
-}
-
-Keys node_keys(const Model& model, const Ids& strings) {
-  Keys keys;
-  Numbering number;
-  for (const layout::Node& node : model.nodes()) {
-    const Hash128 parent = node.parent < 0 ? Hash128{} : keys[node.parent];
-    keys.push_back(number(joined({parent, strings[node.name]})));
+std::string value_words(const layout::FieldRule& field, const std::byte* record) {
+  const std::byte* at = record + field.offset;
+  switch (field.type) {
+    case FieldType::f64:
+      return numbers<double>(at, field.count);
+    case FieldType::f32:
+      return numbers<float>(at, field.count);
+    case FieldType::i32:
+      return numbers<std::int32_t>(at, field.count);
+    case FieldType::u64:
+      return numbers<std::uint64_t>(at, field.count);
+    default:
+      return numbers<std::uint32_t>(at, field.count);
   }
-  return keys;
 }
 
-// One of the two models with what its records are known by.
-struct Side {
-  const Model& model;
-  const char* letter;
-  Ids strings;
-  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets, levels,
-      joints;
+// A field that numbers the values of an enumeration.
+bool is_enumeration(const layout::FieldRule& field) {
+  const std::string_view name(field.name);
+  return name.ends_with("_brdf") || name == "reason";
+}
 
-  Side(const Model& m, const char* name)
-      : model(m),
-        letter(name),
-        strings(hashed_strings(m)),
-        nodes(node_keys(m, strings)),
-        meshes(named_keys(m.meshes(), strings)),
-        materials(named_keys(m.materials(), strings)),
-        textures(named_keys(m.textures(), strings)),
-        frames(named_keys(m.frames(), strings)),
-        instances(instance_keys(m)),
-        keypoints(named_keys(m.keypoints(), strings)),
-        decals(named_keys(m.decals(), strings)),
-        joints(named_keys(m.joints(), strings)) {
-    for (const layout::Sheet& sheet : m.sheets()) sheets.push_back(meshes[sheet.mesh]);
-    Numbering number;
-    for (const layout::Level& level : m.levels())
-      levels.push_back(number(joined({instances[level.instance], meshes[level.mesh]})));
-  }
+std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
+  std::uint32_t value;
+  std::memcpy(&value, record + field.offset, sizeof value);
+  const std::string_view name(field.name);
+  if (name == "reason")
+    return std::string(reason_name(static_cast<layout::ToleranceReason>(value)));
+  return std::string(name == "diffuse_brdf"
+                         ? materials::info_of(static_cast<materials::DiffuseModel>(value)).name
+                         : materials::info_of(static_cast<materials::SpecularModel>(value)).name);
+}
 
- private:
-  Keys instance_keys(const Model& m) const {
-    Keys keys;
-    Numbering number;
-    for (const layout::Instance& instance : m.instances())
-      keys.push_back(number(joined({nodes[instance.node], meshes[instance.mesh]})));
-    return keys;
-  }
-};
+// The parameters of a BRDF by name, as single precision has them.
+template <class Brdf>
+std::vector<std::pair<std::string, std::string>> parameter_words(const Brdf& brdf) {
+  std::vector<std::pair<std::string, std::string>> words;
+  materials::visit_parameters(
+      brdf, [&](const materials::Parameter& parameter, std::span<const double> values) {
+        std::vector<float> rounded(values.begin(), values.end());
+        words.emplace_back(parameter.name, fmt::format("{}", fmt::join(rounded, " ")));
+      });
+  return words;
+}
 
 class Comparison {
  public:
-  Comparison(const Model& a, const Model& b, std::size_t limit)
-      : a_(a, "a"), b_(b, "b"), limit_(limit) {}
+  Comparison(const Model& a, const Model& b, std::size_t limit) : a_(a), b_(b), limit_(limit) {}
 
   Differences run();
 
@@ -171,58 +162,6 @@ void Comparison::match(std::vector<Difference>& list, const Keys& a, const Keys&
     if (in_b.contains(b[j])) add(list, where(b_.model, j), "only in b");
 }
 
-template <class T>
-std::string numbers(const std::byte* at, std::uint32_t count) {
-  std::vector<T> values(count);
-  std::memcpy(values.data(), at, count * sizeof(T));
-  return fmt::format("{}", fmt::join(values, " "));
-}
-
-std::string value_words(const layout::FieldRule& field, const std::byte* record) {
-  const std::byte* at = record + field.offset;
-  switch (field.type) {
-    case FieldType::f64:
-      return numbers<double>(at, field.count);
-    case FieldType::f32:
-      return numbers<float>(at, field.count);
-    case FieldType::i32:
-      return numbers<std::int32_t>(at, field.count);
-    case FieldType::u64:
-      return numbers<std::uint64_t>(at, field.count);
-    default:
-      return numbers<std::uint32_t>(at, field.count);
-  }
-}
-
-// A field that numbers the values of an enumeration.
-bool is_enumeration(const layout::FieldRule& field) {
-  const std::string_view name(field.name);
-  return name.ends_with("_brdf") || name == "reason";
-}
-
-std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
-  std::uint32_t value;
-  std::memcpy(&value, record + field.offset, sizeof value);
-  const std::string_view name(field.name);
-  if (name == "reason")
-    return std::string(reason_name(static_cast<layout::ToleranceReason>(value)));
-  return std::string(name == "diffuse_brdf"
-                         ? materials::info_of(static_cast<materials::DiffuseModel>(value)).name
-                         : materials::info_of(static_cast<materials::SpecularModel>(value)).name);
-}
-
-// The parameters of a BRDF by name, as single precision has them.
-template <class Brdf>
-std::vector<std::pair<std::string, std::string>> parameter_words(const Brdf& brdf) {
-  std::vector<std::pair<std::string, std::string>> words;
-  materials::visit_parameters(
-      brdf, [&](const materials::Parameter& parameter, std::span<const double> values) {
-        std::vector<float> rounded(values.begin(), values.end());
-        words.emplace_back(parameter.name, fmt::format("{}", fmt::join(rounded, " ")));
-      });
-  return words;
-}
-
 template <class Record>
 void Comparison::fields(SectionKind kind, const std::string& where, const Record& a,
                         const Record& b, const std::vector<std::string_view>& skipped) {
@@ -234,57 +173,6 @@ void Comparison::fields(SectionKind kind, const std::string& where, const Record
     const std::string in_a = words(field, first), in_b = words(field, second);
     if (in_a != in_b) add(where, fmt::format("{}: {} in a, {} in b", field.name, in_a, in_b));
   }
-}
-
-std::string node_words(const Model& model, std::size_t i) {
-  return "node " + in_quotes(model.node_path(i));
-}
-std::string mesh_words(const Model& model, std::size_t i) {
-  return "mesh " + in_quotes(model.mesh_name(i));
-}
-std::string material_words(const Model& model, std::size_t i) {
-  return "material " + in_quotes(model.material_name(i));
-}
-std::string texture_words(const Model& model, std::size_t i) {
-  return "texture " + in_quotes(model.texture_name(i));
-}
-std::string joint_words(const Model& model, std::size_t i) {
-  return fmt::format("joint {}", in_quotes(model.joint_name(i)));
-}
-
-std::string frame_words(const Model& model, std::size_t i) {
-  return "frame " + in_quotes(model.frame_name(i));
-}
-std::string keypoint_words(const Model& model, std::size_t i) {
-  return "keypoint " + in_quotes(model.keypoint_name(i));
-}
-std::string decal_words(const Model& model, std::size_t i) {
-  return "decal " + in_quotes(model.decal_name(i));
-}
-std::string sheet_words(const Model& model, std::size_t i) {
-  return fmt::format("sheet of {}", mesh_words(model, model.sheets()[i].mesh));
-}
-std::string instance_words(const Model& model, std::size_t i) {
-  const layout::Instance& instance = model.instances()[i];
-  return fmt::format("{} at {}", mesh_words(model, instance.mesh),
-                     node_words(model, instance.node));
-}
-std::string level_words(const Model& model, std::size_t i) {
-  const layout::Level& level = model.levels()[i];
-  return fmt::format("level {} of {}", mesh_words(model, level.mesh),
-                     instance_words(model, level.instance));
-}
-// A material of a back, which may be -1.
-std::string back_words(const Model& model, std::int32_t material) {
-  return material < 0 ? "that of the front"
-                      : material_words(model, static_cast<std::size_t>(material));
-}
-// A reference to a texture, which may be -1.
-std::string image_words(const Model& model, std::int32_t texture) {
-  return texture < 0 ? "no texture" : texture_words(model, texture);
-}
-std::string input_words(const Model& model, std::size_t i) {
-  return "input " + in_quotes(model.string(model.inputs()[i].path));
 }
 
 void Comparison::nodes() {

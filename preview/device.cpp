@@ -4,7 +4,7 @@
 
 #include <cassert>
 
-#include "preview/gl/device_impl.h"
+#include "preview/model/device_impl.h"
 
 namespace panwright::preview {
 namespace {

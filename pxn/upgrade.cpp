@@ -10,11 +10,11 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "pxn/format.h"
 #include "pxn/reader/files.h"
 #include "pxn/reader/read_from.h"
-#include "pxn/format.h"
+#include "pxn/reader/upgrade_text.h"
 #include "pxn/text/grammar.h"
-#include "pxn/text/upgrade_text.h"
 #include "pxn/text/xml.h"
 #include "pxn/writer.h"
 

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,8 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/joint_list.h"
+#include "tools/model_json.h"
+#include "tools/model_words.h"
 #include "tools/node_list.h"
 #include "tools/posed_model.h"
 #include "tools/print.h"
@@ -48,37 +49,6 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
   declare(arguments, options.common);
-}
-
-Json as_json(const Vec3& v) { return {v.x, v.y, v.z}; }
-
-std::string with_hyphens(std::string_view name) {
-  std::string words(name);
-  std::replace(words.begin(), words.end(), '_', '-');
-  return words;
-}
-
-std::string diffuse_word(std::uint32_t model) {
-  return with_hyphens(materials::info_of(static_cast<materials::DiffuseModel>(model)).name);
-}
-
-std::string specular_word(std::uint32_t model) {
-  return with_hyphens(materials::info_of(static_cast<materials::SpecularModel>(model)).name);
-}
-
-// The parameters of a BRDF, a coat or cells, as the schema names them.
-template <class Part>
-Json parameters_json(const Part& part) {
-  Json out = Json::object();
-  visit_parameters(part, [&](const materials::Parameter& parameter,
-                             std::span<const double> values) {
-    // note: as single precision has them, so that 0.3 is not 0.30000001192092896
-    std::vector<double> numbers;
-    for (const double value : values)
-      numbers.push_back(parse_double(fmt::format("{}", static_cast<float>(value))).value_or(value));
-    out[std::string(parameter.name)] = numbers.size() == 1 ? Json(numbers[0]) : Json(numbers);
-  });
-  return out;
 }
 
 using pan::layout::ToleranceReason;
@@ -147,205 +117,6 @@ Totals totals_of(const pan::Model& model) {
     totals.unique_vertices += mesh.vertex_count;
   }
   return totals;
-}
-
-// How many meshes each term decided, in the order of the reasons.
-std::vector<std::pair<ToleranceReason, std::size_t>> decisions_of(const pan::Model& model) {
-  std::array<std::size_t, 7> counts{};
-  for (const auto& budget : model.mesh_tolerances()) ++counts[budget.reason];
-  std::vector<std::pair<ToleranceReason, std::size_t>> out;
-  for (std::uint32_t i = 0; i < counts.size(); ++i)
-    if (counts[i] > 0) out.emplace_back(ToleranceReason{i}, counts[i]);
-  return out;
-}
-
-Json budget_json(const pan::Model& model) {
-  if (!model.budget()) return nullptr;
-  const pan::layout::Budget& budget = *model.budget();
-  const auto term = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
-  Json out{{"tolerance", term(budget.tolerance)},
-           {"nearest", term(budget.nearest)},
-           {"ifov", term(budget.ifov)},
-           {"pixels", term(budget.pixels)},
-           {"flux", term(budget.flux)},
-           {"centroid", term(budget.centroid)},
-           {"smallest_tolerance", term(budget.smallest)}};
-  const double pixels = compiler::tolerance_of_pixels(budget.pixels, budget.ifov, budget.nearest);
-  const double centroid =
-      compiler::tolerance_of_centroid(budget.centroid, budget.ifov, budget.nearest);
-  out["gives"] = {{"pixels", term(pixels)}, {"centroid", term(centroid)}};
-  out["meshes_decided_by"] = Json::object();
-  for (const auto& [reason, count] : decisions_of(model))
-    out["meshes_decided_by"][std::string(pan::reason_name(reason))] = count;
-  return out;
-}
-
-Json mesh_budget_json(const pan::Model& model, std::size_t mesh) {
-  if (model.mesh_tolerances().empty()) return nullptr;
-  const auto& budget = model.mesh_tolerances()[mesh];
-  const bool asked = budget.tolerance > 0;
-  return {{"tolerance", asked ? Json(budget.tolerance) : Json(nullptr)},
-          {"ratio", asked ? Json(model.meshes()[mesh].error / budget.tolerance) : Json(nullptr)},
-          {"reason", pan::reason_name(ToleranceReason{budget.reason})}};
-}
-
-std::string_view form_word(const pan::layout::Sheet& sheet) {
-  constexpr std::string_view kForms[] = {"flat", "tube", "cone", "disc", "box", "wrap"};
-  return sheet.form < std::size(kForms) ? kForms[sheet.form] : "unknown";
-}
-
-// world: the matrices of its nodes, with the joints as they are to be shown.
-Json ground_truth_json(const pan::Model& model, const std::vector<Mat4>& world) {
-  Json out;
-  out["keypoints"] = Json::array();
-  for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
-    const auto& point = model.keypoints()[i];
-    const Vec3 position(point.position[0], point.position[1], point.position[2]);
-    out["keypoints"].push_back({{"name", model.keypoint_name(i)},
-                                {"node", point.node},
-                                {"position", as_json(position)},
-                                {"world", as_json(Vec3(world[point.node] * Vec4(position, 1.0)))}});
-  }
-  out["sheets"] = Json::array();
-  for (const pan::layout::Sheet& sheet : model.sheets())
-    out["sheets"].push_back({{"mesh", sheet.mesh},
-                             {"form", form_word(sheet)},
-                             {"seed", sheet.seed},
-                             {"width", sheet.width},
-                             {"height", sheet.height},
-                             {"cells", {sheet.columns, sheet.rows}},
-                             {"heights", {sheet.lowest, sheet.highest}},
-                             {"height_mean", sheet.height_mean},
-                             {"height_rms", sheet.height_rms},
-                             {"slope_mean", sheet.slope_mean},
-                             {"slope_covariance", sheet.slope_covariance},
-                             {"facet_slope_covariance", sheet.facet_slope_covariance},
-                             {"slope_rms", sheet.slope_rms},
-                             {"correlation_length", sheet.correlation_length}});
-  out["levels"] = Json::array();
-  for (const pan::layout::Level& level : model.levels())
-    out["levels"].push_back({{"instance", level.instance},
-                             {"mesh", level.mesh},
-                             {"material", level.material},
-                             {"detail", level.detail},
-                             {"error", level.error},
-                             {"triangles", model.meshes()[level.mesh].triangle_count}});
-  out["decals"] = Json::array();
-  for (std::size_t i = 0; i < model.decals().size(); ++i) {
-    const auto& decal = model.decals()[i];
-    out["decals"].push_back({{"name", model.decal_name(i)},
-                             {"instance", decal.instance},
-                             {"texture", decal.texture},
-                             {"origin", decal.origin},
-                             {"rotation", decal.rotation},
-                             {"width", decal.width},
-                             {"height", decal.height},
-                             {"depth", decal.depth}});
-  }
-  return out;
-}
-
-Json maps_json(const pan::layout::Material& material) {
-  const auto map = [](std::int32_t texture) { return texture < 0 ? Json(nullptr) : Json(texture); };
-  return {{"albedo", map(material.albedo_map)},
-          {"normal", map(material.normal_map)},
-          {"roughness", map(material.roughness_map)},
-          {"reflectance", map(material.reflectance_map)},
-          {"cutout", map(material.cutout_map)}};
-}
-
-Json nodes_json(const pan::Model& model) {
-  Json out = Json::array();
-  for (std::size_t i = 0; i < model.nodes().size(); ++i) {
-    const auto& node = model.nodes()[i];
-    Json item;
-    item["name"] = model.node_name(i);
-    item["parent"] = node.parent < 0 ? Json(nullptr) : Json(node.parent);
-    item["translation"] = node.translation;
-    item["rotation"] = node.rotation;
-    item["scale"] = node.scale;
-    out.push_back(std::move(item));
-  }
-  return out;
-}
-
-Json instances_json(const pan::Model& model) {
-  Json out = Json::array();
-  for (std::size_t i = 0; i < model.instances().size(); ++i) {
-    const auto& instance = model.instances()[i];
-    Json item{{"node", instance.node}, {"mesh", instance.mesh}, {"material", instance.material}};
-    item["texture"] = instance.texture < 0 ? Json(nullptr) : Json(instance.texture);
-    if (const std::int32_t back = model.back_of(static_cast<std::uint32_t>(i)); back >= 0)
-      item["back"] = back;
-    if (!model.sources().empty() && model.sources()[i].line > 0) {
-      const auto& source = model.sources()[i];
-      item["source"] =
-          fmt::format("{}:{}:{}", model.string(source.file), source.line, source.column);
-    }
-    out.push_back(std::move(item));
-  }
-  return out;
-}
-
-Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
-  Json out;
-  out["materials"] = Json::array();
-  for (std::size_t i = 0; i < model.materials().size(); ++i) {
-    const auto& material = model.materials()[i];
-    const materials::Material full = pan::material_from(material, {});
-    out["materials"].push_back(
-        {{"name", model.material_name(i)},
-         {"diffuse_model", diffuse_word(material.diffuse_brdf)},
-         {"specular_model", specular_word(material.specular_brdf)},
-         {"diffuse_law", diffuse_word(material.diffuse_brdf)},  // as it was called
-         {"specular_law", specular_word(material.specular_brdf)},
-         {"diffuse_brdf", parameters_json(full.diffuse_brdf)},
-         {"specular_brdf", parameters_json(full.specular_brdf)},
-         {"coat", full.coat ? parameters_json(*full.coat) : Json(nullptr)},
-         {"cells", full.cells ? parameters_json(*full.cells) : Json(nullptr)},
-         {"maps", maps_json(material)}});
-  }
-  out["meshes"] = Json::array();
-  for (std::size_t i = 0; i < model.meshes().size(); ++i) {
-    const auto& mesh = model.meshes()[i];
-    out["meshes"].push_back({{"name", model.mesh_name(i)},
-                             {"triangles", mesh.triangle_count},
-                             {"vertices", mesh.vertex_count},
-                             {"error", mesh.error},
-                             {"budget", mesh_budget_json(model, i)},
-                             {"need", mesh_budget_json(model, i)},  // as it was called
-                             {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
-  }
-  out["textures"] = Json::array();
-  for (std::size_t i = 0; i < model.textures().size(); ++i)
-    out["textures"].push_back({{"name", model.texture_name(i)},
-                               {"width", model.textures()[i].width},
-                               {"height", model.textures()[i].height}});
-  out["frames"] = Json::array();
-  for (std::size_t i = 0; i < model.frames().size(); ++i) {
-    const pan::layout::Frame& frame = model.frames()[i];
-    const Mat4 m = world[frame.node] * pan::node_from_frame(frame);
-    out["frames"].push_back({{"name", model.frame_name(i)},
-                             {"node", model.frames()[i].node},
-                             {"origin", as_json(Vec3(m[3]))},
-                             {"right", as_json(glm::normalize(Vec3(m[0])))},
-                             {"forward", as_json(glm::normalize(Vec3(m[2])))}});
-  }
-  out["inputs"] = Json::array();
-  for (const auto& input : model.inputs())
-    out["inputs"].push_back({{"path", model.string(input.path)},
-                             {"bytes", input.bytes},
-                             {"xxh3", Hash128{input.hash[0], input.hash[1]}.hex()}});
-  return out;
-}
-
-// Metres, and words.
-Json size_json(const std::optional<world::Bounds>& bounds) {
-  if (!bounds) return nullptr;
-  const Vec3 extents = bounds->max - bounds->min;
-  return {{"extents", as_json(extents)},
-          {"largest", std::max({extents.x, extents.y, extents.z})},
-          {"words", compiler::size_in_words(extents)}};
 }
 
 std::string plural(std::uint64_t n, const char* one, const char* many) {
@@ -548,21 +319,6 @@ void print_ground_truth(const pan::Model& model, const std::vector<Mat4>& world)
   }
 }
 
-// How the file holds its sections: those that this program reads, and the others.
-Json sections_json(const pan::Model& model) {
-  Json out = Json::array();
-  for (const pan::layout::DirectoryEntry& entry : model.directory())
-    out.push_back({{"kind", entry.kind},
-                   {"name", pan::kind_name(entry.kind)},
-                   {"read", model.reads(entry)},
-                   {"count", entry.count},
-                   {"element_bytes", entry.stride},
-                   {"bytes", entry.raw_length},
-                   {"stored_bytes", entry.stored_length},
-                   {"compressed", entry.codec != 0}});
-  return out;
-}
-
 // "draco, 14 to 16 bits; vertices moved by 1e-05 m, normals by 0.01 deg at most".
 std::string stream_words(const pan::Model& model) {
   const auto streams = model.mesh_streams();
@@ -677,8 +433,7 @@ int run(const Options& options, const Host& host) {
   const world::Instance& target = (*world)[0];
   const std::vector<Mat4> matrices = world::evaluated(target).model_from_nodes;
   const auto bounds = world::exact_bounds(target);
-  out["bounds"]["min"] = bounds ? as_json(bounds->min) : Json(nullptr);
-  out["bounds"]["max"] = bounds ? as_json(bounds->max) : Json(nullptr);
+  out["bounds"] = bounds_json(bounds);
   out["size"] = size_json(bounds);
   out["nodes"] = nodes_json(*model);
   out["joints"] = joints_json(*model, target.joint_values());

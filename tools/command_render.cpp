@@ -91,7 +91,7 @@ void declare_reference(Arguments& arguments, Options& options) {
   arguments.flag("--no-sun-disc", options.no_sun_disc, "Treat the Sun as a point").group(kGroup);
 }
 
-void declare_all(Arguments& arguments, Options& options) {
+void declare_images(Arguments& arguments, Options& options) {
   arguments
       .add("input", options.targets,
            "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name)")
@@ -122,7 +122,9 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("SHARE");
   arguments.flag("--adaptive", options.adaptive,
                  "Take N x N samples only where they change the pixel, with --samples N");
-  declare_reference(arguments, options);
+}
+
+void declare_shadows(Arguments& arguments, Options& options) {
   arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
   arguments
       .add("--shadows", options.shadows,
@@ -143,6 +145,9 @@ void declare_all(Arguments& arguments, Options& options) {
       .range(16u, 16384u)
       .excludes(no_shadows)
       .type("N");
+}
+
+void declare_detail(Arguments& arguments, Options& options) {
   arguments
       .add("--levels", options.levels,
            "Level of detail: auto (pixel footprint), off (finest), or a footprint in metres")
@@ -165,6 +170,13 @@ void declare_all(Arguments& arguments, Options& options) {
            "Gaussian point spread function of the camera, RMS width in pixels (default 0: none)")
       .range(0.0, 64.0)
       .type("SIGMA");
+}
+
+void declare_all(Arguments& arguments, Options& options) {
+  declare_images(arguments, options);
+  declare_reference(arguments, options);
+  declare_shadows(arguments, options);
+  declare_detail(arguments, options);
   arguments.flag("--explain", options.explain,
                  "Print how each target was drawn, its estimated error and its time");
   arguments

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 JointKind kind_of(const pan::layout::Joint& joint) { return static_cast<JointKind>(joint.kind); }
 
-Json numbers(const double* values, std::size_t count) {
+Json numbers_json(const double* values, std::size_t count) {
   return std::vector<double>(values, values + count);
 }
 
@@ -29,19 +29,19 @@ Json joint_json(const pan::Model& model, std::size_t i, const geometry::JointVal
   out["type"] = geometry::kind_name(kind_of(joint));
   out["node"] = joint.node;
   out["path"] = model.node_path(joint.node);
-  out["axis"] = numbers(joint.axis, 3);
+  out["axis"] = numbers_json(joint.axis, 3);
   const bool limited = (joint.flags & pan::layout::kJointLimited) != 0;
-  out["lower"] = limited ? numbers(joint.lower, count) : Json();
-  out["upper"] = limited ? numbers(joint.upper, count) : Json();
-  out["initial"] = numbers(joint.value, count);
-  out["value"] = numbers(values.data(), count);
+  out["lower"] = limited ? numbers_json(joint.lower, count) : Json();
+  out["upper"] = limited ? numbers_json(joint.upper, count) : Json();
+  out["initial"] = numbers_json(joint.value, count);
+  out["value"] = numbers_json(values.data(), count);
   out["mimic"] = joint.mimic < 0 ? Json() : Json(model.joint_name(joint.mimic));
   if (joint.mimic >= 0) {
     out["multiplier"] = joint.multiplier;
     out["offset"] = joint.offset;
   }
   const bool aims = world::can_aim(model, static_cast<std::uint32_t>(i));
-  out["pointing"] = aims ? numbers(joint.pointing, 3) : Json();
+  out["pointing"] = aims ? numbers_json(joint.pointing, 3) : Json();
   out["gimbal"] = joint.gimbal < 0 ? Json() : Json(model.joint_name(joint.gimbal));
   out["point_at"] = joint.flags & pan::layout::kJointPointsAtSun ? "sun" : "nothing";
   return out;

@@ -31,7 +31,7 @@ std::string upper(std::string_view text) {
   return out;
 }
 
-std::string head(const std::string& name, std::string_view help) {
+std::string page_head(const std::string& name, std::string_view help) {
   return fmt::format(".TH {} 1 \"\" \"panwright {}\" \"Panwright\"\n.SH NAME\n{} \\- {}\n",
                      upper(plain(name)), PANWRIGHT_VERSION, plain(name), plain(help));
 }
@@ -45,7 +45,7 @@ void append_examples(const std::vector<Example>& examples, std::string& out) {
 }  // namespace
 
 std::string program_man_page(std::span<const DescribedCommand> table) {
-  std::string out = head("panwright", "spacecraft models from text and CAD files to images");
+  std::string out = page_head("panwright", "spacecraft models from text and CAD files to images");
   out +=
       ".SH SYNOPSIS\n.B panwright\n.I COMMAND\n[\\fIOPTIONS\\fR] ...\n.SH DESCRIPTION\nCompiles "
       "spacecraft, written as pxn text or imported from CAD files, to checked pan files. Renders "
@@ -67,7 +67,7 @@ std::string program_man_page(std::span<const DescribedCommand> table) {
 std::string command_man_page(const DescribedCommand& command) {
   const std::string name = "panwright-" + command.command.name;
   const std::string program = "panwright " + command.command.name;
-  std::string out = head(name, command.command.help);
+  std::string out = page_head(name, command.command.help);
   out += fmt::format(".SH SYNOPSIS\n.B {}\n{}\n", program,
                      plain(usage_line(command, program).substr(program.size() + 1)));
   bool arguments = false;

@@ -23,7 +23,7 @@ constexpr double kTextureShare = 0.25;  // of the budget's flux
 constexpr double kMostLight = 0.01;     // relative, where the budget has no flux
 constexpr double kLeastSamples = 4;     // of a texture, in each triangle
 constexpr double kSamples = 1e6;        // of a mesh
-constexpr double kCoarseShapes = 0.02;        // of the radius of curvature: meshes of exact shapes
+constexpr double kCoarseShapes = 0.02;  // of the radius of curvature: meshes of exact shapes
 
 // The mesh of a shape, with texture coordinates; null: none.
 MeshShape textured_surface(const geometry::Shape& shape) {
@@ -228,6 +228,35 @@ double light_difference(const Mesh& mesh, const std::vector<double>& fine,
   return largest;
 }
 
+// Halves a texture up to `halvings` times, as long as the light of its users changes by at most
+// `most`.
+void reduce_texture(scene::Texture& texture, double halvings, const std::vector<User>& users,
+                    double most, const Job& job) {
+  std::vector<std::vector<double>> fine;
+  {
+    const LightMap light(texture);
+    for (const User& user : users) fine.push_back(means_on(user, light, texture, job));
+  }
+  const auto looks_alike = [&](const scene::Texture& smaller) {
+    const LightMap light(smaller);
+    for (std::size_t u = 0; u < users.size(); ++u)
+      if (light_difference(*users[u].mesh, fine[u], means_on(users[u], light, texture, job)) > most)
+        return false;
+    return true;
+  };
+  for (int k = static_cast<int>(std::min(halvings, 32.0)); k > 0; --k) {
+    const auto side = [&](std::uint32_t texels) {
+      return static_cast<std::uint32_t>(std::max(1.0, std::ceil(std::ldexp(texels, -k))));
+    };
+    const std::uint32_t width = side(texture.width), height = side(texture.height);
+    if (width == texture.width && height == texture.height) continue;
+    scene::Texture smaller = reduced(texture, width, height);
+    if (!looks_alike(smaller)) continue;
+    texture = std::move(smaller);
+    return;
+  }
+}
+
 }  // namespace
 
 void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport& report,
@@ -283,30 +312,7 @@ void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport&
         scene::Texture& texture = scene.textures[i];
         if (!(halvings[i] >= 1) || halvings[i] == HUGE_VAL || !opaque(texture)) return;
         const double most = scene.budget.flux ? kTextureShare * *scene.budget.flux : kMostLight;
-        std::vector<std::vector<double>> fine;
-        {
-          const LightMap light(texture);
-          for (const User& user : users[i]) fine.push_back(means_on(user, light, texture, job));
-        }
-        const auto looks_alike = [&](const scene::Texture& smaller) {
-          const LightMap light(smaller);
-          for (std::size_t u = 0; u < users[i].size(); ++u)
-            if (light_difference(*users[i][u].mesh, fine[u],
-                                 means_on(users[i][u], light, texture, job)) > most)
-              return false;
-          return true;
-        };
-        for (int k = static_cast<int>(std::min(halvings[i], 32.0)); k > 0; --k) {
-          const auto side = [&](std::uint32_t texels) {
-            return static_cast<std::uint32_t>(std::max(1.0, std::ceil(std::ldexp(texels, -k))));
-          };
-          const std::uint32_t width = side(texture.width), height = side(texture.height);
-          if (width == texture.width && height == texture.height) continue;
-          scene::Texture smaller = reduced(texture, width, height);
-          if (!looks_alike(smaller)) continue;
-          texture = std::move(smaller);
-          return;
-        }
+        reduce_texture(texture, halvings[i], users[i], most, job);
       },
       job);
   for (const scene::Texture& texture : scene.textures) report.texels_after += texture.rgba.size();

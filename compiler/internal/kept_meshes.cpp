@@ -15,7 +15,7 @@ constexpr double kLeastKeptTriangles = 1000;
 
 enum class Kept : std::uint64_t { packed, mesh };
 
-Hash128 key_of(const MeshJob& job, const geometry::TessellationOptions& tessellation, Kept kept) {
+Hash128 job_key(const MeshJob& job, const geometry::TessellationOptions& tessellation, Kept kept) {
   KeyHasher key;
   key.hash(job.hash);
   key.number(static_cast<std::uint64_t>(kept));
@@ -41,7 +41,7 @@ bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tess
 }
 
 Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
-  return key_of(job, tessellation, Kept::packed);
+  return job_key(job, tessellation, Kept::packed);
 }
 
 void write(const pan::PackedMesh& mesh, ByteWriter& to) {
@@ -80,7 +80,7 @@ std::optional<pan::PackedMesh> kept_or_packed(
     const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
     const std::function<std::optional<pan::PackedMesh>()>& make) {
   return reused_or_made<pan::PackedMesh>(
-      cache, Work::meshes, [&] { return key_of(job, tessellation, Kept::packed); }, make,
+      cache, Work::meshes, [&] { return job_key(job, tessellation, Kept::packed); }, make,
       [](const pan::PackedMesh& mesh, ByteWriter& to) {
         write(mesh, to);
         return true;
@@ -92,7 +92,7 @@ std::optional<geometry::Mesh> kept_or_made(
     const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
     const std::function<std::optional<geometry::Mesh>()>& make) {
   return reused_or_made<geometry::Mesh>(
-      cache, Work::meshes, [&] { return key_of(job, tessellation, Kept::mesh); }, make,
+      cache, Work::meshes, [&] { return job_key(job, tessellation, Kept::mesh); }, make,
       [](const geometry::Mesh& mesh, ByteWriter& to) {
         geometry::write(mesh, to);
         return true;

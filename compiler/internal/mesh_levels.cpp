@@ -69,7 +69,7 @@ pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& 
 }
 
 // Of all that geometry::mesh_levels() follows from, as it is called here.
-Hash128 key_of(const geometry::Mesh& mesh, const geometry::LevelOptions& options) {
+Hash128 levels_key(const geometry::Mesh& mesh, const geometry::LevelOptions& options) {
   KeyHasher key;
   geometry::add_to_key(mesh, key);
   key.real(options.unit);
@@ -190,7 +190,7 @@ class MeshLevels {
     options.shared = chosen.shared;
     const geometry::Mesh mesh = unpacked(out_.meshes[chosen.mesh]);
     return *reused_or_made<std::vector<geometry::MeshLevel>>(
-        cache_, Work::levels, [&] { return key_of(mesh, options); },
+        cache_, Work::levels, [&] { return levels_key(mesh, options); },
         [&] { return std::optional(geometry::mesh_levels(mesh, options, job_)); }, write,
         read_levels);
   }

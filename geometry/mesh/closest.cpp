@@ -9,7 +9,7 @@ namespace panwright::geometry {
 namespace {
 
 // Shares of the corners in a point of a triangle, each at least 0, their sum 1.
-Vec3 shares(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+Vec3 barycentric(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const Vec3 n = glm::cross(b - a, c - a);
   const double squared = glm::dot(n, n);
   if (!(squared > 0)) return {1, 0, 0};
@@ -26,7 +26,7 @@ Vec3 unit(const Vec3& v) {
   return length > 1e-9 ? v / length : Vec3(0);
 }
 
-Vec3 facet_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+Vec3 corner_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = glm::cross(b - a, c - a);
   const double length = glm::length(n);
   return length > 0 ? n / length : Vec3(0, 0, 1);
@@ -54,11 +54,11 @@ std::optional<SurfacePoint> closest_point(const Mesh& mesh, const Vec3& point) {
   const Vec3& c = mesh.positions[t[2]];
   SurfacePoint result{point + best_offset, Vec3(0), std::sqrt(best_squared)};
   if (!mesh.normals.empty()) {
-    const Vec3 share = shares(a, b, c, result.position);
+    const Vec3 share = barycentric(a, b, c, result.position);
     result.normal = unit(share.x * mesh.normals[t[0]] + share.y * mesh.normals[t[1]] +
                          share.z * mesh.normals[t[2]]);
   }
-  if (result.normal == Vec3(0)) result.normal = facet_normal(a, b, c);
+  if (result.normal == Vec3(0)) result.normal = corner_normal(a, b, c);
   return result;
 }
 

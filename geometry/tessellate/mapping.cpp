@@ -14,7 +14,7 @@ struct Place {
   bool on_axis;
 };
 
-Place place_of(const Vec3& p) {
+Place place_on_sphere(const Vec3& p) {
   const double across = std::sqrt(p.x * p.x + p.y * p.y);
   const double latitude = det::atan2(p.z, across);
   // note: a place this near the axis is on it but for rounding
@@ -42,7 +42,7 @@ class Mapper {
     mesh_.texcoords.resize(originals_);
     for (std::size_t i = 0; i < originals_; ++i) {
       // about the largest coordinate, so that squares neither overflow nor vanish
-      const Place place = place_of(size > 0 ? positions[i] / size : Vec3(0));
+      const Place place = place_on_sphere(size > 0 ? positions[i] / size : Vec3(0));
       mesh_.texcoords[i] = place.uv;
       on_axis_[i] = place.on_axis;
     }

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "importers/meshes/reader_context.h"
+#include "importers/internal/reader_context.h"
 
 namespace panwright::importers {
 

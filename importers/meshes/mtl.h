@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "importers/meshes/reader_context.h"
+#include "importers/internal/reader_context.h"
 
 namespace panwright::importers::meshes {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "importers/meshes/reader_context.h"
+#include "importers/internal/reader_context.h"
 
 namespace panwright::importers::meshes {
 

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/text.h"
-#include "importers/meshes/reader_context.h"
+#include "importers/internal/reader_context.h"
 #include "importers/meshes/readers.h"
 #include "importers/meshes/text.h"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,8 @@ struct Problem {
   std::string message;
 };
 using Problems = std::vector<Problem>;
+
+inline constexpr double kUnitQuaternionTolerance = 1e-12;  // of the squared length of unit vectors
 
 inline constexpr std::uint64_t kNoElement = ~0ull;
 
@@ -64,6 +67,11 @@ std::string section_words(const layout::DirectoryEntry& entry);
 // Checks the records of all tables and the strings. Without problems, the runs of every mesh and
 // texture lie within their arrays and every reference between tables holds.
 Problems table_problems(const Model& model);
+
+// Checks the joints; returns their first problem.
+//
+// Expects: references that hold, nodes in order.
+std::optional<Problem> joint_problem(const Model& model);
 
 // Hashes every section, checks its padding, and, with contents, the elements of the arrays that are
 // not compressed.

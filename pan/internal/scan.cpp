@@ -13,7 +13,7 @@ typedef std::uint32_t U4 __attribute__((vector_size(16)));
 typedef std::uint16_t U8 __attribute__((vector_size(16)));
 
 template <class V, class T>
-V load(const T* from) {
+V load_lanes(const T* from) {
   V v;
   std::memcpy(&v, from, sizeof v);
   return v;
@@ -28,7 +28,7 @@ bool below(const T* values, std::size_t n, std::uint32_t limit) {
   const V bound = V{} + static_cast<T>(limit);
   V bad{};
   std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes) bad |= (V)(load<V>(values + i) >= bound);
+  for (; i + kLanes <= n; i += kLanes) bad |= (V)(load_lanes<V>(values + i) >= bound);
   bool good = true;
   for (std::size_t k = 0; k < kLanes; ++k) good &= bad[k] == 0;
   for (; i < n; ++i) good &= values[i] < limit;
@@ -50,7 +50,7 @@ bool all_finite(const float* values, std::size_t n) {
   I4 bad{};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4) {
-    const F4 v = load<F4>(values + i);
+    const F4 v = load_lanes<F4>(values + i);
     bad |= (v - v) != F4{};
   }
   bool good = none(bad);
@@ -62,7 +62,7 @@ bool all_finite_not_negative(const float* values, std::size_t n) {
   I4 bad{};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4) {
-    const F4 v = load<F4>(values + i);
+    const F4 v = load_lanes<F4>(values + i);
     bad |= ((v - v) != F4{}) | (v < F4{});
   }
   bool good = none(bad);
@@ -80,7 +80,8 @@ bool all_within(const float* p, std::size_t n, const float low[3], const float h
   I4 in = ~I4{};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4) {
-    const F4 a = load<F4>(p + 3 * i), b = load<F4>(p + 3 * i + 4), c = load<F4>(p + 3 * i + 8);
+    const F4 a = load_lanes<F4>(p + 3 * i), b = load_lanes<F4>(p + 3 * i + 4),
+             c = load_lanes<F4>(p + 3 * i + 8);
     in &= (a >= l[0]) & (a <= h[0]) & (b >= l[1]) & (b <= h[1]) & (c >= l[2]) & (c <= h[2]);
   }
   bool good = none(~in);
@@ -94,7 +95,8 @@ bool all_unit(const float* p, std::size_t n) {
   I4 in = ~I4{};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4) {
-    F4 a = load<F4>(p + 3 * i), b = load<F4>(p + 3 * i + 4), c = load<F4>(p + 3 * i + 8);
+    F4 a = load_lanes<F4>(p + 3 * i), b = load_lanes<F4>(p + 3 * i + 4),
+       c = load_lanes<F4>(p + 3 * i + 8);
     a *= a;
     b *= b;
     c *= c;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "preview/frame/draw_list.h"
 #include "preview/gl/programs.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "preview/frame/draw_list.h"
 #include "preview/frame/visible_set.h"
 #include "preview/image.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "preview/frame/draw_list.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 

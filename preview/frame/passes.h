@@ -11,7 +11,7 @@
 #include "preview/frame/shadow.h"
 #include "preview/frame/target_states.h"
 #include "preview/frame/visible_set.h"
-#include "preview/gl/device_impl.h"
+#include "preview/model/device_impl.h"
 #include "preview/gl/gl_objects.h"
 
 namespace panwright::preview {

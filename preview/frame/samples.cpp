@@ -38,7 +38,7 @@ void clear_around(const Tile& whole, const Tile& part, Image& image) {
 
 namespace {
 
-Tile around(std::span<const Pixel> all, std::span<const std::uint32_t> pixels) {
+Tile tile_around(std::span<const Pixel> all, std::span<const std::uint32_t> pixels) {
   std::uint32_t low[2] = {~0u, ~0u};
   std::uint32_t high[2] = {0, 0};
   for (const std::uint32_t index : pixels) {
@@ -64,7 +64,7 @@ std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint3
     std::size_t first;
     std::size_t end;
   };
-  std::vector<Part> todo{{around(all, pixels), 0, pixels.size()}};
+  std::vector<Part> todo{{tile_around(all, pixels), 0, pixels.size()}};
   while (!todo.empty()) {
     const Part whole = todo.back();
     todo.pop_back();
@@ -81,9 +81,9 @@ std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint3
       const auto half = static_cast<std::size_t>(split - begin);
       const std::span<const std::uint32_t> both(pixels);
       // note: a box is as tight as can be, so neither half is empty
-      const Part first{around(all, both.subspan(whole.first, half - whole.first)), whole.first,
+      const Part first{tile_around(all, both.subspan(whole.first, half - whole.first)), whole.first,
                        half};
-      const Part second{around(all, both.subspan(half, whole.end - half)), half, whole.end};
+      const Part second{tile_around(all, both.subspan(half, whole.end - half)), half, whole.end};
       if (too_large || area(first.around) + area(second.around) + worth < area(box)) {
         todo.push_back(second);
         todo.push_back(first);

@@ -10,7 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "preview/context.h"
-#include "preview/frame/draw_list.h"
+#include "preview/model/draw_list.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
 #include "preview/frame/shadow_tiles.h"

@@ -60,7 +60,7 @@ LightSpace light_space(const ShadowTiles& tiles, const ShadowTile& tile, const V
 }
 
 // Few cells are left over, and both sides stay short.
-void set_grid(ShadowTiles& tiles, std::size_t cells, std::size_t cells_a_row) {
+void set_tile_grid(ShadowTiles& tiles, std::size_t cells, std::size_t cells_a_row) {
   std::size_t columns = 1;
   while (columns * columns < cells) ++columns;
   columns = std::min(columns, cells_a_row);
@@ -276,7 +276,7 @@ std::size_t ShadowTileFinder::cells_of(std::span<const Cell> cells) const {
 }
 
 void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limits) {
-  set_grid(tiles_, cells_of(cells), limits.cells_a_row);
+  set_tile_grid(tiles_, cells_of(cells), limits.cells_a_row);
   double worst = 0;
   tiles_.depth = kLeastDepth;
   for (const Cell& cell : cells) {
@@ -347,7 +347,7 @@ void ShadowTileFinder::cut_up(const TileLimits& limits) {
     const std::size_t at = static_cast<std::size_t>(worst - cells_.begin());
     cells_.push_back(std::move(high));
     ShadowTiles grid;
-    set_grid(grid, cells_of(cells_), limits.cells_a_row);
+    set_tile_grid(grid, cells_of(cells_), limits.cells_a_row);
     if (grid.cells() <= limits.cells && grid.rows <= limits.cells_a_row) continue;
     cells_.pop_back();
     cells_[at] = before;

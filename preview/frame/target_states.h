@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "preview/device.h"
-#include "preview/frame/draw_list.h"
-#include "preview/gl/device_impl.h"
+#include "preview/model/device_impl.h"
+#include "preview/model/draw_list.h"
 #include "world/evaluation.h"
 
 namespace panwright::preview {

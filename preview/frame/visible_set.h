@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "preview/frame/draw_list.h"
 #include "preview/frame/projection.h"
+#include "preview/model/draw_list.h"
 #include "world/evaluation.h"
 
 namespace panwright::preview {

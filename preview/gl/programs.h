@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "base/diagnostic.h"
-#include "preview/frame/draw_list.h"
+#include "materials/material.h"
 #include "preview/gl/gl_objects.h"
+#include "preview/gl/variant.h"
 
 namespace panwright::preview {
 

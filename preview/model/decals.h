@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pan/model.h"
-#include "preview/frame/draw_list.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 

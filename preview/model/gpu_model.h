@@ -11,9 +11,9 @@
 #include "base/job.h"
 #include "pan/model.h"
 #include "preview/context.h"
-#include "preview/frame/draw_list.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/model/decals.h"
+#include "preview/model/draw_list.h"
 #include "preview/model/gpu_textures.h"
 #include "preview/model/tangents.h"
 

@@ -26,7 +26,8 @@ constexpr double kWidestPsf = 64;  // pixels
 // bytes for each pixel that a target may fall on, while it is rendered
 constexpr std::uint64_t kPixelBytes = 260;
 
-[[maybe_unused]] bool is_sound(const world::Camera& camera, const ReferenceOptions& options) {
+[[maybe_unused]] bool is_sound_request(const world::Camera& camera,
+                                       const ReferenceOptions& options) {
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
@@ -140,6 +141,43 @@ void add_ground_truth(const TraceScene& scene, const world::World& world,
   parallel_for(image.height, trace_row, job);
 }
 
+// Traces the samples of all cells and writes their means and errors.
+//
+//   margin  pixels of blur around the camera's image
+void add_samples(ViewSamples& view, std::span<const Cell> cells, const world::Camera& camera,
+                 std::uint32_t margin, const ReferenceOptions& options, ReferenceImage& result,
+                 DiagnosticLog& log, const Job& job) {
+  double each = options.samples / static_cast<double>(kLeastBatches);
+  if (options.until_error > 0)
+    each = std::clamp(kRoundWork / static_cast<double>(cells.size()), each,
+                      std::max<double>(each, options.max_samples / kLeastBatches));
+  set_grid(view, each);
+  const auto weight = [&](std::uint32_t column, std::uint32_t row) {
+    return pixel_weight(camera, column, row);
+  };
+  std::unique_ptr<Batches> batches;
+  if (margin > 0) {
+    batches = blurred_batches(view, cells, options.psf_sigma, margin, weight);
+  } else {
+    std::vector<double> weights;
+    for (const Cell& cell : cells) weights.push_back(weight(cell.column, cell.row));
+    batches = box_batches(view, cells, std::move(weights));
+  }
+  batches->job = job;
+  const std::uint32_t wanted = (options.samples + view.batch_samples() - 1) / view.batch_samples();
+  const bool until = options.until_error > 0;
+  add_in_slices(*batches, std::max(wanted, until ? kLeastBatches : kFewestBatches));
+  if (until) refine(*batches, view, options, log);
+  batches->write(result);
+  result.batches = batches->batches();
+  result.samples = std::uint64_t{batches->batches()} * view.batch_samples() * cells.size();
+  result.flux = Vec3(batches->total().mean(0));
+  result.flux_error = batches->total().error(0, batches->batches());
+  result.camera_rays = batches->counts().camera;
+  result.shadow_rays = batches->counts().shadow;
+  result.bounce_rays = batches->counts().bounce;
+}
+
 // Why an image is empty.
 const char* empty_because(const world::World& world, const TraceScene& scene,
                           std::span<const Cell> cells) {
@@ -175,7 +213,7 @@ Result<ReferenceImage> Reference::render(const world::World& world, const world:
 Result<ReferenceImage> Reference::rendered(const world::World& world, const world::Camera& camera,
                                            const ReferenceOptions& options, DiagnosticLog& log,
                                            const Job& job) {
-  assert(is_sound(camera, options));
+  assert(is_sound_request(camera, options));
   if (camera.width > kMaxReferenceSide || camera.height > kMaxReferenceSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels, expected at most {} a side",
@@ -217,38 +255,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   for (const TraceScene::Placed& placed : scene.targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
   ViewSamples view{scene, suns, wide, {options.bounces, options.flat}, options.seed};
-  if (!cells.empty()) {
-    double each = options.samples / static_cast<double>(kLeastBatches);
-    if (options.until_error > 0)
-      each = std::clamp(kRoundWork / static_cast<double>(cells.size()), each,
-                        std::max<double>(each, options.max_samples / kLeastBatches));
-    set_grid(view, each);
-    const auto weight = [&](std::uint32_t column, std::uint32_t row) {
-      return pixel_weight(camera, column, row);
-    };
-    std::unique_ptr<Batches> batches;
-    if (margin > 0) {
-      batches = blurred_batches(view, cells, options.psf_sigma, margin, weight);
-    } else {
-      std::vector<double> weights;
-      for (const Cell& cell : cells) weights.push_back(weight(cell.column, cell.row));
-      batches = box_batches(view, cells, std::move(weights));
-    }
-    batches->job = job;
-    const std::uint32_t wanted =
-        (options.samples + view.batch_samples() - 1) / view.batch_samples();
-    const bool until = options.until_error > 0;
-    add_in_slices(*batches, std::max(wanted, until ? kLeastBatches : kFewestBatches));
-    if (until) refine(*batches, view, options, log);
-    batches->write(result);
-    result.batches = batches->batches();
-    result.samples = std::uint64_t{batches->batches()} * view.batch_samples() * cells.size();
-    result.flux = Vec3(batches->total().mean(0));
-    result.flux_error = batches->total().error(0, batches->batches());
-    result.camera_rays = batches->counts().camera;
-    result.shadow_rays = batches->counts().shadow;
-    result.bounce_rays = batches->counts().bounce;
-  }
+  if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
   if (options.ground_truth) add_ground_truth(scene, world, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, empty_because(world, scene, cells));

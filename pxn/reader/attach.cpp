@@ -77,17 +77,22 @@ void attach_joints(const scene::Scene& from, const std::vector<std::int32_t>& no
   }
 }
 
-}  // namespace
+// Nodes of a file in the scene.
+struct AttachedNodes {
+  std::vector<std::int32_t> node_of;  // kNone: not kept
+  std::vector<Mat4> world_from;
+};
 
-void attach(const ImportedModel& model, const PartImport& place, const AttachedSides& sides,
-            std::int32_t below, const Mat4& world_from_below, const std::string& prefix,
-            AttachedShapes& shapes, scene::Scene& scene) {
-  const scene::Scene& from = model.imported.scene;
+// Nodes that a joint moves get a node for it above.
+AttachedNodes attach_nodes(const scene::Scene& from, const PartImport& place, std::int32_t below,
+                           const Mat4& world_from_below, AttachedShapes& shapes,
+                           scene::Scene& scene) {
   const std::vector<char> kept = kept_nodes(from, place);
-  std::vector<std::int32_t> node_of(from.nodes.size(), scene::kNone);
+  AttachedNodes out{std::vector<std::int32_t>(from.nodes.size(), scene::kNone),
+                    std::vector<Mat4>(from.nodes.size(), world_from_below)};
+  auto& [node_of, world_from] = out;
   const bool plain_root = from.nodes[0].parent_from_node == scene::Transform{};
   if (plain_root) node_of[0] = below;
-  std::vector<Mat4> world_from(from.nodes.size(), world_from_below);
   std::vector<Mat4> import_from(from.nodes.size(), Mat4(1));
   std::map<std::size_t, std::size_t> moved;  // by node
   for (std::size_t k = 0; k < place.moved.size(); ++k)
@@ -124,6 +129,14 @@ void attach(const ImportedModel& model, const PartImport& place, const AttachedS
     node_of[i] = static_cast<std::int32_t>(scene.nodes.size());
     scene.nodes.push_back(std::move(node));
   }
+  return out;
+}
+
+void attach_instances(const ImportedModel& model, const PartImport& place,
+                      const AttachedSides& sides, const AttachedNodes& nodes,
+                      AttachedShapes& shapes, scene::Scene& scene) {
+  const scene::Scene& from = model.imported.scene;
+  const auto& [node_of, world_from] = nodes;
   shapes.foiled.clear();
   for (std::size_t i = 0; i < from.instances.size(); ++i) {
     if (place.removed[i]) continue;
@@ -152,6 +165,17 @@ void attach(const ImportedModel& model, const PartImport& place, const AttachedS
       for (std::size_t k = first; k < scene.instances.size(); ++k)
         shapes.foiled.emplace_back(static_cast<std::int32_t>(k), static_cast<std::uint32_t>(i));
   }
+}
+
+}  // namespace
+
+void attach(const ImportedModel& model, const PartImport& place, const AttachedSides& sides,
+            std::int32_t below, const Mat4& world_from_below, const std::string& prefix,
+            AttachedShapes& shapes, scene::Scene& scene) {
+  const scene::Scene& from = model.imported.scene;
+  const AttachedNodes nodes = attach_nodes(from, place, below, world_from_below, shapes, scene);
+  const std::vector<std::int32_t>& node_of = nodes.node_of;
+  attach_instances(model, place, sides, nodes, shapes, scene);
   attach_joints(from, node_of, prefix, scene);
   shapes.frames.clear();
   for (scene::Frame frame : from.frames) {

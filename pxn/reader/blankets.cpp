@@ -76,7 +76,7 @@ std::vector<std::uint32_t> chosen_faces(const geometry::Mesh& mesh, std::uint32_
   return out;
 }
 
-double area_of(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& faces) {
+double covered_area(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& faces) {
   double twice = 0;
   for (const std::uint32_t t : faces) {
     const auto& [a, b, c] = mesh.triangles[t];
@@ -232,8 +232,8 @@ void Blankets::share_triangles() {
       const geometry::MeshShape mesh =
           mesh_of(scene_.shapes[static_cast<std::size_t>(one.shape)], 1e300);
       if (mesh)
-        area += area_of(stretched(*mesh, metres_of(metric)),
-                        chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world));
+        area += covered_area(stretched(*mesh, metres_of(metric)),
+                             chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world));
     }
   least_cell_ = std::sqrt(kPerCell * area / kAllTriangles);
 }
@@ -454,8 +454,8 @@ Blankets::Made Blankets::woven(const Place& place, const Surroundings& around,
                               kMaxFoilVertices);
     return out;
   }
-  const double cell = cell_of(how, diagonal_of(around.metres), area_of(around.metres, around.faces),
-                              least_cell_, out.cell);
+  const double cell = cell_of(how, diagonal_of(around.metres),
+                              covered_area(around.metres, around.faces), least_cell_, out.cell);
   // other shapes wear other sheets, and the same one after each change of the model
   const auto seed =
       how.seed + static_cast<std::uint32_t>(geometry::hash_of(scene_.shapes[shape]).low);

@@ -21,7 +21,7 @@ constexpr std::size_t kMostTriangles = std::size_t{1} << 24;
 
 // A shape as triangles, with texture coordinates: exact where it is flat, else to a thousandth of
 // its size, as its area is all that is asked for. Null where it cannot be made.
-geometry::MeshShape mesh_of(const geometry::Shape& shape) {
+geometry::MeshShape grid_mesh_of(const geometry::Shape& shape) {
   double size = 1e300;
   geometry::MeshShape out;
   for (const double part : {1.0, 1e-3}) {
@@ -42,8 +42,8 @@ geometry::MeshShape mesh_of(const geometry::Shape& shape) {
 
 // The chosen triangles of a mesh. Vertices are copied for each face that uses them, with
 // coordinates in metres where the face has some and they are wanted.
-geometry::Mesh part_of(const geometry::Mesh& mesh, const std::vector<Vec3>& metres,
-                       const geometry::FlatFaces& found, bool with_cells, bool in_metres) {
+geometry::Mesh grid_part_of(const geometry::Mesh& mesh, const std::vector<Vec3>& metres,
+                            const geometry::FlatFaces& found, bool with_cells, bool in_metres) {
   using geometry::kNoFace;
   geometry::Mesh out;
   out.error = mesh.error;
@@ -152,7 +152,7 @@ CellGrids::Laid CellGrids::lay_out(std::int32_t shape, bool textured,
   if (const auto* authored = std::get_if<geometry::MeshShape>(&given)) {
     mesh = *authored;
   } else {
-    mesh = mesh_of(given);
+    mesh = grid_mesh_of(given);
   }
   Laid out;
   const bool flat =
@@ -185,7 +185,8 @@ CellGrids::Laid CellGrids::lay_out(std::int32_t shape, bool textured,
     return out;
   }
   const auto add = [&](bool cells) -> std::int32_t {
-    auto part = std::make_shared<geometry::Mesh>(part_of(*mesh, metres, found, cells, !textured));
+    auto part =
+        std::make_shared<geometry::Mesh>(grid_part_of(*mesh, metres, found, cells, !textured));
     if (part->triangles.empty()) return scene::kNone;
     scene_.shapes.emplace_back(geometry::MeshShape(std::move(part)));
     return static_cast<std::int32_t>(scene_.shapes.size() - 1);

@@ -24,6 +24,18 @@ ALLOWED = {
     "studio": ["workspace", "preview"],
     "tools": ["workspace", "studio", "mli"],
 }
+# The same below the first level: sub-folder: the sub-folders it may include, closed transitively. Files beside the
+# sub-folders may include all of them; a sub-folder includes such a header only if that includes no more than itself may.
+PARTS = {
+    "geometry": {"internal": [], "kinematics": [], "ray": ["internal"], "mesh": ["ray"], "tessellate": ["internal"]},
+    "importers": {"internal": [], "vrml": ["internal"], "gltf": ["internal"], "meshes": ["internal"], "step": ["internal"],
+                  "urdf": ["internal"], "mjcf": ["internal"]},
+    "materials": {"generated": [], "formulas": [], "presets": [], "internal": ["formulas", "generated"]},
+    "preview": {"shaders": [], "image": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
+    "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
+}
+# includes that these tables forbid, each with its reason
+EXCEPTIONS = {}
 UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]
 # Sub-folders that serve their folder alone; cmake/PanwrightInstall.cmake leaves them out too.
@@ -43,13 +55,51 @@ REFERENCE_CALLS = re.compile(
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([a-z_]+)/([^"]+)"', re.M)
 
 
-def closure(folder, seen=None):
+def closure(folder, seen=None, table=ALLOWED):
     seen = seen if seen is not None else set()
-    for target in ALLOWED[folder]:
+    for target in table[folder]:
         if target not in seen:
             seen.add(target)
-            closure(target, seen)
+            closure(target, seen, table)
     return seen
+
+
+def part_of(path):
+    """The folder and its sub-folder that a path lies in; None: beside the sub-folders."""
+    folder, *rest = path.split("/")
+    return folder, rest[0] if len(rest) > 1 else None
+
+
+def parts_of(root, path):
+    """The sub-folders that a header of a folder includes, itself or by others of the folder."""
+    folder, _ = part_of(path)
+    found = set()
+    for target, rest in INCLUDE.findall((root / path).read_text(encoding="utf-8")):
+        part = part_of(f"{target}/{rest}")[1]
+        if target == folder:
+            found |= {part} if part in PARTS[folder] else parts_of(root, f"{target}/{rest}")
+    return found
+
+
+def part_problems(root, path, line, included):
+    """One include of a folder by itself, below the first level."""
+    folder, part = part_of(path)
+    parts = PARTS.get(folder)
+    if parts is None or part_of(included)[0] != folder or (path, included) in EXCEPTIONS:
+        return
+    target = part_of(included)[1]
+    for each in (part, target):
+        if each is not None and each not in parts:
+            yield f"{path}:{line}: {folder}/{each}/ lies in no known part of {folder}"
+            return
+    if part is None:
+        return
+    allowed = closure(part, None, parts) | {part}
+    if target is None:
+        if (root / included).is_file() and not parts_of(root, included) <= allowed:
+            yield f"{path}:{line}: {included} includes parts of {folder} that {folder}/{part} must not include"
+    elif target not in allowed:
+        yield f"{path}:{line}: {folder}/{part} must not include {included}"
 
 
 def problems(root):
@@ -70,6 +120,7 @@ def problems(root):
             target, rest = match.groups()
             line = text.count("\n", 0, match.start()) + 1
             where = f"{path.relative_to(root)}:{line}"
+            yield from part_problems(root, str(path.relative_to(root)), line, f"{target}/{rest}")
             if allowed is not None and target in list(ALLOWED) + UNRESTRICTED and target not in allowed:
                 yield f"{where}: {folder} must not include {target}/{rest}"
             if where.startswith(REFERENCE) and not rest.startswith(REFERENCE_INCLUDES.get(target, ("",))):

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "models.h"
-#include "preview/gl/device_impl.h"
+#include "preview/model/device_impl.h"
 
 namespace {
 

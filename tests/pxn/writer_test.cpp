@@ -303,62 +303,77 @@ class Maker {
         return geometry::Dish{positive(), positive(), below(2) * unit(), counts()};
       case 9:
         return geometry::Plane{positive(), positive()};
-      case 10: {
-        geometry::Tube s;
-        for (std::uint32_t i = 0, n = 3 + below(4); i < n; ++i)
-          s.path.push_back({static_cast<double>(i) + unit() / 4, unit(), unit()});
-        s.radius = 1e-3 * unit();
-        s.inner_radius = below(2) * s.radius * 0.5;
-        s.spline = below(2) == 0;
-        s.closed = below(3) == 0;
-        s.caps = caps();
-        s.counts = counts();
-        return s;
-      }
-      case 11: {
-        geometry::Lathe s;
-        for (std::uint32_t i = 0, n = 2 + below(6); i < n; ++i)
-          s.profile.push_back({unit(), static_cast<double>(i) + unit() / 2});
-        s.spline = below(2) == 0;
-        s.sector = sector();
-        s.counts = counts();
-        return s;
-      }
-      case 12: {
-        geometry::Extrude s;
-        s.outline = {{-unit() - 1, -1 - unit()}, {1 + unit(), -1 - unit()}, {unit(), 2 + unit()}};
-        if (below(2) == 0) s.holes.push_back({{0, 0}, {0.1 * unit() + 0.01, 0}, {0, 0.1}});
-        s.height = positive();
-        s.smooth = below(2) * unit();
-        s.caps = caps();
-        return s;
-      }
-      case 13: {
-        geometry::Subdiv s;
-        for (std::uint32_t i = 0; i < 6; ++i)
-          s.positions.push_back({i % 3 + unit() / 4, i / 3 + unit() / 4, unit()});
-        s.faces = {{{0, 1, 4, 3}, {}}, {{1, 2, 5, 4}, {}}};
-        if (below(2) == 0) {
-          s.texcoords = {{0, unit()}, {1, 0}, {1, unit()}, {0, 1}};
-          for (auto& face : s.faces) face.texcoords = {0, below(4), 2, 3};
-        }
-        if (below(2) == 0) s.creases.push_back({{2, 1, 4}, below(2) == 0 ? 10 : unit()});
-        if (below(2) == 0) s.corners.push_back({{4, 5}, 9 * unit()});
-        s.smooth_border = below(2) == 0;
-        s.levels = below(3);
-        return s;
-      }
-      default: {
-        geometry::Polygons s;
-        s.positions = {{0, 0, 0},     {3 + unit(), 0, 0}, {0, 3 + unit(), 0}, {0, 0, 1},
-                       {0.5, 0.5, 0}, {0.7, 0.5, 0},      {0.5, 0.7, 0}};
-        s.faces.push_back({{0, 1, 2}, {}});
-        if (below(2) == 0) s.faces[0].holes.push_back({4, 5, 6});
-        s.faces.push_back({{0, 3, 1}, {}});
-        s.smooth = below(2) * unit();
-        return s;
-      }
+      case 10:
+        return tube();
+      case 11:
+        return lathe();
+      case 12:
+        return extrude();
+      case 13:
+        return subdiv();
+      default:
+        return polygons();
     }
+  }
+
+  geometry::Tube tube() {
+    geometry::Tube s;
+    for (std::uint32_t i = 0, n = 3 + below(4); i < n; ++i)
+      s.path.push_back({static_cast<double>(i) + unit() / 4, unit(), unit()});
+    s.radius = 1e-3 * unit();
+    s.inner_radius = below(2) * s.radius * 0.5;
+    s.spline = below(2) == 0;
+    s.closed = below(3) == 0;
+    s.caps = caps();
+    s.counts = counts();
+    return s;
+  }
+
+  geometry::Lathe lathe() {
+    geometry::Lathe s;
+    for (std::uint32_t i = 0, n = 2 + below(6); i < n; ++i)
+      s.profile.push_back({unit(), static_cast<double>(i) + unit() / 2});
+    s.spline = below(2) == 0;
+    s.sector = sector();
+    s.counts = counts();
+    return s;
+  }
+
+  geometry::Extrude extrude() {
+    geometry::Extrude s;
+    s.outline = {{-unit() - 1, -1 - unit()}, {1 + unit(), -1 - unit()}, {unit(), 2 + unit()}};
+    if (below(2) == 0) s.holes.push_back({{0, 0}, {0.1 * unit() + 0.01, 0}, {0, 0.1}});
+    s.height = positive();
+    s.smooth = below(2) * unit();
+    s.caps = caps();
+    return s;
+  }
+
+  geometry::Subdiv subdiv() {
+    geometry::Subdiv s;
+    for (std::uint32_t i = 0; i < 6; ++i)
+      s.positions.push_back({i % 3 + unit() / 4, i / 3 + unit() / 4, unit()});
+    s.faces = {{{0, 1, 4, 3}, {}}, {{1, 2, 5, 4}, {}}};
+    if (below(2) == 0) {
+      s.texcoords = {{0, unit()}, {1, 0}, {1, unit()}, {0, 1}};
+      for (auto& face : s.faces) face.texcoords = {0, below(4), 2, 3};
+    }
+    if (below(2) == 0) s.creases.push_back({{2, 1, 4}, below(2) == 0 ? 10 : unit()});
+    if (below(2) == 0) s.corners.push_back({{4, 5}, 9 * unit()});
+    s.smooth_border = below(2) == 0;
+    s.levels = below(3);
+    return s;
+  }
+
+  geometry::Polygons polygons() {
+    geometry::Polygons s;
+    s.positions = {{0, 0, 0},     {3 + unit(), 0, 0}, {0, 3 + unit(), 0}, {0, 0, 1},
+                   {0.5, 0.5, 0}, {0.7, 0.5, 0},      {0.5, 0.7, 0}};
+    s.faces.push_back({{0, 1, 2}, {}});
+    if (below(2) == 0) s.faces[0].holes.push_back({4, 5, 6});
+    s.faces.push_back({{0, 3, 1}, {}});
+    s.smooth = below(2) * unit();
+    return s;
   }
 
   // A patch of a wavy sheet in strips, or loose triangles of a fan.

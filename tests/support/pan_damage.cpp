@@ -137,6 +137,9 @@ void directory(Collection& add) {
     e.stride = sizeof(Node);
     e.raw_length = e.count * e.stride;
   });
+}
+
+void sections(Collection& add) {
   add.changed(Code::E4008, "a section that stands twice besides the others", [](OpenPan& f) {
     f.add_section(static_cast<std::uint32_t>(SectionKind::build), false, 16,
                   std::vector<std::byte>(64));
@@ -483,6 +486,7 @@ std::vector<DamagedPan> damaged_pans() {
   Collection add;
   frame_of_file(add);
   directory(add);
+  sections(add);
   record_sizes(add);
   compression(add);
   nodes(add);

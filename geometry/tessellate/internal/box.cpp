@@ -140,7 +140,7 @@ double bevel_of(const Box& box) {
   return std::min(box.bevel, 0.5 * std::min({box.size.x, box.size.y, box.size.z}));
 }
 
-Plan plan_of(const Box& box, const TessellationOptions& options) {
+Plan box_plan(const Box& box, const TessellationOptions& options) {
   if (bevel_of(box) == 0) return {};
   if (!box.round) return {1, {1, 0}};
   const double reach = 0.5 * glm::length(box.size) + std::min(options.max_error, bevel_of(box));
@@ -363,7 +363,7 @@ Problem problem(const Box& shape) {
 
 Result<Mesh> make(const Box& shape, const TessellationOptions& options, SourceSpan where,
                   DiagnosticLog& log) {
-  const Plan plan = plan_of(shape, options);
+  const Plan plan = box_plan(shape, options);
   if (plan.too_fine) {
     log.report(
         Code::E2003, where,
@@ -383,7 +383,7 @@ Result<Mesh> make(const Box& shape, const TessellationOptions& options, SourceSp
 }
 
 double planned(const Box& shape, const TessellationOptions& options) {
-  return triangle_count(shape, plan_of(shape, options).steps);
+  return triangle_count(shape, box_plan(shape, options).steps);
 }
 
 Problem problem(const Plane& shape) {

@@ -295,7 +295,7 @@ class Free {
 };
 
 // The mesh, with its error, or nothing where it has too many triangles.
-std::optional<Mesh> made(const Ellipsoid& s, const TessellationOptions& options) {
+std::optional<Mesh> made_ellipsoid(const Ellipsoid& s, const TessellationOptions& options) {
   if (!(s.counts == Counts{})) {
     GridBuilder builder(s, options);
     const Grid& grid = builder.grid();
@@ -344,7 +344,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
                     format_double(options.max_error), format_double(room.least_error)));
     return failed;
   }
-  std::optional<Mesh> mesh = made(s, options);
+  std::optional<Mesh> mesh = made_ellipsoid(s, options);
   if (mesh) return std::move(*mesh);
   log.report(Code::E2003, where,
              fmt::format("an ellipsoid with an error of {} m needs more than {} triangles",
@@ -362,7 +362,7 @@ double planned(const Ellipsoid& s, const TessellationOptions& options) {
   const std::optional<Staggered> plan = free.plan(free.margin() * half_range);
   if (!plan) return kMostVertices;
   if (plan->triangles > free.small()) return plan->triangles;
-  const std::optional<Mesh> mesh = made(s, unlimited);
+  const std::optional<Mesh> mesh = made_ellipsoid(s, unlimited);
   return mesh ? static_cast<double>(mesh->triangles.size()) : kMostVertices;
 }
 

@@ -78,7 +78,7 @@ bool straight_on(const Vec2& a, const Vec2& b, const Vec2& c) {
   return std::fabs(sine) <= kStraight * glm::length(in) * glm::length(out) && glm::dot(in, out) > 0;
 }
 
-Revolution revolution(const Lathe& s) {
+Revolution lathe_revolution(const Lathe& s) {
   Revolution r{.kind = "lathe", .sector = s.sector, .counts = s.counts};
   std::vector<double> lengths;
   for (Run& run : runs(s)) {
@@ -221,11 +221,11 @@ Result<Mesh> make(const Lathe& s, const TessellationOptions& options, SourceSpan
     log.report(p->code, where, p->message);
     return failed;
   }
-  return revolved(revolution(s), options, where, log);
+  return revolved(lathe_revolution(s), options, where, log);
 }
 
 double planned(const Lathe& s, const TessellationOptions& options) {
-  return planned_triangles(revolution(s), options);
+  return planned_triangles(lathe_revolution(s), options);
 }
 
 std::vector<CircularEdge> circular_edges(const Lathe& s) {
@@ -237,7 +237,7 @@ std::vector<CircularEdge> circular_edges(const Lathe& s) {
 }
 
 std::uint32_t segments(const Lathe& s, const TessellationOptions& options) {
-  return shared_segments(revolution(s), options);
+  return shared_segments(lathe_revolution(s), options);
 }
 
 }  // namespace panwright::geometry::internal

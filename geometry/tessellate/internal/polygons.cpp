@@ -27,7 +27,7 @@ double corner_count(const Face& face) {
   return count;
 }
 
-double triangle_count(const Face& face) {
+double face_triangles(const Face& face) {
   return corner_count(face) + 2 * static_cast<double>(face.holes.size()) - 2;
 }
 
@@ -125,7 +125,7 @@ std::pair<std::uint32_t, double> furthest_corner(const std::vector<Vec3>& positi
   return {-low > high ? lowest : highest, 0.5 * (high - low)};
 }
 
-ShapeProblem face_problem(Code code, std::size_t face, const std::string& what) {
+ShapeProblem polygon_problem(Code code, std::size_t face, const std::string& what) {
   return {code, fmt::format("face {}: {}", face + 1, what), "faces", face};
 }
 
@@ -133,11 +133,11 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
   const Face& face = shape.faces[index];
   const auto loop_problem = [&](const std::vector<std::uint32_t>& loop) -> Problem {
     if (loop.size() < 3)
-      return face_problem(Code::E2015, index,
-                          fmt::format("a loop of {} points, expected at least 3", loop.size()));
+      return polygon_problem(Code::E2015, index,
+                             fmt::format("a loop of {} points, expected at least 3", loop.size()));
     for (const std::uint32_t v : loop)
       if (v >= shape.positions.size())
-        return face_problem(
+        return polygon_problem(
             Code::E2001, index,
             fmt::format("vertex index {}, expected below {}", v, shape.positions.size()));
     return std::nullopt;
@@ -152,10 +152,10 @@ Problem problem_of_face(const Polygons& shape, std::size_t index) {
   if (auto bad = index_problem(shape, index)) return bad;
   const Face& face = shape.faces[index];
   const FlatFace flat(shape.positions, face);
-  if (!flat.has_area()) return face_problem(Code::E2012, index, "its outline encloses no area");
+  if (!flat.has_area()) return polygon_problem(Code::E2012, index, "its outline encloses no area");
   const auto [vertex, distance] = furthest_corner(shape.positions, face, flat);
   if (distance > kFlatness * flat.size)
-    return face_problem(
+    return polygon_problem(
         Code::E2016, index,
         fmt::format("vertex {} lies {} m from its plane, expected at most {} m", vertex,
                     format_double(distance), format_double(kFlatness * flat.size)));
@@ -163,7 +163,7 @@ Problem problem_of_face(const Polygons& shape, std::size_t index) {
   Region region = region_of_face(shape.positions, face, flat);
   const auto fault = fault_of(region);
   if (!fault) return std::nullopt;
-  return face_problem(code_of(*fault, region), index, sentence_of(*fault, region));
+  return polygon_problem(code_of(*fault, region), index, sentence_of(*fault, region));
 }
 
 // Corners are numbered face by face, loop by loop. The corners at one position whose faces are
@@ -427,7 +427,7 @@ Result<Mesh> make(const Polygons& shape, const TessellationOptions& options, Sou
 
 double planned(const Polygons& shape, const TessellationOptions&) {
   double triangles = 0;
-  for (const Face& face : shape.faces) triangles += triangle_count(face);
+  for (const Face& face : shape.faces) triangles += face_triangles(face);
   return triangles;
 }
 

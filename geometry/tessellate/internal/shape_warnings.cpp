@@ -82,7 +82,7 @@ double turned_volume(const Profile& profile) {
   return sum * kPi / 3;
 }
 
-bool within(const Vec2& p, const Vec2& a, const Vec2& b) {
+bool in_box(const Vec2& p, const Vec2& a, const Vec2& b) {
   return p.x >= std::min(a.x, b.x) && p.x <= std::max(a.x, b.x) && p.y >= std::min(a.y, b.y) &&
          p.y <= std::max(a.y, b.y);
 }
@@ -92,8 +92,8 @@ bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const int ca = orientation(a, b, c), da = orientation(a, b, d);
   const int ac = orientation(c, d, a), bc = orientation(c, d, b);
   if (ca * da < 0 && ac * bc < 0) return true;
-  return (ca == 0 && within(c, a, b)) || (da == 0 && within(d, a, b)) ||
-         (ac == 0 && within(a, c, d)) || (bc == 0 && within(b, c, d));
+  return (ca == 0 && in_box(c, a, b)) || (da == 0 && in_box(d, a, b)) ||
+         (ac == 0 && in_box(a, c, d)) || (bc == 0 && in_box(b, c, d));
 }
 
 // The edges of a profile that run through or along each other, by their first points: those of

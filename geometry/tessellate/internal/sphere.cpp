@@ -213,7 +213,7 @@ namespace internal {
 namespace {
 
 // the part between two latitudes; whole ones turn from another meridian
-Revolution revolution(const Sphere& s) {
+Revolution sphere_revolution(const Sphere& s) {
   Revolution r{.kind = "sphere", .sector = s.sector};
   if (s.counts) r.counts = {s.counts->quads, s.counts->rings};
   const double south = std::max(s.latitude_min, -0.5 * kPi);
@@ -264,11 +264,11 @@ Result<Mesh> make(const Sphere& s, const TessellationOptions& options, SourceSpa
     log.report(p->code, where, p->message);
     return failed;
   }
-  return revolved(revolution(s), options, where, log);
+  return revolved(sphere_revolution(s), options, where, log);
 }
 
 double planned(const Sphere& s, const TessellationOptions& options) {
-  if (!plain(s)) return planned_triangles(revolution(s), options);
+  if (!plain(s)) return planned_triangles(sphere_revolution(s), options);
   if (s.counts) return 2.0 * s.counts->quads * (s.counts->rings - 1.0);
   const double relative = relative_error(s, options);
   if (relative <= 0) return static_cast<double>(kMaxVertices);
@@ -288,7 +288,7 @@ std::vector<CircularEdge> circular_edges(const Sphere& s) {
 }
 
 std::uint32_t segments(const Sphere& s, const TessellationOptions& options) {
-  return s.whole() ? 0 : shared_segments(revolution(s), options);
+  return s.whole() ? 0 : shared_segments(sphere_revolution(s), options);
 }
 
 }  // namespace internal

@@ -11,24 +11,14 @@
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
-#include <Quantity_ColorRGBA.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_OutOfMemory.hxx>
-#include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
-#include <StepGeom_Curve.hxx>
-#include <StepGeom_Pcurve.hxx>
-#include <StepRepr_DefinitionalRepresentation.hxx>
-#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_RepresentationItem.hxx>
-#include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
-#include <TDF_Tool.hxx>
-#include <TDataStd_Name.hxx>
-#include <TDataStd_TreeNode.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
@@ -37,10 +27,8 @@
 #include <TopoDS_Iterator.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
-#include <XCAFDoc.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
-#include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
@@ -56,6 +44,8 @@
 #include "base/text.h"
 #include "importers/internal/placed_node.h"
 #include "importers/step/internal/bodies.h"
+#include "importers/step/internal/entities.h"
+#include "importers/step/internal/labels.h"
 #include "importers/step/internal/wire.h"
 
 namespace panwright::importers::step {
@@ -100,73 +90,12 @@ class Millimetres {
   const std::string before_;
 };
 
-struct Colour {
-  Vec3 rgb{0.8};
-  double opacity = 1;
-  bool operator==(const Colour&) const = default;
-};
-
 Mat4 matrix_of(const gp_Trsf& transform) {
   Mat4 out(1);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column)
       out[column][row] = transform.Value(row + 1, column + 1);
     out[3][row] = transform.Value(row + 1, 4) / kMetre;
-  }
-  return out;
-}
-
-std::string name_of(const TDF_Label& label) {
-  Handle(TDataStd_Name) name;
-  if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return {};
-  const TCollection_AsciiString utf8(name->Get());
-  return {utf8.ToCString(), static_cast<std::size_t>(utf8.Length())};
-}
-
-// Names that writers make up when an occurrence has none.
-bool made_up(std::string_view name) {
-  if (name.starts_with("NAUO")) name.remove_prefix(4);
-  if (name.starts_with("=>[")) return true;
-  return std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
-// A curve on a surface whose representation holds no curve: loading does not look into it.
-bool is_hollow(const Handle(Standard_Transient) & entity) {
-  const auto curve = Handle(StepGeom_Pcurve)::DownCast(entity);
-  if (curve.IsNull()) return false;
-  const auto& representation = curve->ReferenceToCurve();
-  return representation.IsNull() || representation->Items().IsNull() ||
-         representation->NbItems() < 1 || representation->ItemsValue(1).IsNull() ||
-         !representation->ItemsValue(1)->IsKind(STANDARD_TYPE(StepGeom_Curve));
-}
-
-// Whether loading found a reference to nothing, or to an entity of another kind than it must be.
-// Numbers and words that are odd do no harm.
-bool has_bad_reference(const Handle(StepData_StepModel) & model, int index) {
-  if (!model->IsReportEntity(index)) return false;
-  const Handle(Interface_Check)& check = model->Check(index, Standard_True);
-  // the wordings of StepData_StepReaderData
-  constexpr std::string_view kWordings[] = {"ntity", "SELECT clause", "illegal parameter type"};
-  for (int i = 1; i <= check->NbFails(); ++i)
-    for (const std::string_view wording : kWordings)
-      if (std::string_view(check->CFail(i)).find(wording) != std::string_view::npos) return true;
-  return false;
-}
-
-// Shapes, what they are made of, what ties them to products, and styles that have such references,
-// by number: OpenCASCADE follows them into nothing later.
-std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model) {
-  constexpr std::string_view kPackages[] = {"StepGeom_", "StepShape_", "StepRepr_", "StepVisual_"};
-  std::vector<std::uint64_t> out;
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const Handle(Standard_Transient)& entity = model->Value(i);
-    const std::string_view type = entity->DynamicType()->Name();
-    const int number = model->IdentLabel(entity);
-    if (number <= 0 || std::none_of(std::begin(kPackages), std::end(kPackages),
-                                    [&](std::string_view p) { return type.starts_with(p); }))
-      continue;
-    if (has_bad_reference(model, i) || is_hollow(entity))
-      out.push_back(static_cast<std::uint64_t>(number));
   }
   return out;
 }
@@ -199,9 +128,6 @@ struct Part {
 
 class Reading {
  public:
-  // thrown for an assembly that contains itself, which is reported then
-  struct Cyclic {};
-
   Reading(const Text& text, const std::string& path, const std::string& name,
           const Options& options, DiagnosticLog& log, const Job& job)
       : text_(text), path_(path), name_(name), options_(options), log_(log), job_(job) {
@@ -230,7 +156,7 @@ class Reading {
     model_ = Handle(StepData_StepModel)::DownCast(reader.Reader().WS()->Model());
     if (model_.IsNull()) return refused("OpenCASCADE cannot read it");
     if (auto numbers = torn(model_); !numbers.empty()) throw Torn{std::move(numbers)};
-    check_assembly();
+    if (!check_assembly(model_, text_, options_.limits, log_)) return failed;
     Handle(TDocStd_Document) document = new TDocStd_Document("XmlXCAF");
     job_.poll();
     const bool done = reader.Transfer(document);
@@ -246,10 +172,8 @@ class Reading {
     return failed;
   }
 
-  // The number of an entity in the file; 0: none
   std::uint64_t number_of(const Handle(Standard_Transient) & entity) const {
-    if (entity.IsNull()) return 0;
-    return static_cast<std::uint64_t>(std::max(0, model_->IdentLabel(entity)));
+    return step::number_of(model_, entity);
   }
 
   void report_lost(std::uint64_t number, std::string message) {
@@ -258,62 +182,6 @@ class Reading {
       log_.report_file(Code::W6602, name_, std::move(message));
     else
       log_.report(Code::W6602, where, std::move(message));
-  }
-
-  // Assemblies that contain themselves, or are deeper or larger than the limits, before OpenCASCADE
-  // walks through them.
-  void check_assembly() {
-    std::map<std::uint64_t, std::vector<std::uint64_t>> parts;
-    for (int i = 1; i <= model_->NbEntities(); ++i) {
-      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model_->Value(i));
-      if (use.IsNull()) continue;
-      const std::uint64_t whole = number_of(use->RelatingProductDefinition());
-      const std::uint64_t part = number_of(use->RelatedProductDefinition());
-      if (whole != 0 && part != 0) parts[whole].push_back(part);
-    }
-    // depth and number of nodes below each, 0: being counted
-    std::map<std::uint64_t, std::pair<std::uint32_t, double>> below;
-    struct Step {
-      std::uint64_t whole;
-      std::size_t next = 0;
-      std::uint32_t depth = 1;
-      double nodes = 1;
-    };
-    for (const auto& [start, unused] : parts) {
-      if (below.contains(start)) continue;
-      std::vector<Step> path = {{start}};
-      below[start] = {0, 0};
-      while (!path.empty()) {
-        Step& step = path.back();
-        const auto children = parts.find(step.whole);
-        if (children == parts.end() || step.next == children->second.size()) {
-          below[step.whole] = {step.depth, step.nodes};
-          const Step done = step;
-          path.pop_back();
-          if (!path.empty()) {
-            path.back().depth = std::max(path.back().depth, done.depth + 1);
-            path.back().nodes += done.nodes;
-          }
-          if (done.depth > options_.limits.depth) throw OverLimit{"depth"};
-          if (done.nodes > static_cast<double>(options_.limits.nodes)) throw OverLimit{"nodes"};
-          continue;
-        }
-        const std::uint64_t child = children->second[step.next++];
-        const auto known = below.find(child);
-        if (known == below.end()) {
-          below[child] = {0, 0};
-          path.push_back({child});
-          if (path.size() > options_.limits.depth) throw OverLimit{"depth"};
-        } else if (known->second.first == 0) {
-          log_.report(Code::E6601, place_of(text_, child),
-                      fmt::format("product #{} is a part of itself", child));
-          throw Cyclic{};
-        } else {
-          step.depth = std::max(step.depth, known->second.first + 1);
-          step.nodes += known->second.second;
-        }
-      }
-    }
   }
 
   // Entities that became nothing, and which shape came from where.
@@ -395,28 +263,12 @@ class Reading {
     return extent > 0 ? kPart * extent / kMetre : kPart;
   }
 
-  // ---- what a label holds
+  // ---- labels
 
   struct Extent {
     Bnd_Box box;       // in the label's own frame
     double nodes = 1;  // of the scene
   };
-
-  // The product behind an occurrence, and where it stands.
-  static TDF_Label product_of(const TDF_Label& label, gp_Trsf& transform) {
-    TDF_Label product = label;
-    if (XCAFDoc_ShapeTool::IsReference(label)) {
-      transform = XCAFDoc_ShapeTool::GetLocation(label).Transformation();
-      XCAFDoc_ShapeTool::GetReferredShape(label, product);
-    }
-    return product;
-  }
-
-  static std::string key_of(const TDF_Label& label) {
-    TCollection_AsciiString entry;
-    TDF_Tool::Entry(label, entry);
-    return entry.ToCString();
-  }
 
   const Extent& extent_of(const TDF_Label& label, std::uint32_t depth) {
     if (depth > options_.limits.depth) throw OverLimit{"depth"};
@@ -449,27 +301,6 @@ class Reading {
     return it->second;
   }
 
-  std::optional<Colour> color_at(const TDF_Label& label) const {
-    Quantity_ColorRGBA color;
-    for (const XCAFDoc_ColorType type : {XCAFDoc_ColorSurf, XCAFDoc_ColorGen})
-      if (colors_->GetColor(label, type, color))
-        return Colour{{color.GetRGB().Red(), color.GetRGB().Green(), color.GetRGB().Blue()},
-                      color.Alpha()};
-    return std::nullopt;
-  }
-
-  static std::string material_at(const TDF_Label& label) {
-    Handle(TDataStd_TreeNode) node;
-    if (!label.FindAttribute(XCAFDoc::MaterialRefGUID(), node) || !node->HasFather()) return {};
-    Handle(TCollection_HAsciiString) name, description, density_name, density_type;
-    double density = 0;
-    if (!XCAFDoc_DocumentTool::MaterialTool(label)->GetMaterial(
-            node->Father()->Label(), name, description, density, density_name, density_type) ||
-        name.IsNull())
-      return {};
-    return name->ToCString();
-  }
-
   std::int32_t index_of(const Colour& color) {
     const auto it = std::find(palette_.begin(), palette_.end(), color);
     if (it != palette_.end()) return static_cast<std::int32_t>(it - palette_.begin());
@@ -480,7 +311,7 @@ class Reading {
   using Marks = NCollection_DataMap<TopoDS_Shape, TDF_Label, TopTools_ShapeMapHasher>;
 
   void find_bodies(const TDF_Label& product, Part& part) {
-    part.color = color_at(product);
+    part.color = color_at(*colors_, product);
     part.material = material_at(product);
     Marks marks;  // sub-shapes with a name or colour of their own
     TDF_LabelSequence labels;
@@ -495,7 +326,7 @@ class Reading {
 
   std::int32_t marked(const TopoDS_Shape& shape, const Marks& marks, std::int32_t otherwise) {
     if (const TDF_Label* label = marks.Seek(shape))
-      if (const auto color = color_at(*label)) return index_of(*color);
+      if (const auto color = color_at(*colors_, *label)) return index_of(*color);
     return otherwise;
   }
 
@@ -589,8 +420,8 @@ class Reading {
         add_node(parent, matrix_of(transform), name, assembly ? "assembly" : "part", number);
     if (node == scene::kNone) return;
     // the occurrence's colour, else the product's, else that of what it is a part of
-    std::optional<Colour> color = label == product ? std::nullopt : color_at(label);
-    if (!color) color = color_at(product);
+    std::optional<Colour> color = label == product ? std::nullopt : color_at(*colors_, label);
+    if (!color) color = color_at(*colors_, product);
     if (!color) color = above;
     if (assembly) {
       TDF_LabelSequence components;
@@ -737,8 +568,6 @@ Result<Imported> read_document(const Text& text, std::string_view bytes, const s
   const Silence silence;
   try {
     return Reading(text, path, name, options, log, job).run(bytes);
-  } catch (const Reading::Cyclic&) {
-    return failed;
   } catch (const Standard_OutOfMemory&) {
     throw OverLimit{"memory"};
   } catch (const Standard_Failure& failure) {

@@ -1,6 +1,7 @@
 // Classes of the bytes of a VRML text.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -23,6 +24,12 @@ inline std::uint8_t class_of(char c) { return kCharacterClasses[static_cast<unsi
 inline bool is_blank(char c) { return class_of(c) == 1; }
 inline bool is_word(char c) { return (class_of(c) & 2) != 0; }
 inline bool may_begin_number(char c) { return class_of(c) == 6; }
+
+// Returns true if words are equal, except for the case of their letters.
+inline bool same_but_for_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return (x | 0x20) == (y | 0x20); });
+}
 
 // Returns the first byte that is not UTF-8, or npos.
 std::size_t first_not_utf8(std::string_view text);

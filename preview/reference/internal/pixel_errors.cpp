@@ -35,7 +35,9 @@ constexpr double kGlintScarcity = 0.75;
 constexpr double kGlintMean = 5;
 constexpr double kRounding = 0x1p-24;
 
-double area_of(const Cell& cell) { return (cell.high.x - cell.low.x) * (cell.high.y - cell.low.y); }
+double cell_area(const Cell& cell) {
+  return (cell.high.x - cell.low.x) * (cell.high.y - cell.low.y);
+}
 
 // The variances of seven rows of an image, as sums over columns.
 class Band {
@@ -144,7 +146,7 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
   std::vector<std::size_t> first(cells.back().row - top + 2, cells.size());
   std::uint32_t left = cells.front().column, right = left;
   for (std::size_t i = cells.size(); i-- > 0;) {
-    const double area = area_of(cells[i]);
+    const double area = cell_area(cells[i]);
     const Vec3 mean(statistics.mean(i));
     variances[i] = Counted(glm::max(statistics.squares(i), Vec3(0)) / (n * (n - 1) * area * area),
                            mean.x > 0 || mean.y > 0 || mean.z > 0 ? 1 : 0);
@@ -178,10 +180,10 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
       const auto [shown, scarce] = borrowed(band, cell.column);
       const Vec3 mean(statistics.mean(i));
       for (int k = 0; k < 3; ++k) {
-        const double agreed = kAgreement * mean[k] / area_of(cell);
+        const double agreed = kAgreement * mean[k] / cell_area(cell);
         const double spread = own[k] * samples;
         const double discord = mean[k] == 0 ? 1 : spread / (spread + agreed * agreed);
-        const double bright = kGlintMean * mean[k] / area_of(cell);
+        const double bright = kGlintMean * mean[k] / cell_area(cell);
         const double beside = scarce[k] * samples;
         const double glints = beside > 0 ? beside / (beside + bright * bright) : 0;
         const double weight =
@@ -191,7 +193,7 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
         // nothing around: of few batches, alone
         if (others == 0) variance *= (n - 1) / (n - 3);
         errors[i][k] =
-            std::max(area_of(cell) * std::sqrt(variance), kRounding * std::fabs(mean[k]));
+            std::max(cell_area(cell) * std::sqrt(variance), kRounding * std::fabs(mean[k]));
       }
     }
   };

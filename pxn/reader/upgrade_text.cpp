@@ -1,12 +1,12 @@
-#include "pxn/text/upgrade_text.h"
+#include "pxn/reader/upgrade_text.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
 #include "base/text.h"
-#include "pxn/reader/loader.h"
 #include "pxn/pxn.h"
+#include "pxn/reader/loader.h"
 #include "pxn/text/grammar.h"
 #include "pxn/text/markup.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "preview/device.h"
-#include "preview/frame/draw_list.h"
 #include "preview/gl/programs.h"
+#include "preview/model/draw_list.h"
 #include "preview/model/gpu_model.h"
 
 namespace panwright::preview {

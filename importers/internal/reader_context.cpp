@@ -1,4 +1,4 @@
-#include "importers/meshes/reader_context.h"
+#include "importers/internal/reader_context.h"
 
 #include <fmt/core.h>
 

@@ -11,7 +11,7 @@
 
 #include "materials/material.h"
 #include "pan/model.h"
-#include "preview/frame/projection.h"
+#include "preview/gl/variant.h"
 #include "preview/image.h"
 #include "world/evaluation.h"
 
@@ -32,25 +32,6 @@ struct Families {
   std::vector<std::uint32_t> materials;    // number of materials of each
 };
 Families families_of(const pan::Model& model);
-
-// Shader variant of an instance, except for RenderOptions::flat.
-struct Variant {
-  std::uint32_t shading = 0;  // variant of the material
-  bool textured = false;
-  bool colored = false;
-  bool albedo_map = false;
-  bool normal_map = false;
-  bool roughness_map = false;
-  bool reflectance_map = false;  // of a material with microfacets
-  bool cutout = false;
-  bool cells = false;
-  bool brushed = false;   // its light depends on the direction along u
-  bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
-  // a narrow lobe on a mesh whose normals turn within triangles: its mean is taken if they turn by
-  // more than its width from sample to sample
-  bool curved = false;
-  auto operator<=>(const Variant&) const = default;
-};
 
 enum class Sides : std::uint8_t { both, front, back };
 
@@ -86,9 +67,6 @@ struct DrawItem {
 
   void set_pixel(double metres) { visible = shown && from <= metres && metres < to; }
 };
-
-// Items of one draw: as many blocks as every context can bind.
-inline constexpr std::size_t kInstancesAtOnce = 32;
 
 // Returns true if two items differ only in placement.
 bool is_drawn_alike(const DrawItem& a, const DrawItem& b);

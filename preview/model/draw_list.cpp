@@ -4,7 +4,7 @@
 #include <tuple>
 #include <variant>
 
-#include "preview/frame/draw_list.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 namespace {

@@ -1,0 +1,28 @@
+// Contents of a model as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <vector>
+
+#include "pan/model.h"
+#include "world/evaluation.h"
+
+namespace panwright::tools {
+
+// world: matrices of the nodes at the given joint values.
+nlohmann::ordered_json nodes_json(const pan::Model& model);
+nlohmann::ordered_json instances_json(const pan::Model& model);
+nlohmann::ordered_json budget_json(const pan::Model& model);
+// Returns materials, meshes, textures, frames and inputs.
+nlohmann::ordered_json tables_json(const pan::Model& model, const std::vector<Mat4>& world);
+// Returns keypoints, sheets, levels and decals.
+nlohmann::ordered_json ground_truth_json(const pan::Model& model, const std::vector<Mat4>& world);
+// Returns the sections of the file, read by this program or not.
+nlohmann::ordered_json sections_json(const pan::Model& model);
+
+// Return the least and largest corner, and the extents in metres and words. null: no bounds.
+nlohmann::ordered_json bounds_json(const std::optional<world::Bounds>& bounds);
+nlohmann::ordered_json size_json(const std::optional<world::Bounds>& bounds);
+
+}  // namespace panwright::tools
