@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
@@ -41,7 +42,7 @@ Built built(Context& context, const scene::Scene& scene, const compiler::Options
   const auto path = context.scratch() / fmt::format("budget{}.pan", made++);
   const auto start = std::chrono::steady_clock::now();
   auto report = compiler::compile(scene, options, path, log);
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.seconds = seconds_since(start);
   if (!report) return out;
   out.report = *std::move(report);
   auto model = pan::Model::open(path, log);

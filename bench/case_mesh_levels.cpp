@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
@@ -30,17 +31,13 @@ struct Built {
   double seconds = 0;
 };
 
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 Built built(const scene::Scene& scene, bool levels, DiagnosticLog& log) {
   Built out;
   compiler::Options options;
   options.mesh_levels = levels;
   const auto start = std::chrono::steady_clock::now();
   const auto bytes = compiler::compiled(scene, options, log);
-  out.seconds = since(start);
+  out.seconds = seconds_since(start);
   if (!bytes) return out;
   auto model = pan::Model::from_bytes(*bytes, "model", log);
   if (model && model->check(log)) out.model = std::make_shared<const pan::Model>(*std::move(model));
@@ -113,7 +110,7 @@ class Approach {
     auto image = renderer_.render(world, view.camera, options, log);
     Frame out;
     if (!image) return out;
-    out.seconds = since(start);
+    out.seconds = seconds_since(start);
     out.radiance = std::move(image->radiance);
     measure(out);
     return out;

@@ -9,6 +9,7 @@
 #include <map>
 #include <variant>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "compiler/internal/approach.h"
 #include "compiler/internal/scene_edit.h"
@@ -371,8 +372,7 @@ Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& 
   allot(fitted, out.allotment, out.report, job);
   out.made_to = simplify_meshes(fitted, out.allotment, cache, out.report, job);
   reduce_textures(fitted, out.allotment, out.report, job);
-  out.report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.report.seconds = seconds_since(start);
   if (const std::string text = words(out.report, budget); !text.empty())
     log.report(Code::N2025, {}, text, "`--budget none` keeps all of it");
   return out;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "compiler/internal/fit.h"
 #include "compiler/internal/shared_borders.h"
@@ -20,9 +21,9 @@ using geometry::MeshShape;
 
 constexpr std::size_t kLeastTriangles = 64;
 // What levels begin with: the tolerance may be more than the light allows.
-constexpr double kFinest = 1.0 / 16;  // of the tolerance
-constexpr double kFine = 1e-4;        // of the diagonal
-constexpr double kCoarsestMesh = 0.25;      // of the diagonal: the coarsest
+constexpr double kFinest = 1.0 / 16;    // of the tolerance
+constexpr double kFine = 1e-4;          // of the diagonal
+constexpr double kCoarsestMesh = 0.25;  // of the diagonal: the coarsest
 
 class Simplifier {
  public:
@@ -222,8 +223,7 @@ class Simplifier {
       entry.error = level.distance.high;
       entry.flux = level.flux_error;
       entry.normals = level.normals.rms;
-      entry.seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      entry.seconds = seconds_since(start);
       level.mesh.error = full->error + level.distance.high;
       return Made{std::make_shared<const Mesh>(std::move(level.mesh)), std::move(entry)};
     }
