@@ -98,8 +98,8 @@ class Approach {
     preview::View view;
     world::set_pixel_angle(view.camera, kSide, kSide, kIfov);
     view.camera.position = position(i);
-    if (const auto turn = world::looking_at(view.camera.position, 0.5 * (box_.low + box_.high),
-                                            Vec3(0, 1, 0), log))
+    if (const auto turn =
+            world::looking_at(view.camera.position, box_.centre(), Vec3(0, 1, 0), log))
       view.camera.world_from_camera = *turn;
     view.to_sun = glm::normalize(Vec3(0.7, 0.5, 0.9));
     preview::RenderOptions options;
@@ -150,12 +150,12 @@ class Approach {
   }
 
   Vec3 position(int i) const {
-    return 0.5 * (box_.low + box_.high) + range(i) * glm::normalize(Vec3(0.3, 0.25, 0.9));
+    return box_.centre() + range(i) * glm::normalize(Vec3(0.3, 0.25, 0.9));
   }
 
   preview::Renderer& renderer_;
   world::ModelPtr model_;
-  Box box_;
+  AxisBox box_;
   int frames_;
   mutable int camera_ = -1;
   mutable std::map<double, Frame> kept_;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "compiler/size.h"
 #include "compiler/tolerance.h"
@@ -340,11 +341,11 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
 }
 
 // Metres, and words.
-Json size_json(const std::optional<world::Bounds>& bounds) {
+Json size_json(const std::optional<AxisBox>& bounds) {
   if (!bounds) return nullptr;
-  const Vec3 extents = bounds->max - bounds->min;
+  const Vec3 extents = bounds->extent();
   return {{"extents", as_json(extents)},
-          {"largest", std::max({extents.x, extents.y, extents.z})},
+          {"largest", bounds->longest()},
           {"words", compiler::size_in_words(extents)}};
 }
 
@@ -627,10 +628,10 @@ void print_text(const std::string& path, const world::Instance& target, const To
   print("build id  {}\n", model.build_id().hex());
   print_storage(model);
   const auto bounds = world::exact_bounds(target);
-  if (bounds) print("size      {}\n", compiler::size_in_words(bounds->max - bounds->min));
+  if (bounds) print("size      {}\n", compiler::size_in_words(bounds->extent()));
   if (bounds)
-    print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
-          bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
+    print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->low.x,
+          bounds->low.y, bounds->low.z, bounds->high.x, bounds->high.y, bounds->high.z);
   print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
   print_need(model);
   print_meshes(model, totals, all_meshes);
@@ -677,8 +678,8 @@ int run(const Options& options, const Host& host) {
   const world::Instance& target = (*world)[0];
   const std::vector<Mat4> matrices = world::evaluated(target).model_from_nodes;
   const auto bounds = world::exact_bounds(target);
-  out["bounds"]["min"] = bounds ? as_json(bounds->min) : Json(nullptr);
-  out["bounds"]["max"] = bounds ? as_json(bounds->max) : Json(nullptr);
+  out["bounds"]["min"] = bounds ? as_json(bounds->low) : Json(nullptr);
+  out["bounds"]["max"] = bounds ? as_json(bounds->high) : Json(nullptr);
   out["size"] = size_json(bounds);
   out["nodes"] = nodes_json(*model);
   out["joints"] = joints_json(*model, target.joint_values());

@@ -8,27 +8,15 @@
 #include <numeric>
 #include <set>
 
+#include "base/axis_box.h"
+
 namespace panwright::world {
 namespace {
 
-struct SweepBox {
-  Vec3 low{HUGE_VAL};
-  Vec3 high{-HUGE_VAL};
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  bool meets(const SweepBox& other) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
-    return true;
-  }
-};
-
 // The box around a box that is moved.
-SweepBox moved(const SweepBox& box, const Mat4& m) {
-  const Vec3 centre = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
-  const Vec3 at(m * Vec4(centre, 1));
+AxisBox moved(const AxisBox& box, const Mat4& m) {
+  const Vec3 half = 0.5 * box.extent();
+  const Vec3 at(m * Vec4(box.centre(), 1));
   Vec3 reach(0);
   for (int k = 0; k < 3; ++k) reach += glm::abs(Vec3(m[k])) * half[k];
   return {at - reach, at + reach};
@@ -54,7 +42,7 @@ class MeshTree {
     split(0, 0, static_cast<std::uint32_t>(order_.size()));
   }
 
-  const SweepBox& box() const { return nodes_[0].box; }
+  const AxisBox& box() const { return nodes_[0].box; }
 
   // Whether some triangle of this mesh cuts one of another, which `own_from_other` places.
   bool cuts(const MeshTree& other, const Mat4& own_from_other, double slack) const {
@@ -80,18 +68,16 @@ class MeshTree {
  private:
   // Children first and first + 1, or triangles order_[first, first + count).
   struct Node {
-    SweepBox box;
+    AxisBox box;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
 
-  static bool larger(const SweepBox& a, const SweepBox& b) {
-    return glm::length(a.high - a.low) >= glm::length(b.high - b.low);
-  }
+  static bool larger(const AxisBox& a, const AxisBox& b) { return a.diagonal() >= b.diagonal(); }
 
   void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
     constexpr std::uint32_t kLeaf = 4;
-    SweepBox box, centres;
+    AxisBox box, centres;
     const auto centre = [&](std::uint32_t i) {
       return (triangles_[i][0] + triangles_[i][1] + triangles_[i][2]) / 3.0;
     };
@@ -105,7 +91,7 @@ class MeshTree {
       nodes_[node].count = end - begin;
       return;
     }
-    const Vec3 size = centres.high - centres.low;
+    const Vec3 size = centres.extent();
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const std::uint32_t middle = begin + (end - begin) / 2;
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
@@ -199,7 +185,7 @@ class Sweeper {
       : world_(world), target_(target), model_(*world[target].model()), job_(job) {
     trees_.resize(model_.meshes().size());
     const auto size = exact_bounds(world[target]);
-    slack_ = size ? 1e-9 * glm::length(size->max - size->min) : 0;
+    slack_ = size ? 1e-9 * size->diagonal() : 0;
   }
 
   SweptJoint sweep(std::uint32_t joint, std::uint32_t steps) {
@@ -217,7 +203,7 @@ class Sweeper {
       const std::uint32_t node = model_.instances()[i].node;
       if (now.node_visible[node]) (moving[node] ? movers : others).push_back(i);
     }
-    SweepBox swept;
+    AxisBox swept;
     World world = world_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, Collision> met;
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> met_now;
@@ -229,12 +215,11 @@ class Sweeper {
       values[0] = value;
       world.set_joint(target_, joint, values);
       const EvaluatedInstance at = evaluated(world[target_]);
-      std::vector<SweepBox> boxes(model_.instances().size());
+      std::vector<AxisBox> boxes(model_.instances().size());
       for (const std::uint32_t i : movers) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : others) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : movers) {
-        swept.add(boxes[i].low);
-        swept.add(boxes[i].high);
+        swept.add(boxes[i]);
         for (const std::uint32_t j : others) {
           if (!boxes[i].meets(boxes[j]) || !meet(i, j, at)) continue;
           const std::pair nodes(model_.instances()[i].node, model_.instances()[j].node);
@@ -254,7 +239,7 @@ class Sweeper {
       }
     }
     if (movers.empty()) swept.add(Vec3(0));
-    out.bounds = {swept.low, swept.high};
+    out.bounds = swept;
     for (const auto& [nodes, collision] : met) out.collisions.push_back(collision);
     return out;
   }
@@ -287,7 +272,7 @@ class Sweeper {
     return *trees_[mesh];
   }
 
-  SweepBox box_of(std::uint32_t i, const EvaluatedInstance& at) {
+  AxisBox box_of(std::uint32_t i, const EvaluatedInstance& at) {
     const pan::layout::Instance& placed = model_.instances()[i];
     return moved(tree(placed.mesh).box(), at.model_from_nodes[placed.node]);
   }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/axis_box.h"
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "compiler/internal/fit.h"
@@ -192,12 +193,9 @@ class Simplifier {
   std::optional<Made> make(const Chosen& chosen) const {
     const auto start = std::chrono::steady_clock::now();
     const MeshShape& full = std::get<MeshShape>(scene_.shapes[chosen.shape]);
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const Vec3& p : full->positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    const double diagonal = glm::length(high - low);
+    AxisBox box;
+    for (const Vec3& p : full->positions) box.add(p);
+    const double diagonal = box.diagonal();
     if (!(diagonal > 0)) return {};
     const double most_flux = chosen.flux;
     geometry::LevelOptions options;

@@ -9,35 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/math.h"
 
 namespace panwright::geometry {
-
-// Axis-aligned box; default: empty.
-struct AxisBox {
-  Vec3 low{std::numeric_limits<double>::infinity()};
-  Vec3 high{-std::numeric_limits<double>::infinity()};
-
-  bool empty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  void add(const AxisBox& box) {
-    low = glm::min(low, box.low);
-    high = glm::max(high, box.high);
-  }
-  void widen(double by) {
-    low -= by;
-    high += by;
-  }
-  // Returns true if another box comes within a distance along every axis; an empty one never does.
-  bool meets(const AxisBox& other, double within = 0) const {
-    for (int k = 0; k < 3; ++k)
-      if (!(low[k] <= other.high[k] + within && other.low[k] <= high[k] + within)) return false;
-    return true;
-  }
-};
 
 // Tree over boxes, halved by number along the longest side of their centres. Callers widen boxes by
 // the rounding error: the slabs here are not widened.

@@ -48,7 +48,7 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
     const auto start = std::chrono::steady_clock::now();
     finer.clear();
     for (const Imposter& other : imposters.subspan(i + 1))
-      if (other.rect.overlaps(imposter.rect)) {
+      if (overlap(other.rect, imposter.rect)) {
         finer.push_back(other.rect);
         hide(other, 1);
       }
