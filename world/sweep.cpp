@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/axis_box.h"
+#include "geometry/ray/box_tree.h"
 
 namespace panwright::world {
 namespace {
@@ -22,110 +23,43 @@ AxisBox moved(const AxisBox& box, const Mat4& m) {
   return {at - reach, at + reach};
 }
 
-// A tree of boxes over the triangles of a mesh, halved along the longest side.
+// The triangles of a mesh with a tree of their boxes.
 class MeshTree {
  public:
   MeshTree(const pan::Model& model, std::size_t mesh) {
     const double* o = model.meshes()[mesh].origin;
     const pan::MeshView view = model.mesh(mesh);
+    std::vector<AxisBox> boxes;
     for (std::size_t i = 0; i < view.indices.size(); i += 3) {
-      std::array<Vec3, 3> triangle;
+      std::array<Vec3, 3>& triangle = triangles_.emplace_back();
+      AxisBox& box = boxes.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const pan::layout::Float3& p = view.positions[view.indices[i + k]];
         triangle[k] = Vec3(o[0] + double{p.x}, o[1] + double{p.y}, o[2] + double{p.z});
+        box.add(triangle[k]);
       }
-      triangles_.push_back(triangle);
     }
-    order_.resize(triangles_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    nodes_.push_back({});
-    split(0, 0, static_cast<std::uint32_t>(order_.size()));
+    tree_.build(std::move(boxes));
   }
 
-  const AxisBox& box() const { return nodes_[0].box; }
+  const AxisBox& box() const { return tree_.box(); }
 
   // Whether some triangle of this mesh cuts one of another, which `own_from_other` places.
   bool cuts(const MeshTree& other, const Mat4& own_from_other, double slack) const {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
-    while (!open.empty()) {
-      const auto [a, b] = open.back();
-      open.pop_back();
-      const Node &x = nodes_[a], &y = other.nodes_[b];
-      if (!x.box.meets(moved(y.box, own_from_other))) continue;
-      if (x.count > 0 && y.count > 0) {
-        if (leaves_cut(x, other, y, own_from_other, slack)) return true;
-      } else if (y.count > 0 || (x.count == 0 && larger(x.box, y.box))) {
-        open.emplace_back(x.first, b);
-        open.emplace_back(x.first + 1, b);
-      } else {
-        open.emplace_back(a, y.first);
-        open.emplace_back(a, y.first + 1);
-      }
-    }
-    return false;
+    return tree_.meet(
+        other.tree_, [&](const AxisBox& box) { return moved(box, own_from_other); },
+        [&](std::uint32_t i, std::uint32_t j) {
+          const auto &t = triangles_[i], &u = other.triangles_[j];
+          const Vec3 a[3] = {t[0], t[1], t[2]};
+          Vec3 b[3];
+          for (std::size_t k = 0; k < 3; ++k) b[k] = Vec3(own_from_other * Vec4(u[k], 1));
+          return triangles_cut(a, b, slack);
+        });
   }
 
  private:
-  // Children first and first + 1, or triangles order_[first, first + count).
-  struct Node {
-    AxisBox box;
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;
-  };
-
-  static bool larger(const AxisBox& a, const AxisBox& b) { return a.diagonal() >= b.diagonal(); }
-
-  void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
-    constexpr std::uint32_t kLeaf = 4;
-    AxisBox box, centres;
-    const auto centre = [&](std::uint32_t i) {
-      return (triangles_[i][0] + triangles_[i][1] + triangles_[i][2]) / 3.0;
-    };
-    for (std::uint32_t i = begin; i < end; ++i) {
-      for (const Vec3& p : triangles_[order_[i]]) box.add(p);
-      centres.add(centre(order_[i]));
-    }
-    nodes_[node].box = box;
-    if (end - begin <= kLeaf) {
-      nodes_[node].first = begin;
-      nodes_[node].count = end - begin;
-      return;
-    }
-    const Vec3 size = centres.extent();
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const double x = centre(a)[axis], y = centre(b)[axis];
-                       return x < y || (x == y && a < b);
-                     });
-    const auto first = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[node].first = first;
-    nodes_.push_back({});
-    nodes_.push_back({});
-    split(first, begin, middle);
-    split(first + 1, middle, end);
-  }
-
-  bool leaves_cut(const Node& x, const MeshTree& other, const Node& y, const Mat4& own_from_other,
-                  double slack) const {
-    for (std::uint32_t j = y.first; j < y.first + y.count; ++j) {
-      Vec3 b[3];
-      for (int k = 0; k < 3; ++k)
-        b[k] = Vec3(own_from_other *
-                    Vec4(other.triangles_[other.order_[j]][static_cast<std::size_t>(k)], 1));
-      for (std::uint32_t i = x.first; i < x.first + x.count; ++i) {
-        const auto& t = triangles_[order_[i]];
-        const Vec3 a[3] = {t[0], t[1], t[2]};
-        if (triangles_cut(a, b, slack)) return true;
-      }
-    }
-    return false;
-  }
-
   std::vector<std::array<Vec3, 3>> triangles_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  geometry::BoxTree tree_;
 };
 
 // Where a triangle crosses the line in which two planes meet: an interval along it. `d`: signed
