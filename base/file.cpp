@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/file_uses.h"
 #include "base/internal/write_target.h"
 #include "base/text.h"
@@ -271,9 +272,7 @@ bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {
   // the folder's entry is durable only when the folder is synced; some file systems cannot
   const Descriptor fd(::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() >= 0) fsync(fd.get());
-  if (sync_seconds)
-    *sync_seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (sync_seconds) *sync_seconds += seconds_since(start);
   return true;
 }
 

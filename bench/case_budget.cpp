@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
@@ -41,7 +42,7 @@ Built built(Context& context, const scene::Scene& scene, const compiler::Options
   const auto path = context.scratch() / fmt::format("budget{}.pan", made++);
   const auto start = std::chrono::steady_clock::now();
   auto report = compiler::compile(scene, options, path, log);
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.seconds = seconds_since(start);
   if (!report) return out;
   out.report = *std::move(report);
   auto model = pan::Model::open(path, log);
@@ -50,7 +51,7 @@ Built built(Context& context, const scene::Scene& scene, const compiler::Options
 }
 
 // What the budget's camera sees from some direction at its nearest: the model, or a part of it.
-preview::View view_of(const pan::Model& model, const Box& box, double nearest, int direction,
+preview::View view_of(const pan::Model& model, const AxisBox& box, double nearest, int direction,
                       double phase) {
   const std::array<Vec3, 3> from = {glm::normalize(Vec3(0.7, 0.5, 0.4)),
                                     glm::normalize(Vec3(-0.2, 0.9, -0.3)),
@@ -66,7 +67,7 @@ preview::View view_of(const pan::Model& model, const Box& box, double nearest, i
     for (const auto& p : model.mesh(instance.mesh).positions)
       front = std::max(front,
                        glm::dot(Vec3(nodes[instance.node] * Vec4(origin + Vec3(p.x, p.y, p.z), 1)) -
-                                    box.middle(),
+                                    box.centre(),
                                 to_camera));
   }
   const double range = nearest + front;
@@ -74,10 +75,10 @@ preview::View view_of(const pan::Model& model, const Box& box, double nearest, i
   const auto side = static_cast<std::uint32_t>(std::clamp(std::ceil(across) + 6, 8.0, kMostSide));
   preview::View view;
   world::set_pixel_angle(view.camera, side, side, kIfov);
-  view.camera.position = box.middle() + range * to_camera;
+  view.camera.position = box.centre() + range * to_camera;
   DiagnosticLog log;
   view.camera.world_from_camera =
-      *world::looking_at(view.camera.position, box.middle(), std::nullopt, log);
+      *world::looking_at(view.camera.position, box.centre(), std::nullopt, log);
   const Vec3 beside = glm::normalize(glm::cross(to_camera, Vec3(0.3, 0.2, 1)));
   view.to_sun = std::cos(phase) * to_camera + std::sin(phase) * beside;
   return view;
@@ -161,7 +162,7 @@ void run_model(Context& context, preview::Renderer* renderer, const std::string&
   if (finest > 0) as_given.max_error = finest;
   const Built full = built(context, *scene, as_given, log);
   if (!full.model) return context.note(name + " was refused");
-  const Box box = box_of(*full.model);
+  const AxisBox box = box_of(*full.model);
   const std::uint32_t samples = context.quick() ? 16 : 128;
   preview::Reference reference;
   const std::vector<double> ranges =

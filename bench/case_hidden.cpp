@@ -35,8 +35,8 @@ struct Ball {
 };
 
 Ball ball_of(const scene::Scene& scene) {
-  const importers::Bounds bounds = importers::bounds_of(scene);
-  return {0.5 * bounds.low + 0.5 * bounds.high, 0.5 * glm::length(bounds.high - bounds.low)};
+  const AxisBox bounds = importers::bounds_of(scene);
+  return {bounds.centre(), 0.5 * bounds.diagonal()};
 }
 
 // A scene, and what a pixel of it shows: the node and the material, as in the layers of an image.

@@ -387,11 +387,11 @@ std::optional<Target> spacecraft_target(Context& context, double range, double e
   if (!model) return std::nullopt;
   Target target;
   static_cast<void>(target.world.add("servicer", *model, log));
-  const Box box = box_of(**model);
+  const AxisBox box = box_of(**model);
   target.camera.width = target.camera.height = kSide;
-  target.camera.position = box.middle() + range * glm::normalize(Vec3(1, -1.1, 0.7));
+  target.camera.position = box.centre() + range * glm::normalize(Vec3(1, -1.1, 0.7));
   target.camera.world_from_camera =
-      *world::looking_at(target.camera.position, box.middle(), {}, log);
+      *world::looking_at(target.camera.position, box.centre(), {}, log);
   target.camera.focal = Vec2(extent_px * range / box.diagonal());
   target.camera.principal = Vec2(kSide / 2.0);
   world::Sun sun = target.world.sun();
@@ -459,7 +459,7 @@ void run_ranges(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
   auto target = spacecraft_target(context, 1, 1, log);
   if (!target) return;
   const Vec3 middle = target->camera.position - glm::normalize(Vec3(1, -1.1, 0.7));
-  const Box box = box_of(*target->world[0].model());
+  const AxisBox box = box_of(*target->world[0].model());
   const int steps = context.quick() ? 2 : 60;
   const int more = context.quick() ? 0 : 11;  // as long, to where the camera is about to be inside
   double before = 0;

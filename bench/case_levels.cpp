@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 #include "bench/far_flux.h"
 #include "geometry/mesh/strip.h"
@@ -115,8 +116,7 @@ template <class Work>
 Timing clocked(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = seconds_since(start);
   return {seconds, seconds, seconds, 1};
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
@@ -30,17 +31,13 @@ struct Built {
   double seconds = 0;
 };
 
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 Built built(const scene::Scene& scene, bool levels, DiagnosticLog& log) {
   Built out;
   compiler::Options options;
   options.mesh_levels = levels;
   const auto start = std::chrono::steady_clock::now();
   const auto bytes = compiler::compiled(scene, options, log);
-  out.seconds = since(start);
+  out.seconds = seconds_since(start);
   if (!bytes) return out;
   auto model = pan::Model::from_bytes(*bytes, "model", log);
   if (model && model->check(log)) out.model = std::make_shared<const pan::Model>(*std::move(model));
@@ -101,8 +98,8 @@ class Approach {
     preview::View view;
     world::set_pixel_angle(view.camera, kSide, kSide, kIfov);
     view.camera.position = position(i);
-    if (const auto turn = world::looking_at(view.camera.position, 0.5 * (box_.low + box_.high),
-                                            Vec3(0, 1, 0), log))
+    if (const auto turn =
+            world::looking_at(view.camera.position, box_.centre(), Vec3(0, 1, 0), log))
       view.camera.world_from_camera = *turn;
     view.to_sun = glm::normalize(Vec3(0.7, 0.5, 0.9));
     preview::RenderOptions options;
@@ -113,7 +110,7 @@ class Approach {
     auto image = renderer_.render(world, view.camera, options, log);
     Frame out;
     if (!image) return out;
-    out.seconds = since(start);
+    out.seconds = seconds_since(start);
     out.radiance = std::move(image->radiance);
     measure(out);
     return out;
@@ -153,12 +150,12 @@ class Approach {
   }
 
   Vec3 position(int i) const {
-    return 0.5 * (box_.low + box_.high) + range(i) * glm::normalize(Vec3(0.3, 0.25, 0.9));
+    return box_.centre() + range(i) * glm::normalize(Vec3(0.3, 0.25, 0.9));
   }
 
   preview::Renderer& renderer_;
   world::ModelPtr model_;
-  Box box_;
+  AxisBox box_;
   int frames_;
   mutable int camera_ = -1;
   mutable std::map<double, Frame> kept_;

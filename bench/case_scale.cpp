@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "bench/bench.h"
@@ -57,7 +58,7 @@ void run_again(Context& context, const fs::path& tool, const Model& model) {
   const auto once = [&](const Words& command) {
     const auto start = std::chrono::steady_clock::now();
     good = good && run_program(tool, words(command)) == 0;
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return seconds_since(start);
   };
   const auto plain_hash = [&](const Words& command) {
     Words plain = command;
@@ -120,8 +121,7 @@ void add_large(Context& context, const fs::path& tool, const std::string& name, 
   double peak = 0;
   const auto start = std::chrono::steady_clock::now();
   const bool good = run_program(tool, all, &peak) == 0;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = seconds_since(start);
   double found = 0, bytes = 0;
   {
     DiagnosticLog log;

@@ -136,8 +136,8 @@ void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, Di
   if (!model) return context.note("67P-CG.obj could not be read");
   support::ModelRenderer renderer(gl, **model);
   const auto bounds = (*model)->world_bounds();
-  const Vec3 middle = 0.5 * (bounds->min + bounds->max);
-  const double size = glm::length(bounds->max - bounds->min);
+  const Vec3 middle = bounds->centre();
+  const double size = bounds->diagonal();
   std::size_t dark = 0, bright = 0, lit = 0;
   Timing timing;
   const int suns = context.quick() ? 2 : 12;

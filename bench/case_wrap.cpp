@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "bench/bench.h"
 #include "geometry/ray/instances.h"
 #include "mli/wrap.h"
@@ -104,15 +105,15 @@ void spacecraft(Context& context, const std::string& name, std::uint64_t rays) {
   if (!imported) return context.note(name + ": not read");
   const std::vector<Part> parts = parts_of(imported->scene);
   geometry::InstanceCaster caster;
-  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+  AxisBox box;
   double whole = 0;
   for (const Part& part : parts) {
     caster.add(caster.add_mesh(part.mesh.positions, part.mesh.triangles), Mat4(1), false);
-    for (const Vec3& p : part.mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    for (const Vec3& p : part.mesh.positions) box.add(p);
     for (const auto& t : part.mesh.triangles) whole += area_of(part.mesh.positions, t);
   }
   caster.build();
-  const double stand_off = glm::length(high - low) / 400;
+  const double stand_off = box.diagonal() / 400;
   mli::Recipe recipe;
   recipe.xgrid = 1;
   recipe.width = recipe.height = stand_off;

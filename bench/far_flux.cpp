@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "preview/reference/reference.h"
 
 namespace panwright::bench {
@@ -40,8 +41,7 @@ bool FarFlux::add(preview::Renderer& renderer, const world::World& world,
   const auto image = renderer.render(world, camera, options, log);
   if (!image) return false;
   const double got = flux_of(*image);
-  seconds_.push_back(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  seconds_.push_back(seconds_since(start));
   all_ += got;
   wanted_ += wanted;
   squares_ += (got - wanted) * (got - wanted);

@@ -1,8 +1,12 @@
 // panwright-bench [CASE…] [--list] [--out DIR] [--quick]
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/file.h"
 #include "bench/bench.h"
@@ -13,12 +17,47 @@ namespace {
 using namespace panwright;
 using namespace panwright::bench;
 
+constexpr const char* kHelp =
+    "Speed against error. Each case writes DIR/CASE.csv.\n\n"
+    "Usage: panwright-bench [OPTIONS] [CASE…]\n\n"
+    "  CASE…       Cases to run (default: all)\n"
+    "  -h, --help  Print this help\n"
+    "  --list      List the cases and exit\n"
+    "  --out DIR   Folder of one CSV file per case\n"
+    "  --quick     Small sizes and few runs, as a test of the cases\n"
+    "  --strict    Exit with 1 if a row misses its bound\n";
+
 struct Options {
   std::vector<std::string> names;
   std::string out;
   bool list = false;
   bool quick = false;
   bool strict = false;
+  bool help = false;
+
+  // Returns false for an unknown option, or one without its value.
+  bool parse(std::span<char*> words) {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const std::string_view word = words[i];
+      if (word == "-h" || word == "--help")
+        help = true;
+      else if (word == "--list")
+        list = true;
+      else if (word == "--quick")
+        quick = true;
+      else if (word == "--strict")
+        strict = true;
+      else if (word.starts_with("--out="))
+        out = word.substr(6);
+      else if (word == "--out" && i + 1 < words.size())
+        out = words[++i];
+      else if (word.starts_with('-'))
+        return false;
+      else
+        names.emplace_back(word);
+    }
+    return true;
+  }
 };
 
 void print_list() {
@@ -51,16 +90,13 @@ bool run_case(const Case& one, const Options& options, const std::filesystem::pa
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Speed against error. Each case writes DIR/CASE.csv.", "panwright-bench");
-  app.add_option("cases", options.names, "the cases to run; all of them by default");
-  app.add_flag("--list", options.list, "name the cases and stop");
-  app.add_option("--out", options.out, "folder for one CSV file a case");
-  app.add_flag("--quick", options.quick, "small sizes and few runs: whether it works at all");
-  app.add_flag("--strict", options.strict, "exit with 1 when a bound is missed");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  if (!options.parse({argv + 1, argv + argc})) {
+    fmt::print(stderr, "{}", kHelp);
+    return 2;
+  }
+  if (options.help) {
+    fmt::print("{}", kHelp);
+    return 0;
   }
   if (options.list) {
     print_list();

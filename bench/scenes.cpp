@@ -45,8 +45,8 @@ world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
   return std::make_shared<const pan::Model>(*std::move(model));
 }
 
-Box box_of(const pan::Model& model) {
-  Box box;
+AxisBox box_of(const pan::Model& model) {
+  AxisBox box;
   const auto nodes = model.world_from_nodes();
   for (const pan::layout::Instance& instance : model.instances()) {
     const pan::layout::Mesh& mesh = model.meshes()[instance.mesh];
@@ -55,9 +55,7 @@ Box box_of(const pan::Model& model) {
       for (int k = 0; k < 3; ++k)
         p[k] = mesh.origin[k] +
                static_cast<double>(corner & (1 << k) ? mesh.bounds_max[k] : mesh.bounds_min[k]);
-      p = Vec3(nodes[instance.node] * Vec4(p, 1));
-      box.low = glm::min(box.low, p);
-      box.high = glm::max(box.high, p);
+      box.add(Vec3(nodes[instance.node] * Vec4(p, 1)));
     }
   }
   return box;

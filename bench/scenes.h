@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/axis_box.h"
 #include "bench/bench.h"
 #include "geometry/tessellate/shape.h"
 #include "materials/material.h"
@@ -26,12 +27,7 @@ materials::Material lambert_material(double albedo);
 world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log);
 
 // Box of all meshes of a model, world axes: of their own boxes' corners.
-struct Box {
-  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
-  Vec3 middle() const { return (low + high) / 2.0; }
-  double diagonal() const { return glm::length(high - low); }
-};
-Box box_of(const pan::Model& model);
+AxisBox box_of(const pan::Model& model);
 
 // pxn text of one sphere.
 std::string sphere_pxn(const geometry::SphereCounts& counts);

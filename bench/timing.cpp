@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "base/clock.h"
 #include "bench/bench.h"
 
 extern char** environ;
@@ -34,7 +35,7 @@ std::vector<Timing> interleaved(const std::vector<Variant>& variants, int runs) 
       if (variants[i].before) variants[i].before();
       const Clock::time_point start = Clock::now();
       variants[i].work();
-      seconds[i].push_back(std::chrono::duration<double>(Clock::now() - start).count());
+      seconds[i].push_back(seconds_since(start));
     }
   }
   std::vector<Timing> timings;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "compiler/internal/decals.h"
@@ -32,10 +33,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using internal::MeshJob;
 using internal::Plan;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string mesh_name(const MeshJob& job, std::size_t index) {
   return fmt::format("{}{}", geometry::kind_name(*job.shape), index + 1);

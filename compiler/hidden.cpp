@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/scene_edit.h"
@@ -86,8 +87,7 @@ class Pruner {
     report_.instances_before = report_.instances_after = scene_.instances.size();
     report_.unique_before = report_.unique_after = unique_triangles();
     if (report_.triangles_before <= options_.max_triangles) prune();
-    report_.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report_.seconds = seconds_since(start);
     return report_;
   }
 

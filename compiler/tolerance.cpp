@@ -87,21 +87,8 @@ void lower_for_normals(Tolerance& best, const scene::Budget& budget, const geome
 }  // namespace
 
 std::optional<double> microfacet_slope(const materials::Material& material) {
-  std::optional<double> least;
-  const auto take = [&](double slope) {
-    least = std::min(least.value_or(HUGE_VAL), std::max(slope, kLeastSlope));
-  };
-  if (const auto* blinn = std::get_if<materials::BlinnPhong>(&material.specular_brdf))
-    take(std::sqrt(2 / (blinn->shine + 2)));
-  if (const auto* cook = std::get_if<materials::CookTorrance>(&material.specular_brdf))
-    take(cook->alpha);
-  if (const auto* beckmann = std::get_if<materials::Beckmann>(&material.specular_brdf))
-    take(std::min(beckmann->alpha_x, beckmann->alpha_y));
-  if (const auto* ggx = std::get_if<materials::Ggx>(&material.specular_brdf))
-    take(std::min(ggx->alpha_x, ggx->alpha_y));
-  if (std::holds_alternative<materials::Mirror>(material.specular_brdf)) take(0);
-  if (material.coat) take(material.coat->alpha);
-  return least;
+  const auto slope = materials::narrowest_slope(material, materials::Lobes::about_normal);
+  return slope ? std::optional(std::max(*slope, kLeastSlope)) : std::nullopt;
 }
 
 std::optional<double> microfacet_slope(const scene::Scene& scene, const scene::Instance& instance) {

@@ -284,13 +284,9 @@ std::optional<Mesh> rough(const geometry::Shape& shape) {
   options.max_error = 1e30;
   auto coarse = geometry::tessellated(shape, options, {}, ignored);
   if (!coarse || coarse->positions.empty()) return std::nullopt;
-  Vec3 low(HUGE_VAL);
-  Vec3 high(-HUGE_VAL);
-  for (const Vec3& p : coarse->positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  options.max_error = 0.001 * glm::length(high - low);
+  AxisBox box;
+  for (const Vec3& p : coarse->positions) box.add(p);
+  options.max_error = 0.001 * box.diagonal();
   if (!(options.max_error > 0) || geometry::planned_triangles(shape, options) > 1e6)
     return std::move(*coarse);
   auto fine = geometry::tessellated(shape, options, {}, ignored);
@@ -325,11 +321,7 @@ Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& o
   });
 }
 
-double Bounds::largest_extent() const {
-  return any ? std::max({high.x - low.x, high.y - low.y, high.z - low.z}) : 0;
-}
-
-Bounds bounds_of(const scene::Scene& scene) {
+AxisBox bounds_of(const scene::Scene& scene) {
   std::vector<MeshShape> meshes(scene.shapes.size());
   parallel_for(meshes.size(), [&](std::size_t i) {
     if (const auto* mesh = std::get_if<MeshShape>(&scene.shapes[i]))
@@ -338,7 +330,7 @@ Bounds bounds_of(const scene::Scene& scene) {
       meshes[i] = std::make_shared<const Mesh>(std::move(*made));
   });
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
-  Bounds bounds;
+  AxisBox bounds;
   for (const scene::Instance& instance : scene.instances) {
     const MeshShape& mesh = meshes[static_cast<std::size_t>(instance.shape)];
     if (!mesh) continue;
@@ -349,10 +341,7 @@ Bounds bounds_of(const scene::Scene& scene) {
     for (std::size_t v = 0; v < used.size(); ++v) {
       if (!used[v]) continue;
       const Vec3 p(matrix * Vec4(mesh->positions[v], 1));
-      if (!is_finite(p)) continue;
-      bounds.low = bounds.any ? glm::min(bounds.low, p) : p;
-      bounds.high = bounds.any ? glm::max(bounds.high, p) : p;
-      bounds.any = true;
+      if (is_finite(p)) bounds.add(p);
     }
   }
   return bounds;
@@ -430,13 +419,13 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
            DiagnosticLog& log) {
   scene::Scene& scene = model.scene;
   if (scene.nodes.empty()) return Vec3(0);
-  Bounds bounds;
+  AxisBox bounds;
   if (!unit && model.in_metres) unit = 1;
   if (!unit || recentre) bounds = bounds_of(scene);
   scene::Transform transform;
   if (!unit) {
-    const UnitGuess guess = guessed_unit(bounds.largest_extent());
-    warn_of_unit(model, bounds.largest_extent(), guess, log);
+    const UnitGuess guess = guessed_unit(bounds.longest());
+    warn_of_unit(model, bounds.longest(), guess, log);
     unit = guess.unit;
     if (is_unitless(model.format) || guess.unit != 1) model.assumed_unit = guess.name;
   }
@@ -444,9 +433,8 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
   if (up.value_or(usual_up(model.format)) == UpAxis::y)
     transform.rotation = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // a quarter turn about x
   Vec3 moved(0);
-  if (recentre && bounds.any) {
-    const Vec3 middle = 0.5 * bounds.low + 0.5 * bounds.high;
-    moved = Vec3(0) - Vec3(transform.matrix() * Vec4(middle, 1));
+  if (recentre && !bounds.empty()) {
+    moved = Vec3(0) - Vec3(transform.matrix() * Vec4(bounds.centre(), 1));
     transform.translation = moved;
   }
   if (transform != scene::Transform{}) insert_model_node(scene, transform);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/axis_box.h"
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
@@ -27,15 +28,9 @@ Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& o
                             DiagnosticLog& log, const Job& job = {},
                             const WorkCache* cache = nullptr);
 
-// Bounds in the world, of meshes by their vertices and of exact shapes by their tessellation to
-// a hundredth of their size.
-struct Bounds {
-  Vec3 low{0};
-  Vec3 high{0};
-  bool any = false;
-  double largest_extent() const;
-};
-Bounds bounds_of(const scene::Scene& scene);
+// Returns the bounds in the world, of meshes by their vertices and of exact shapes by their
+// tessellation to a hundredth of their size.
+AxisBox bounds_of(const scene::Scene& scene);
 
 // Unit that gives a spacecraft's size to a model.
 struct UnitGuess {

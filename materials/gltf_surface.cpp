@@ -34,7 +34,7 @@ Material widened(const Material& given) {
     if (std::min(slopes->x, slopes->y) < least)
       m.specular_brdf = with_slopes(m.specular_model(), glm::max(*slopes, Vec2(least)));
   if (auto* phong = std::get_if<BlinnPhong>(&m.specular_brdf))
-    phong->shine = std::min(phong->shine, 2 / (kNarrowest * kNarrowest) - 2);
+    phong->shine = std::min(phong->shine, 2 / (kNarrowest * kNarrowest));
   // what a smooth coat mirrors is compared by itself
   if (m.coat && m.coat->alpha > 0) m.coat->alpha = std::max(m.coat->alpha, kNarrowest);
   // fits cost up to 0.2 s, and those of what is wide enough hold

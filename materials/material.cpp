@@ -242,6 +242,26 @@ std::optional<Vec2> slopes_of(const Material& material) {
   return std::nullopt;
 }
 
+double slope_of_shine(double shine) { return std::sqrt(2 / std::max(shine, 1e-3)); }
+
+std::optional<double> narrowest_slope(const Material& material, Lobes lobes) {
+  std::optional<double> least;
+  const auto take = [&](double slope) {
+    if (slope > 0 || lobes != Lobes::finite) least = least ? std::min(*least, slope) : slope;
+  };
+  if (const auto slopes = slopes_of(material)) take(std::min(slopes->x, slopes->y));
+  if (const auto* phong = std::get_if<BlinnPhong>(&material.specular_brdf))
+    take(slope_of_shine(phong->shine));
+  // slopes turn light by twice their angle, and their variance is half of its square
+  const auto* retro = std::get_if<Retroreflector>(&material.specular_brdf);
+  if (retro != nullptr && lobes != Lobes::about_normal) take(retro->width * std::sqrt(0.5));
+  // a rough coat blurs a mirror below
+  if (material.specular_model() == SpecularModel::mirror)
+    take(material.coat ? (material.coat->index - 1) * std::sqrt(0.5) * material.coat->alpha : 0);
+  if (material.coat) take(material.coat->alpha);
+  return least;
+}
+
 SpecularBrdf with_slopes(SpecularModel model, const Vec2& alpha) {
   switch (model) {
     case SpecularModel::cook_torrance:

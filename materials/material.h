@@ -36,6 +36,19 @@ BrdfModel brdf_model_of(const Material& material);
 // others.
 std::optional<Vec2> slopes_of(const Material& material);
 
+// Returns the RMS slope of the half vectors of a Blinn-Phong lobe, whose density over the projected
+// hemisphere is (shine + 2)/2π cos^shine: its mean of tan² is 2/shine, exactly.
+double slope_of_shine(double shine);
+
+// Lobes of a material by use.
+enum class Lobes {
+  about_normal,  // all but a retroreflector's: they turn with the normal
+  finite,        // all but mirrors and smooth coats
+};
+// Returns the RMS slope of a material's narrowest lobe, along the narrower axis; 0: a mirror or a
+// smooth coat, as far as no rough coat blurs it. None: no such lobe. Roughness maps are ignored.
+std::optional<double> narrowest_slope(const Material& material, Lobes lobes);
+
 // Returns a model with these slopes along u and v; cook_torrance takes the first, a model without
 // slopes has its defaults.
 SpecularBrdf with_slopes(SpecularModel model, const Vec2& alpha);

@@ -112,21 +112,6 @@ Vec3 above_horizon(const Vec3& to_viewer, const Vec3& normal) {
 
 }  // namespace
 
-double narrowest_slope(const Material& material) {
-  double slope = 1;
-  if (const auto slopes = slopes_of(material)) slope = std::min(slopes->x, slopes->y);
-  if (const auto* phong = std::get_if<BlinnPhong>(&material.specular_brdf))
-    slope = std::sqrt(2 / (phong->shine + 2));
-  // slopes turn light by twice their angle, and their variance is half of its square
-  if (const auto* retro = std::get_if<Retroreflector>(&material.specular_brdf))
-    slope = retro->width * std::sqrt(0.5);
-  // a mirror below a rough coat, which blurs it
-  if (material.specular_model() == SpecularModel::mirror && material.coat)
-    slope = (material.coat->index - 1) * std::sqrt(0.5) * material.coat->alpha;
-  if (material.coat && material.coat->alpha > 0) slope = std::min(slope, material.coat->alpha);
-  return slope;
-}
-
 struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;

@@ -18,10 +18,6 @@ struct Sampled {
   bool delta = false;  // a mirror's direction: no other sample reaches it
 };
 
-// Returns the narrowest peak of a material as the RMS slope of equally narrow microfacets; 1
-// without one. Roughness maps are ignored.
-[[nodiscard]] double narrowest_slope(const Material& material);
-
 // Mirrored direction and its reflectance.
 struct Mirrored {
   Vec3 to_light{0};     // unit

@@ -43,14 +43,14 @@ void Corners::add(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t own
   if (length > 0) faces_.push_back({a, b, c, cross / length, owner});
 }
 
-geometry::AxisBox Corners::Face::box() const {
-  geometry::AxisBox out;
+AxisBox Corners::Face::box() const {
+  AxisBox out;
   for (const Vec3& p : {a, b, c}) out.add(p);
   return out;
 }
 
 void Corners::build() {
-  std::vector<geometry::AxisBox> boxes;
+  std::vector<AxisBox> boxes;
   boxes.reserve(faces_.size());
   for (const Face& face : faces_) boxes.push_back(face.box());
   tree_.build(std::move(boxes));
@@ -100,11 +100,10 @@ bool Corners::crossed(std::uint32_t owner, const Vec3& a, const Vec3& b, double 
   return out;
 }
 
-bool Corners::add_near(std::uint32_t owner, std::span<const geometry::AxisBox> boxes,
-                       KeyHasher& key) const {
+bool Corners::add_near(std::uint32_t owner, std::span<const AxisBox> boxes, KeyHasher& key) const {
   std::vector<std::uint32_t> near;
   std::vector<char> met(faces_.size(), 0);
-  for (const geometry::AxisBox& box : boxes) {
+  for (const AxisBox& box : boxes) {
     const Vec3 half = 0.5 * (box.high - box.low);
     tree_.near(box.low + half, glm::dot(half, half), [&](std::uint32_t index) {
       const Face& face = faces_[index];

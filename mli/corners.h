@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/bytes.h"
 #include "base/math.h"
 #include "geometry/mesh.h"
@@ -33,14 +34,13 @@ class Corners {
   // Adds to a key the other owners' faces that meet one of some boxes (metres), in order: all
   // inputs of room() and crossed() for places that need nothing beyond a box. Returns true if there
   // are any.
-  bool add_near(std::uint32_t owner, std::span<const geometry::AxisBox> boxes,
-                KeyHasher& key) const;
+  bool add_near(std::uint32_t owner, std::span<const AxisBox> boxes, KeyHasher& key) const;
 
  private:
   struct Face {
     Vec3 a, b, c, normal;
     std::uint32_t owner;
-    geometry::AxisBox box() const;
+    AxisBox box() const;
   };
   std::vector<Face> faces_;
   geometry::BoxTree tree_;

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "mli/internal/piece.h"
 
 namespace panwright::mli {
@@ -33,12 +34,9 @@ class Finder {
   Finder(const Mesh& mesh, const std::vector<Vec3>& points) : mesh_(mesh), points_(points) {}
 
   Lines run() {
-    Vec2 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const Vec2& place : mesh_.texcoords) {
-      low = glm::min(low, place);
-      high = glm::max(high, place);
-    }
-    same_ = kSamePlace * glm::length(high - low);
+    AxisRectangle bounds;
+    for (const Vec2& place : mesh_.texcoords) bounds.add(place);
+    same_ = kSamePlace * bounds.diagonal();
     std::map<std::pair<std::uint32_t, std::uint32_t>, Edges> by_place;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
     for (const auto& [a, b] : border_of({points_, mesh_.triangles})) {

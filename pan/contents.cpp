@@ -3,6 +3,7 @@
 #include <cassert>
 #include <limits>
 
+#include "base/axis_box.h"
 #include "pan/internal/identity.h"
 #include "pan/internal/material_limits.h"
 #include "pan/model.h"
@@ -387,13 +388,9 @@ PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
   PackedMesh out;
   out.name = std::move(name);
   out.closed = mesh.closed;
-  Vec3 low = mesh.positions.front(), high = low;
-  for (const Vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  // note: half first, so that the sum of two huge numbers cannot overflow
-  out.origin = 0.5 * low + 0.5 * high;
+  AxisBox box;
+  for (const Vec3& p : mesh.positions) box.add(p);
+  out.origin = box.centre();
   double worst = 0;
   out.positions.resize(3 * mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {

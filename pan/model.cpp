@@ -234,20 +234,17 @@ Mat4 Model::world_from_frame(std::size_t index) const {
   return world_from_nodes()[frame.node] * node_from_frame(frame);
 }
 
-std::optional<Model::Bounds> Model::world_bounds() const {
+std::optional<AxisBox> Model::world_bounds() const {
   assert(checked_);
   if (instances().empty()) return {};
   const std::vector<Mat4> world = world_from_nodes();
-  Bounds bounds{Vec3(HUGE_VAL), Vec3(-HUGE_VAL)};
+  AxisBox bounds;
   for (const layout::Instance& instance : instances()) {
     const layout::Mesh& record = meshes()[instance.mesh];
     const Vec3 origin(record.origin[0], record.origin[1], record.origin[2]);
     const Mat4& matrix = world[instance.node];
-    for (const layout::Float3& p : mesh(instance.mesh).positions) {
-      const Vec3 point(matrix * Vec4(origin + Vec3(p.x, p.y, p.z), 1.0));
-      bounds.min = glm::min(bounds.min, point);
-      bounds.max = glm::max(bounds.max, point);
-    }
+    for (const layout::Float3& p : mesh(instance.mesh).positions)
+      bounds.add(Vec3(matrix * Vec4(origin + Vec3(p.x, p.y, p.z), 1.0)));
   }
   return bounds;
 }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/diagnostic.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -187,11 +188,7 @@ class Model {
 
   // The axis-aligned box of all instances in world axes, from their transformed vertices; nothing
   // without instances. Cost: O(vertices, instances counted).
-  struct Bounds {
-    Vec3 min{0};
-    Vec3 max{0};
-  };
-  std::optional<Bounds> world_bounds() const;
+  std::optional<AxisBox> world_bounds() const;
 
  private:
   friend struct internal::Unpacked;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
 #include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
@@ -375,7 +376,7 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   impl.passes->upload(scene, tile, 1, false);
   impl.passes->draw(scene, tile, 1, Pass::bare, impl.bare_target, {});
   impl.gl.Finish();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return seconds_since(start);
 }
 
 }  // namespace panwright::preview

@@ -22,12 +22,12 @@ constexpr std::array<std::array<std::uint8_t, 3>, 7> kLevelColors = {{{240, 228,
 
 // Pixel footprint at the nearest point of a target's box, metres; 0: the camera is inside.
 double pixel_footprint(const world::Camera& camera, const world::Instance& target,
-                       const world::Bounds& bounds) {
+                       const AxisBox& bounds) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   if (camera.projection == world::Projection::orthographic) return 1 / focal;
   const world::Pose& pose = target.pose();
   const Vec3 eye = glm::conjugate(pose.rotation) * (camera.position - pose.translation);
-  return glm::length(eye - glm::clamp(eye, bounds.min, bounds.max)) / focal;
+  return glm::length(eye - glm::clamp(eye, bounds.low, bounds.high)) / focal;
 }
 
 // Levels change at footprints of powers of two metres.

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "base/clock.h"
+
 namespace panwright::studio {
 namespace {
 
@@ -18,10 +20,6 @@ constexpr auto kWatchPeriod = 10ms;
 constexpr auto kSettle = 30ms;
 // Larger files are read after that time without a change, too.
 constexpr std::int64_t kSmall = 4 << 20;  // bytes
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // saved: nanoseconds of the system clock
 double seconds_since_saved(std::int64_t saved) {

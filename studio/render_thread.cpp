@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "base/srgb.h"
 #include "studio/edges.h"
@@ -278,7 +279,7 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
     if (exact && request.edges)
       result->edges = edges_of(resources.world, resources.camera, result->image, job);
   }
-  result->seconds = std::chrono::duration<double>(RenderClock::now() - start).count();
+  result->seconds = seconds_since(start);
   publish(resources, std::move(result));
   return full;
 }
@@ -332,7 +333,7 @@ void RenderThread::trace(Resources& resources, const RenderRequest& request, con
     return;
   }
   result->reference_samples = options.samples;
-  result->reference_seconds = std::chrono::duration<double>(RenderClock::now() - start).count();
+  result->reference_seconds = seconds_since(start);
   result->comparison = compared(result->image, *image);
   result->reference = std::make_shared<const preview::ReferenceImage>(*std::move(image));
   const std::lock_guard lock(mutex_);

@@ -13,6 +13,7 @@
 #include <memory>
 #include <thread>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/png.h"
 #include "studio/main_window.h"
@@ -199,8 +200,7 @@ class FrameLoop {
         frames_left_ = kFramesAfter;
       }
       frame();
-      report_.spent.add(
-          std::chrono::duration<double, std::milli>(FrameClock::now() - start).count());
+      report_.spent.add(1e3 * seconds_since(start));
       report_.busy = std::max(report_.busy, 1e3 * (thread_seconds() - busy));
       if (options_.scripted && !follow(log)) break;
       screen_.swap();
@@ -221,8 +221,7 @@ class FrameLoop {
  private:
   // Measures the times of an image that has reached the screen.
   void measure() {
-    if (report_.first_image == 0)
-      report_.first_image = std::chrono::duration<double>(FrameClock::now() - begin_).count();
+    if (report_.first_image == 0) report_.first_image = seconds_since(begin_);
     if (const auto saved = contents_.saved_to_image()) {
       report_.saved.add(saved->shown);
       report_.last_saved = *saved;

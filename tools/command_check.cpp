@@ -51,7 +51,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     context.add_timings(report.steps);
     if (model) workspace::add_inputs(**model, path, files);
     if (const auto bounds = model ? (*model)->world_bounds() : std::nullopt)
-      size = compiler::size_in_words(bounds->max - bounds->min);
+      size = compiler::size_in_words(bounds->extent());
     if (model && extension == ".pan") {
       format = fmt::format("{}.{}", (*model)->header().major, (*model)->header().minor);
       if ((*model)->compressed()) how = " (compressed)";

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "tools/print.h"
@@ -88,8 +89,7 @@ const Job& CommandContext::job() {
 }
 
 void CommandContext::end_step() {
-  if (!step_.empty())
-    timings_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - step_start_).count());
+  if (!step_.empty()) timings_.emplace_back(step_, seconds_since(step_start_));
 }
 
 void CommandContext::step(std::string name) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
@@ -171,8 +172,8 @@ std::vector<Covered> covered_by(const scene::Scene& scene) {
 
 void describe(const importers::Imported& imported, CommandContext& context) {
   const scene::Scene& scene = imported.scene;
-  const importers::Bounds bounds = importers::bounds_of(scene);
-  const Vec3 size = bounds.any ? bounds.high - bounds.low : Vec3(0);
+  const AxisBox bounds = importers::bounds_of(scene);
+  const Vec3 size = bounds.empty() ? Vec3(0) : bounds.extent();
   Json& out = context.result();
   out["format"] = kFormats[static_cast<std::size_t>(imported.format)];
   out["nodes"] = scene.nodes.size();
@@ -426,10 +427,9 @@ int run_importer(const Options& typed, const Host& host) {
 }  // namespace command_import
 
 Command import_command() {
-  return command(
-      "import",
-      "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
-      command_import::declare_all, command_import::run);
+  return command("import",
+                 "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
+                 command_import::declare_all, command_import::run);
 }
 
 Command importer_command(const std::string& name) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "compiler/size.h"
 #include "compiler/tolerance.h"
@@ -383,10 +384,10 @@ void print_text(const std::string& path, const world::Instance& target, const To
   print("build id  {}\n", model.build_id().hex());
   print_storage(model);
   const auto bounds = world::exact_bounds(target);
-  if (bounds) print("size      {}\n", compiler::size_in_words(bounds->max - bounds->min));
+  if (bounds) print("size      {}\n", compiler::size_in_words(bounds->extent()));
   if (bounds)
-    print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
-          bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
+    print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->low.x,
+          bounds->low.y, bounds->low.z, bounds->high.x, bounds->high.y, bounds->high.z);
   print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
   print_need(model);
   print_meshes(model, totals, all_meshes);

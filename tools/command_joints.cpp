@@ -65,8 +65,8 @@ void show_sweep(const std::vector<world::SweptJoint>& sweep, const pan::Model& m
     one["from"] = swept.from;
     one["to"] = swept.to;
     one["positions"] = swept.positions;
-    one["min"] = {swept.bounds.min.x, swept.bounds.min.y, swept.bounds.min.z};
-    one["max"] = {swept.bounds.max.x, swept.bounds.max.y, swept.bounds.max.z};
+    one["min"] = {swept.bounds.low.x, swept.bounds.low.y, swept.bounds.low.z};
+    one["max"] = {swept.bounds.high.x, swept.bounds.high.y, swept.bounds.high.z};
     one["collisions"] = Json::array();
     const auto kind = static_cast<geometry::JointKind>(model.joints()[swept.joint].kind);
     const auto shown = [&](double value) {
@@ -79,8 +79,8 @@ void show_sweep(const std::vector<world::SweptJoint>& sweep, const pan::Model& m
           "sweep {}: {} to {} in {} positions, bounds {:.4g} {:.4g} {:.4g} .. {:.4g} {:.4g} "
           "{:.4g} m\n",
           model.joint_name(swept.joint), shown(swept.from), shown(swept.to), swept.positions,
-          swept.bounds.min.x, swept.bounds.min.y, swept.bounds.min.z, swept.bounds.max.x,
-          swept.bounds.max.y, swept.bounds.max.z);
+          swept.bounds.low.x, swept.bounds.low.y, swept.bounds.low.z, swept.bounds.high.x,
+          swept.bounds.high.y, swept.bounds.high.z);
     for (const world::Collision& each : swept.collisions) {
       one["collisions"].push_back({{"a", model.node_path(each.node_a)},
                                    {"b", model.node_path(each.node_b)},

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "compiler/compile.h"
@@ -21,8 +22,8 @@
 #include "tools/material_plots.h"
 #include "tools/overlay_text.h"
 #include "tools/print.h"
-#include "workspace/material_scene.h"
 #include "workspace/drawer.h"
+#include "workspace/material_scene.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
 
@@ -155,8 +156,8 @@ double nanoseconds(const std::function<Vec3(const Vec3&)>& evaluate) {
       const double x = -0.6 + 1.2 * i / kEvaluations;
       sum += evaluate(Vec3(x, 0.1, std::sqrt(0.99 - x * x)));
     }
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    runs.push_back(seconds.count() / kEvaluations * 1e9);
+    const double seconds = seconds_since(start);
+    runs.push_back(seconds / kEvaluations * 1e9);
   }
   std::sort(runs.begin(), runs.end());
   // note: the sum is used, so that nothing is optimised away
@@ -334,8 +335,10 @@ void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview:
 Result<preview::Image> sample_image(const DescribedMaterial& material, const Options& options,
                                     workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
-  const auto light = options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
-  const auto bytes = compiler::compiled(workspace::sample_scene(material, light), {}, log, context.job());
+  const auto light =
+      options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
+  const auto bytes =
+      compiler::compiled(workspace::sample_scene(material, light), {}, log, context.job());
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, material.material.name, log);
   if (!model || !model->check(log)) return failed;
@@ -343,7 +346,8 @@ Result<preview::Image> sample_image(const DescribedMaterial& material, const Opt
   if (!world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
     return failed;
   world.set_sun(workspace::sample_sun());
-  auto drawn = drawer.draw(world, workspace::sample_camera(options.width), false, log, context.job());
+  auto drawn =
+      drawer.draw(world, workspace::sample_camera(options.width), false, log, context.job());
   if (!drawn) return failed;
   return std::move(drawn->image);
 }

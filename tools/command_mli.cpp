@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "compiler/compile.h"
@@ -343,7 +344,8 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
                            options.width, height, kMostPixels / 1'000'000));
     return false;
   }
-  const auto light = options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
+  const auto light =
+      options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
   const auto scene = foil_scene(shown, subject.material, light, log);
   if (!scene) return false;
   const auto bytes = compiler::compiled(*scene, {}, log, context.job());
@@ -563,12 +565,12 @@ int run(const Options& options, const Host& host) {
     detail.cells = options.cells;
     const auto sheet = mli::made(subject.recipe, detail, context.log(), {}, context.job());
     if (!sheet) break;
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const double seconds = seconds_since(start);
     const SlopeHistogram histogram = slope_histogram(*sheet);
-    context.result()["sheets"].push_back(sheet_json(subject, *sheet, histogram, seconds.count()));
+    context.result()["sheets"].push_back(sheet_json(subject, *sheet, histogram, seconds));
     if (!options.common.json) {
       if (!first) print("\n");
-      print_sheet(subject, *sheet, seconds.count());
+      print_sheet(subject, *sheet, seconds);
     }
     if (fit) {
       const std::string text =

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/axis_box.h"
 #include "base/file.h"
 #include "compiler/compile.h"
 #include "importers/clean.h"
@@ -80,12 +81,12 @@ class Camera {
   Camera(const Camera&) = delete;
   Camera& operator=(const Camera&) = delete;
 
-  bool works() const { return drawer_.has_value() && bounds_.any; }
+  bool works() const { return drawer_.has_value() && !bounds_.empty(); }
 
   // A PNG, as base64; empty when it cannot be had.
   std::string image(const importers::WorldSpot& spot) {
-    const Vec3 middle = (bounds_.low + bounds_.high) / 2.0;
-    const double size = glm::length(bounds_.high - bounds_.low);
+    const Vec3 middle = bounds_.centre();
+    const double size = bounds_.diagonal();
     Vec3 outwards = spot.at - middle + Vec3(0.13, -0.29, 0.17) * (0.05 * size);
     outwards = glm::normalize(outwards);
     world::Camera camera;
@@ -110,7 +111,7 @@ class Camera {
  private:
   const Job& job_;
   DiagnosticLog log_;  // what the report cannot show is no error of the import
-  importers::Bounds bounds_;
+  AxisBox bounds_;
   world::World world_;
   std::optional<workspace::Drawer> drawer_;
   std::filesystem::path file_;

@@ -225,14 +225,14 @@ Json sections_json(const pan::Model& model) {
   return out;
 }
 
-Json bounds_json(const std::optional<world::Bounds>& bounds) {
-  return {{"min", bounds ? vector_json(bounds->min) : Json(nullptr)},
-          {"max", bounds ? vector_json(bounds->max) : Json(nullptr)}};
+Json bounds_json(const std::optional<AxisBox>& bounds) {
+  return {{"min", bounds ? vector_json(bounds->low) : Json(nullptr)},
+          {"max", bounds ? vector_json(bounds->high) : Json(nullptr)}};
 }
 
-Json size_json(const std::optional<world::Bounds>& bounds) {
+Json size_json(const std::optional<AxisBox>& bounds) {
   if (!bounds) return nullptr;
-  const Vec3 extents = bounds->max - bounds->min;
+  const Vec3 extents = bounds->extent();
   return {{"extents", vector_json(extents)},
           {"largest", std::max({extents.x, extents.y, extents.z})},
           {"words", compiler::size_in_words(extents)}};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "pan/model.h"
 #include "world/evaluation.h"
 
@@ -22,7 +23,7 @@ nlohmann::ordered_json ground_truth_json(const pan::Model& model, const std::vec
 nlohmann::ordered_json sections_json(const pan::Model& model);
 
 // Return the least and largest corner, and the extents in metres and words. null: no bounds.
-nlohmann::ordered_json bounds_json(const std::optional<world::Bounds>& bounds);
-nlohmann::ordered_json size_json(const std::optional<world::Bounds>& bounds);
+nlohmann::ordered_json bounds_json(const std::optional<AxisBox>& bounds);
+nlohmann::ordered_json size_json(const std::optional<AxisBox>& bounds);
 
 }  // namespace panwright::tools

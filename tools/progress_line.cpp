@@ -10,6 +10,8 @@
 #include <optional>
 #include <thread>
 
+#include "base/clock.h"
+
 namespace panwright::tools {
 
 namespace {
@@ -48,10 +50,6 @@ std::string duration_words(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", seconds);
   if (seconds < 5400) return fmt::format("{:.0f} min", seconds / 60);
   return fmt::format("{:.1f} h", seconds / 3600);
-}
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "preview/image.h"
 #include "tools/print.h"
@@ -198,8 +199,7 @@ void RenderReport::image(const Written& image) {
 
 void RenderReport::summary() const {
   if (!many_ || context_.options().json || context_.options().quiet) return;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = seconds_since(start_);
   print("{} in {:.3g} s, {} each\n", counted(images_, "image"), seconds,
         milliseconds(seconds / static_cast<double>(std::max<std::size_t>(images_, 1))));
 }

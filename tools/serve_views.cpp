@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/clock.h"
 #include "tools/print.h"
 #include "tools/render_report.h"
 
@@ -96,7 +97,7 @@ class Answer {
       reply["settings"] = Json::parse(image_->record)["view"];
     }
     // all of it, from the line to the files
-    reply["ms"] = 1e3 * std::chrono::duration<double>(Clock::now() - start_).count();
+    reply["ms"] = 1e3 * seconds_since(start_);
     reply["errors"] = log.errors();
     reply["warnings"] = log.warnings();
     reply["diagnostics"] = Json::array();

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "workspace/exposure.h"
@@ -23,10 +24,6 @@ namespace panwright::workspace {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A PNG shows a white plate as white whatever the irradiance is measured in.
 double stops_of_sun(const world::Sun& sun) {

@@ -100,8 +100,7 @@ BoundingSphere BoundingSpheres::of(const world::Instance& target) {
     if (known_.size() >= kMost) known_.clear();
     std::optional<BoundingSphere> sphere;
     if (const auto bounds = target.visible() ? exact_bounds(target) : std::nullopt)
-      sphere = {0.5 * (bounds->min + bounds->max),
-                std::max(0.5 * glm::length(bounds->max - bounds->min), kLeastRadius)};
+      sphere = {bounds->centre(), std::max(0.5 * bounds->diagonal(), kLeastRadius)};
     known = known_.insert(known_.end(), {target.shape_stamp(), sphere});
   }
   BoundingSphere sphere = known->sphere.value_or(BoundingSphere{});

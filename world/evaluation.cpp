@@ -9,18 +9,9 @@
 namespace panwright::world {
 namespace {
 
-struct Box {
-  Vec3 low{HUGE_VAL};
-  Vec3 high{-HUGE_VAL};
-  void add(const Vec3& point) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-  std::optional<Bounds> bounds() const {
-    if (!(low.x <= high.x)) return std::nullopt;
-    return Bounds{low, high};
-  }
-};
+std::optional<AxisBox> unless_empty(const AxisBox& box) {
+  return box.empty() ? std::nullopt : std::optional(box);
+}
 
 Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -100,27 +91,26 @@ bool InstanceEvaluation::place(const Instance& instance) {
 }
 
 void InstanceEvaluation::bound() {
-  Box all;
+  AxisBox all;
   const auto placed = model_->instances();
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const std::uint32_t node = placed[i].node;
     if (moved_[node]) {
       const pan::layout::Mesh& mesh = model_->meshes()[placed[i].mesh];
       const Mat4& matrix = result_.model_from_nodes[node];
-      Box box;
+      AxisBox box;
       for (int corner = 0; corner < 8; ++corner) {
         Vec3 point = vec3(mesh.origin);
         for (int axis = 0; axis < 3; ++axis)
           point[axis] += double{(corner >> axis & 1 ? mesh.bounds_max : mesh.bounds_min)[axis]};
         box.add(Vec3(matrix * Vec4(point, 1)));
       }
-      boxes_[i] = {box.low, box.high};
+      boxes_[i] = box;
     }
     if (!result_.node_visible[node]) continue;
-    all.add(boxes_[i].min);
-    all.add(boxes_[i].max);
+    all.add(boxes_[i]);
   }
-  result_.bounds = all.bounds();
+  result_.bounds = unless_empty(all);
 }
 
 void InstanceEvaluation::update(const Instance& instance) {
@@ -147,10 +137,10 @@ void Evaluation::update(const World& world) {
   stamp_ = world.stamp();
 }
 
-std::optional<Bounds> exact_bounds(const Instance& instance) {
+std::optional<AxisBox> exact_bounds(const Instance& instance) {
   const EvaluatedInstance nodes = evaluated(instance);
   const pan::Model& model = *instance.model();
-  Box box;
+  AxisBox box;
   for (const pan::layout::Instance& placed : model.instances()) {
     if (!nodes.node_visible[placed.node]) continue;
     const Vec3 origin = vec3(model.meshes()[placed.mesh].origin);
@@ -158,7 +148,7 @@ std::optional<Bounds> exact_bounds(const Instance& instance) {
     for (const pan::layout::Float3& p : model.mesh(placed.mesh).positions)
       box.add(Vec3(matrix * Vec4(origin + Vec3(p.x, p.y, p.z), 1.0)));
   }
-  return box.bounds();
+  return unless_empty(box);
 }
 
 bool place_in_frame(Camera& camera, const World& world, std::size_t index, std::string_view name,

@@ -7,15 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "world/world.h"
 
 namespace panwright::world {
-
-// An axis-aligned box.
-struct Bounds {
-  Vec3 min{0};
-  Vec3 max{0};
-};
 
 // One target, evaluated. All in the model's frame: the pose is applied with the camera's, so that
 // their large translations cancel in double before small ones are added.
@@ -24,7 +19,7 @@ struct EvaluatedInstance {
   std::vector<Mat4> model_from_nodes;      // one per node of the model
   std::vector<std::uint8_t> node_visible;  // 0 or 1, ancestors included
   // Union of the boxes of all visible meshes: not tight. None: nothing is visible.
-  std::optional<Bounds> bounds;
+  std::optional<AxisBox> bounds;
 };
 
 // Incremental evaluation of one target: recomputes only nodes below a joint or node that changed.
@@ -49,7 +44,7 @@ class InstanceEvaluation {
   std::vector<Mat4> at_rest_;      // parent_from_node of each, its joints at rest
   std::vector<Mat4> local_;        // the same with joints and states
   std::vector<char> moved_;        // by the update
-  std::vector<Bounds> boxes_;      // of each placed mesh, in the model's frame
+  std::vector<AxisBox> boxes_;     // of each placed mesh, in the model's frame
   EvaluatedInstance result_;
 };
 
@@ -77,7 +72,7 @@ EvaluatedInstance evaluated(const Instance& instance);
 
 // Returns the tight box of a target's visible vertices in its model's frame; nothing when none is
 // visible. Cost: O(vertices, meshes counted as often as they are placed).
-std::optional<Bounds> exact_bounds(const Instance& instance);
+std::optional<AxisBox> exact_bounds(const Instance& instance);
 
 // Puts a camera into a named frame of a target.
 //

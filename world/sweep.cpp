@@ -8,138 +8,58 @@
 #include <numeric>
 #include <set>
 
+#include "base/axis_box.h"
+#include "geometry/ray/box_tree.h"
+
 namespace panwright::world {
 namespace {
 
-struct SweepBox {
-  Vec3 low{HUGE_VAL};
-  Vec3 high{-HUGE_VAL};
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  bool meets(const SweepBox& other) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
-    return true;
-  }
-};
-
 // The box around a box that is moved.
-SweepBox moved(const SweepBox& box, const Mat4& m) {
-  const Vec3 centre = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
-  const Vec3 at(m * Vec4(centre, 1));
+AxisBox moved(const AxisBox& box, const Mat4& m) {
+  const Vec3 half = 0.5 * box.extent();
+  const Vec3 at(m * Vec4(box.centre(), 1));
   Vec3 reach(0);
   for (int k = 0; k < 3; ++k) reach += glm::abs(Vec3(m[k])) * half[k];
   return {at - reach, at + reach};
 }
 
-// A tree of boxes over the triangles of a mesh, halved along the longest side.
+// The triangles of a mesh with a tree of their boxes.
 class MeshTree {
  public:
   MeshTree(const pan::Model& model, std::size_t mesh) {
     const double* o = model.meshes()[mesh].origin;
     const pan::MeshView view = model.mesh(mesh);
+    std::vector<AxisBox> boxes;
     for (std::size_t i = 0; i < view.indices.size(); i += 3) {
-      std::array<Vec3, 3> triangle;
+      std::array<Vec3, 3>& triangle = triangles_.emplace_back();
+      AxisBox& box = boxes.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const pan::layout::Float3& p = view.positions[view.indices[i + k]];
         triangle[k] = Vec3(o[0] + double{p.x}, o[1] + double{p.y}, o[2] + double{p.z});
+        box.add(triangle[k]);
       }
-      triangles_.push_back(triangle);
     }
-    order_.resize(triangles_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    nodes_.push_back({});
-    split(0, 0, static_cast<std::uint32_t>(order_.size()));
+    tree_.build(std::move(boxes));
   }
 
-  const SweepBox& box() const { return nodes_[0].box; }
+  const AxisBox& box() const { return tree_.box(); }
 
   // Whether some triangle of this mesh cuts one of another, which `own_from_other` places.
   bool cuts(const MeshTree& other, const Mat4& own_from_other, double slack) const {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
-    while (!open.empty()) {
-      const auto [a, b] = open.back();
-      open.pop_back();
-      const Node &x = nodes_[a], &y = other.nodes_[b];
-      if (!x.box.meets(moved(y.box, own_from_other))) continue;
-      if (x.count > 0 && y.count > 0) {
-        if (leaves_cut(x, other, y, own_from_other, slack)) return true;
-      } else if (y.count > 0 || (x.count == 0 && larger(x.box, y.box))) {
-        open.emplace_back(x.first, b);
-        open.emplace_back(x.first + 1, b);
-      } else {
-        open.emplace_back(a, y.first);
-        open.emplace_back(a, y.first + 1);
-      }
-    }
-    return false;
+    return tree_.meet(
+        other.tree_, [&](const AxisBox& box) { return moved(box, own_from_other); },
+        [&](std::uint32_t i, std::uint32_t j) {
+          const auto &t = triangles_[i], &u = other.triangles_[j];
+          const Vec3 a[3] = {t[0], t[1], t[2]};
+          Vec3 b[3];
+          for (std::size_t k = 0; k < 3; ++k) b[k] = Vec3(own_from_other * Vec4(u[k], 1));
+          return triangles_cut(a, b, slack);
+        });
   }
 
  private:
-  // Children first and first + 1, or triangles order_[first, first + count).
-  struct Node {
-    SweepBox box;
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;
-  };
-
-  static bool larger(const SweepBox& a, const SweepBox& b) {
-    return glm::length(a.high - a.low) >= glm::length(b.high - b.low);
-  }
-
-  void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
-    constexpr std::uint32_t kLeaf = 4;
-    SweepBox box, centres;
-    const auto centre = [&](std::uint32_t i) {
-      return (triangles_[i][0] + triangles_[i][1] + triangles_[i][2]) / 3.0;
-    };
-    for (std::uint32_t i = begin; i < end; ++i) {
-      for (const Vec3& p : triangles_[order_[i]]) box.add(p);
-      centres.add(centre(order_[i]));
-    }
-    nodes_[node].box = box;
-    if (end - begin <= kLeaf) {
-      nodes_[node].first = begin;
-      nodes_[node].count = end - begin;
-      return;
-    }
-    const Vec3 size = centres.high - centres.low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const double x = centre(a)[axis], y = centre(b)[axis];
-                       return x < y || (x == y && a < b);
-                     });
-    const auto first = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[node].first = first;
-    nodes_.push_back({});
-    nodes_.push_back({});
-    split(first, begin, middle);
-    split(first + 1, middle, end);
-  }
-
-  bool leaves_cut(const Node& x, const MeshTree& other, const Node& y, const Mat4& own_from_other,
-                  double slack) const {
-    for (std::uint32_t j = y.first; j < y.first + y.count; ++j) {
-      Vec3 b[3];
-      for (int k = 0; k < 3; ++k)
-        b[k] = Vec3(own_from_other *
-                    Vec4(other.triangles_[other.order_[j]][static_cast<std::size_t>(k)], 1));
-      for (std::uint32_t i = x.first; i < x.first + x.count; ++i) {
-        const auto& t = triangles_[order_[i]];
-        const Vec3 a[3] = {t[0], t[1], t[2]};
-        if (triangles_cut(a, b, slack)) return true;
-      }
-    }
-    return false;
-  }
-
   std::vector<std::array<Vec3, 3>> triangles_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  geometry::BoxTree tree_;
 };
 
 // Where a triangle crosses the line in which two planes meet: an interval along it. `d`: signed
@@ -199,7 +119,7 @@ class Sweeper {
       : world_(world), target_(target), model_(*world[target].model()), job_(job) {
     trees_.resize(model_.meshes().size());
     const auto size = exact_bounds(world[target]);
-    slack_ = size ? 1e-9 * glm::length(size->max - size->min) : 0;
+    slack_ = size ? 1e-9 * size->diagonal() : 0;
   }
 
   SweptJoint sweep(std::uint32_t joint, std::uint32_t steps) {
@@ -217,7 +137,7 @@ class Sweeper {
       const std::uint32_t node = model_.instances()[i].node;
       if (now.node_visible[node]) (moving[node] ? movers : others).push_back(i);
     }
-    SweepBox swept;
+    AxisBox swept;
     World world = world_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, Collision> met;
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> met_now;
@@ -229,12 +149,11 @@ class Sweeper {
       values[0] = value;
       world.set_joint(target_, joint, values);
       const EvaluatedInstance at = evaluated(world[target_]);
-      std::vector<SweepBox> boxes(model_.instances().size());
+      std::vector<AxisBox> boxes(model_.instances().size());
       for (const std::uint32_t i : movers) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : others) boxes[i] = box_of(i, at);
       for (const std::uint32_t i : movers) {
-        swept.add(boxes[i].low);
-        swept.add(boxes[i].high);
+        swept.add(boxes[i]);
         for (const std::uint32_t j : others) {
           if (!boxes[i].meets(boxes[j]) || !meet(i, j, at)) continue;
           const std::pair nodes(model_.instances()[i].node, model_.instances()[j].node);
@@ -254,7 +173,7 @@ class Sweeper {
       }
     }
     if (movers.empty()) swept.add(Vec3(0));
-    out.bounds = {swept.low, swept.high};
+    out.bounds = swept;
     for (const auto& [nodes, collision] : met) out.collisions.push_back(collision);
     return out;
   }
@@ -287,7 +206,7 @@ class Sweeper {
     return *trees_[mesh];
   }
 
-  SweepBox box_of(std::uint32_t i, const EvaluatedInstance& at) {
+  AxisBox box_of(std::uint32_t i, const EvaluatedInstance& at) {
     const pan::layout::Instance& placed = model_.instances()[i];
     return moved(tree(placed.mesh).box(), at.model_from_nodes[placed.node]);
   }

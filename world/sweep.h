@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/job.h"
 #include "base/result.h"
 #include "world/evaluation.h"
@@ -27,7 +28,7 @@ struct SweptJoint {
   double from = 0;  // radians, metres or a factor
   double to = 0;
   std::uint32_t positions = 0;
-  Bounds bounds;  // of the moving part, in the model's frame, at all positions together
+  AxisBox bounds;  // of the moving part, in the model's frame, at all positions together
   std::vector<Collision> collisions;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "compiler/internal/surfaces.h"
 
 namespace panwright::compiler::internal {
@@ -77,12 +78,12 @@ std::vector<double> nearest_distances(const scene::Scene& scene, const std::vect
   const Mat4& node = world[static_cast<std::size_t>(found->node)];
   const Vec3 apex(node * Vec4(found->origin, 1));
   const Vec3 axis = glm::normalize(Vec3(node * Vec4(found->rotation * Vec3(0, 0, 1), 0)));
-  std::vector<Extent> extents(surfaces.size());
+  std::vector<AxisBox> extents(surfaces.size());
   for (std::size_t s = 0; s < surfaces.size(); ++s)
     if (surfaces[s])
       for (const Vec3& p : surfaces[s]->positions) extents[s].add(p);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Extent& extent = extents[static_cast<std::size_t>(scene.instances[i].shape)];
+    const AxisBox& extent = extents[static_cast<std::size_t>(scene.instances[i].shape)];
     if (extent.empty()) continue;
     const Reach reach = reach_of(scene, world, i, extent.low, extent.high);
     if (reach.bounded)

@@ -9,6 +9,8 @@
 #include <map>
 #include <variant>
 
+#include "base/axis_box.h"
+#include "base/clock.h"
 #include "base/text.h"
 #include "compiler/internal/approach.h"
 #include "compiler/internal/scene_edit.h"
@@ -43,7 +45,7 @@ struct Candidate {
 // The pieces of a mesh that hang together by position.
 struct Pieces {
   std::vector<std::uint32_t> of_triangle;
-  std::vector<Extent> extents;
+  std::vector<AxisBox> extents;
   std::vector<double> areas;  // m²
   std::vector<std::uint64_t> triangles;
 };
@@ -164,11 +166,10 @@ class Allotter {
   double weight_of(std::size_t instance, const Pieces& pieces, double enough) const {
     const Mat4& world = world_of(scene_.instances[instance]);
     const double stretch = stretch_of(world).largest;
-    Extent extent;
+    AxisBox extent;
     double area = 0;
     for (std::size_t p = 0; p < pieces.extents.size(); ++p) {
-      extent.add(pieces.extents[p].low);
-      extent.add(pieces.extents[p].high);
+      extent.add(pieces.extents[p]);
       area += pieces.areas[p] * stretch * stretch;
     }
     const double least = std::min({placed(extent, world).largest_projection(), area, shown_.pixel});
@@ -178,8 +179,7 @@ class Allotter {
   // An exact shape is one piece, whatever it is made of.
   static void join(Pieces& pieces) {
     for (std::size_t p = 1; p < pieces.extents.size(); ++p) {
-      pieces.extents[0].add(pieces.extents[p].low);
-      pieces.extents[0].add(pieces.extents[p].high);
+      pieces.extents[0].add(pieces.extents[p]);
       pieces.areas[0] += pieces.areas[p];
     }
     pieces.triangles.assign(1, 0);
@@ -188,7 +188,7 @@ class Allotter {
   void add(std::size_t shape, std::uint32_t piece, std::span<const std::size_t> users, bool whole,
            const std::vector<char>& stays) {
     const Pieces& pieces = pieces_[shape];
-    const Extent& extent = pieces.extents[piece];
+    const AxisBox& extent = pieces.extents[piece];
     Candidate candidate{.shape = shape, .instance = users.front(), .piece = piece, .whole = whole};
     candidate.pieces = users.size();
     candidate.triangles = pieces.triangles[piece] * users.size();
@@ -371,8 +371,7 @@ Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& 
   allot(fitted, out.allotment, out.report, job);
   out.made_to = simplify_meshes(fitted, out.allotment, cache, out.report, job);
   reduce_textures(fitted, out.allotment, out.report, job);
-  out.report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.report.seconds = seconds_since(start);
   if (const std::string text = words(out.report, budget); !text.empty())
     log.report(Code::N2025, {}, text, "`--budget none` keeps all of it");
   return out;

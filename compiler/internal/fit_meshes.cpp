@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "base/axis_box.h"
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "compiler/internal/fit.h"
 #include "compiler/internal/shared_borders.h"
@@ -20,9 +22,9 @@ using geometry::MeshShape;
 
 constexpr std::size_t kLeastTriangles = 64;
 // What levels begin with: the tolerance may be more than the light allows.
-constexpr double kFinest = 1.0 / 16;  // of the tolerance
-constexpr double kFine = 1e-4;        // of the diagonal
-constexpr double kCoarsestMesh = 0.25;      // of the diagonal: the coarsest
+constexpr double kFinest = 1.0 / 16;    // of the tolerance
+constexpr double kFine = 1e-4;          // of the diagonal
+constexpr double kCoarsestMesh = 0.25;  // of the diagonal: the coarsest
 
 class Simplifier {
  public:
@@ -191,12 +193,9 @@ class Simplifier {
   std::optional<Made> make(const Chosen& chosen) const {
     const auto start = std::chrono::steady_clock::now();
     const MeshShape& full = std::get<MeshShape>(scene_.shapes[chosen.shape]);
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const Vec3& p : full->positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    const double diagonal = glm::length(high - low);
+    AxisBox box;
+    for (const Vec3& p : full->positions) box.add(p);
+    const double diagonal = box.diagonal();
     if (!(diagonal > 0)) return {};
     const double most_flux = chosen.flux;
     geometry::LevelOptions options;
@@ -222,8 +221,7 @@ class Simplifier {
       entry.error = level.distance.high;
       entry.flux = level.flux_error;
       entry.normals = level.normals.rms;
-      entry.seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      entry.seconds = seconds_since(start);
       level.mesh.error = full->error + level.distance.high;
       return Made{std::make_shared<const Mesh>(std::move(level.mesh)), std::move(entry)};
     }

@@ -6,13 +6,15 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 
 namespace panwright::compiler::internal {
 namespace {
 
-constexpr double kSamePlace = 1e-6;      // of the model's diagonal
-constexpr std::size_t kMostShared = 1u << 24;  // vertices of all placements whose borders are compared
+constexpr double kSamePlace = 1e-6;  // of the model's diagonal
+constexpr std::size_t kMostShared = 1u
+                                    << 24;  // vertices of all placements whose borders are compared
 
 // V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
 std::vector<char> borders(const Surface& mesh) {
@@ -145,20 +147,16 @@ std::optional<std::vector<std::vector<char>>> shared_borders(
       if (border[at.mesh][v])
         visit(v, Vec3(world[at.instance] * Vec4(meshes[at.mesh].position(v), 1)));
   };
-  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-  for (const PlacedSurface& at : placed)
-    each(at, [&](std::size_t, const Vec3& p) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    });
-  const double diagonal = glm::length(high - low);
+  AxisBox box;
+  for (const PlacedSurface& at : placed) each(at, [&](std::size_t, const Vec3& p) { box.add(p); });
+  const double diagonal = box.diagonal();
   if (!(diagonal > 0 && diagonal < HUGE_VAL)) return shared;
   Meetings meetings(kSamePlace * diagonal);
   for (const PlacedSurface& at : placed)
-    each(at, [&](std::size_t, const Vec3& p) { meetings.add(p - low, at.instance); });
+    each(at, [&](std::size_t, const Vec3& p) { meetings.add(p - box.low, at.instance); });
   for (const PlacedSurface& at : placed)
     each(at, [&](std::size_t v, const Vec3& p) {
-      if (!shared[at.mesh][v] && meetings.meets(p - low, at.instance)) shared[at.mesh][v] = 1;
+      if (!shared[at.mesh][v] && meetings.meets(p - box.low, at.instance)) shared[at.mesh][v] = 1;
     });
   return shared;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "compiler/size.h"
 
 namespace panwright::compiler::internal {
@@ -17,21 +18,8 @@ constexpr double kLargest = 200;  // metres: the largest spacecraft, a space sta
 constexpr double kSmallest = 0.05;
 constexpr double kMostRatio = 1e5;  // of the sizes of two parts
 
-struct Box {
-  Vec3 min{HUGE_VAL};
-  Vec3 max{-HUGE_VAL};
-  void add(const Vec3& point) {
-    min = glm::min(min, point);
-    max = glm::max(max, point);
-  }
-  double size() const {
-    const Vec3 extents = max - min;
-    return std::max({extents.x, extents.y, extents.z, 0.0});
-  }
-};
-
-Box box_of(const pan::PackedMesh& mesh, const Mat4& world) {
-  Box box;
+AxisBox box_of(const pan::PackedMesh& mesh, const Mat4& world) {
+  AxisBox box;
   for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
     const Vec3 p(mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]);
     box.add(Vec3(world * Vec4(mesh.origin + p, 1.0)));
@@ -81,14 +69,13 @@ void check_size(const scene::Scene& scene, const pan::Contents& contents, Diagno
   if (contents.instances.empty() || may_be_celestial(scene)) return;
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   const std::string file = scene.inputs.empty() ? "" : scene.inputs.front().path;
-  Box whole;
+  AxisBox whole;
   double least = HUGE_VAL, most = 0;
   std::uint32_t smallest = 0, largest = 0;  // their nodes
   for (const pan::InstanceContent& instance : contents.instances) {
-    const Box box = box_of(contents.meshes[instance.mesh], world[instance.node]);
-    whole.min = glm::min(whole.min, box.min);
-    whole.max = glm::max(whole.max, box.max);
-    const double size = box.size();
+    const AxisBox box = box_of(contents.meshes[instance.mesh], world[instance.node]);
+    whole.add(box);
+    const double size = box.longest();
     // what has no extent is reported elsewhere
     if (!(size > 0) || !std::isfinite(size)) continue;
     if (size < least) {
@@ -109,7 +96,7 @@ void check_size(const scene::Scene& scene, const pan::Contents& contents, Diagno
                     "check their units; a unit after a number sets it, as 6mm");
     return;
   }
-  const double size = whole.size();
+  const double size = whole.longest();
   if (size > kLargest || size < kSmallest) report_whole(file, size, log);
 }
 

@@ -179,10 +179,9 @@ double PlacedBox::diagonal() const {
   return largest;
 }
 
-PlacedBox placed(const Extent& extent, const Mat4& world_from_mesh) {
+PlacedBox placed(const AxisBox& box, const Mat4& world_from_mesh) {
   PlacedBox out;
-  for (int k = 0; k < 3; ++k)
-    out.edges[k] = Vec3(world_from_mesh[k]) * (extent.high[k] - extent.low[k]);
+  for (int k = 0; k < 3; ++k) out.edges[k] = Vec3(world_from_mesh[k]) * (box.high[k] - box.low[k]);
   return out;
 }
 
@@ -223,14 +222,14 @@ std::vector<double> reflectances(const scene::Scene& scene, const Job& job) {
 
 ShownArea shown_area(const std::vector<MeshShape>& surfaces, const std::vector<Mat4>& world,
                      const std::vector<double>& reflectance, const Job& job) {
-  Extent bounds;
+  AxisBox bounds;
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (surfaces[i])
       for (const Vec3& p : surfaces[i]->positions) bounds.add(Vec3(world[i] * Vec4(p, 1)));
-  const double radius = bounds.empty() ? 0 : glm::length(bounds.high - bounds.low) / 2;
+  const double radius = bounds.empty() ? 0 : bounds.diagonal() / 2;
   ShownArea out;
   if (!(radius > 0 && radius < HUGE_VAL)) return out;
-  const Vec3 middle = (bounds.low + bounds.high) / 2.0;
+  const Vec3 middle = bounds.centre();
   const std::array<Vec3, kDirections> all = directions();
   std::array<std::vector<double>, kDirections> areas;
   std::array<std::pair<Vec3, double>, kDirections> moments;

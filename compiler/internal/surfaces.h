@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/job.h"
 #include "base/math.h"
 #include "geometry/tessellate/shape.h"
@@ -15,16 +16,6 @@ namespace panwright::compiler::internal {
 // curvature; null if it fails.
 std::vector<geometry::MeshShape> coarse_surfaces(const scene::Scene& scene, const Job& job);
 
-// Axis-aligned box; empty if low > high.
-struct Extent {
-  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  bool empty() const { return !(low.x <= high.x); }
-};
-
 // A box of a mesh's frame, placed in the world.
 struct PlacedBox {
   Vec3 edges[3];
@@ -34,7 +25,7 @@ struct PlacedBox {
   double width() const;
   double diagonal() const;
 };
-PlacedBox placed(const Extent& extent, const Mat4& world_from_mesh);
+PlacedBox placed(const AxisBox& box, const Mat4& world_from_mesh);
 
 // Returns the share of uniform light that a material reflects, mean of the channels, with the mean
 // of its albedo map or texture; one per instance. Maps of other kinds are ignored.

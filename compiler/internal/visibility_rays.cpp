@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/axis_box.h"
+
 namespace panwright::compiler::internal {
 
 namespace {
@@ -64,21 +66,17 @@ VisibilityRays::VisibilityRays(const VisibilityModel& model, const VisibilityOpt
 }
 
 bool VisibilityRays::prepare() {
-  Vec3 low(HUGE_VAL);
-  Vec3 high(-HUGE_VAL);
+  AxisBox box;
   for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
     const geometry::Mesh& mesh = mesh_of(p);
     for (const geometry::Triangle& t : mesh.triangles)
-      for (const std::uint32_t v : t) {
-        const Vec3 at(model_.parts[p].world_from_mesh * Vec4(mesh.positions[v], 1));
-        low = glm::min(low, at);
-        high = glm::max(high, at);
-      }
+      for (const std::uint32_t v : t)
+        box.add(Vec3(model_.parts[p].world_from_mesh * Vec4(mesh.positions[v], 1)));
     job_.poll();
   }
   if (triangles() == 0) return false;
-  centre_ = 0.5 * low + 0.5 * high;
-  radius_ = glm::length(0.5 * high - 0.5 * low);
+  centre_ = box.centre();
+  radius_ = 0.5 * box.diagonal();
   slack_ = std::max(kDepthSlack * radius_, options_.least_slack);
   if (!(radius_ > 0)) return false;
   place_parts();

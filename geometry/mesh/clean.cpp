@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 #include "geometry/internal/deduplicate.h"
 #include "geometry/internal/triangle.h"
@@ -304,13 +305,9 @@ class Cleaner {
   void find_junctions() {
     double distance = options_.junction;
     if (!(distance > 0)) {
-      Vec3 low(HUGE_VAL);
-      Vec3 high(-HUGE_VAL);
-      for (const Vec3& p : mesh_.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-      }
-      distance = std::max(options_.tolerance, kJunction * glm::length(high - low));
+      AxisBox box;
+      for (const Vec3& p : mesh_.positions) box.add(p);
+      distance = std::max(options_.tolerance, kJunction * box.diagonal());
     }
     const std::vector<Junction> junctions = junctions_of(mesh_, unique_position_, edges_, distance);
     report_.t_junctions = junctions.size();

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 
@@ -75,21 +76,18 @@ class Finder {
  private:
   void measure_all() {
     unique_ = welded(positions_);
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+    AxisBox box;
     normals_.resize(triangles_.size());
     areas_.resize(triangles_.size());
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       const auto [a, b, c] = triangles_[t];
-      for (const std::uint32_t v : triangles_[t]) {
-        low = glm::min(low, positions_[v]);
-        high = glm::max(high, positions_[v]);
-      }
+      for (const std::uint32_t v : triangles_[t]) box.add(positions_[v]);
       const TriangleMeasure m = measure(positions_[a], positions_[b], positions_[c]);
       if (m.degenerate() || !std::isfinite(m.double_area)) continue;
       areas_[t] = m.double_area / 2;
       normals_[t] = m.cross / m.double_area;
     }
-    flat_ = triangles_.empty() ? 0 : limits_.flat * glm::length(high - low);
+    flat_ = triangles_.empty() ? 0 : limits_.flat * box.diagonal();
   }
 
   // Half-edges by edge, and where the edge of each triangle's side begins among them.
@@ -343,12 +341,10 @@ class Finder {
     const auto at = [&](std::uint32_t i) {
       return Vec2(glm::dot(positions_[i] - base_, line_), glm::dot(positions_[i] - base_, across));
     };
-    Vec2 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const BorderEdge& e : border_) {
-      low = glm::min(low, at(e.from));
-      high = glm::max(high, at(e.from));
-    }
-    const Vec2 size = high - low;
+    AxisRectangle bounds;
+    for (const BorderEdge& e : border_) bounds.add(at(e.from));
+    const auto& [low, high] = bounds;
+    const Vec2 size = bounds.extent();
     const double shorter = std::min(size.x, size.y);
     const double most = std::min(std::max(limits_.border * shorter, flat_), kMostBorder * shorter);
     if (!(shorter > 0)) return;

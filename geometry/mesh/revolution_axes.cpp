@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "geometry/mesh/face_groups.h"
 #include "geometry/mesh/internal/revolved_fit.h"
 
@@ -198,12 +199,10 @@ bool share_axis(const RevolvedFaces& a, const RevolvedFaces& b) {
 std::vector<RevolvedFaces> revolved_faces(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
   Scaled scaled;
-  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+  AxisBox box;
   for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) {
-      low = glm::min(low, mesh.positions[v]);
-      high = glm::max(high, mesh.positions[v]);
-    }
+    for (const std::uint32_t v : t) box.add(mesh.positions[v]);
+  const auto& [low, high] = box;
   scaled.middle = low + (high - low) / 2.0;
   scaled.size = glm::length(high / 2.0 - low / 2.0);
   if (!(scaled.size > 0) || !std::isfinite(1 / scaled.size)) return {};

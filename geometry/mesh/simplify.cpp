@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 #include "geometry/mesh/check.h"
@@ -91,10 +92,9 @@ struct Simplifier::Impl {
       first.push_back(0);
       return;
     }
-    const Vec3 sides = box.high - box.low;
-    size = std::max({sides.x, sides.y, sides.z});
+    size = box.longest();
     const std::vector<std::uint32_t> point = find_points();
-    const Vec3 centre = 0.5 * (box.low + box.high);
+    const Vec3 centre = box.centre();
     for (std::size_t i = 0; i + 1 < first.size(); ++i) {
       // note: a vertex that no triangle uses may lie anywhere
       const Vec3 at = glm::clamp(full.positions[vertex(i)], box.low, box.high) - centre;

@@ -18,7 +18,7 @@ void BoxTree::build(std::vector<AxisBox> boxes) {
 
 void BoxTree::split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
   AxisBox centres;
-  const auto centre = [&](std::uint32_t i) { return 0.5 * boxes_[i].low + 0.5 * boxes_[i].high; };
+  const auto centre = [&](std::uint32_t i) { return boxes_[i].centre(); };
   for (std::uint32_t i = begin; i < end; ++i) {
     nodes_[node].box.add(boxes_[order_[i]]);
     centres.add(centre(order_[i]));
@@ -28,7 +28,7 @@ void BoxTree::split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) 
     nodes_[node].count = end - begin;
     return;
   }
-  const Vec3 size = centres.high - centres.low;
+  const Vec3 size = centres.extent();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::uint32_t middle = begin + (end - begin) / 2;
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,

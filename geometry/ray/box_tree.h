@@ -1,4 +1,4 @@
-// Tree of axis-aligned boxes for rays, in double.
+// Tree of axis-aligned boxes for rays, points and other trees, in double.
 #pragma once
 
 #include <algorithm>
@@ -9,35 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/math.h"
 
 namespace panwright::geometry {
-
-// Axis-aligned box; default: empty.
-struct AxisBox {
-  Vec3 low{std::numeric_limits<double>::infinity()};
-  Vec3 high{-std::numeric_limits<double>::infinity()};
-
-  bool empty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  void add(const AxisBox& box) {
-    low = glm::min(low, box.low);
-    high = glm::max(high, box.high);
-  }
-  void widen(double by) {
-    low -= by;
-    high += by;
-  }
-  // Returns true if another box comes within a distance along every axis; an empty one never does.
-  bool meets(const AxisBox& other, double within = 0) const {
-    for (int k = 0; k < 3; ++k)
-      if (!(low[k] <= other.high[k] + within && other.low[k] <= high[k] + within)) return false;
-    return true;
-  }
-};
 
 // Tree over boxes, halved by number along the longest side of their centres. Callers widen boxes by
 // the rounding error: the slabs here are not widened.
@@ -61,6 +36,16 @@ class BoxTree {
   //   squared  m²: of the distance; may shrink while visit() runs
   template <class Visit>
   void near(const Vec3& point, const double& squared, Visit&& visit) const;
+
+  // Calls visit(index, other index) for pairs of boxes that may meet, all that do among them, until
+  // it returns true; returns whether it did.
+  //
+  //   moved  gives the box here around a box of the other tree
+  template <class Move, class Visit>
+  bool meet(const BoxTree& other, Move&& moved, Visit&& visit) const;
+
+  // The box around all. Expects: built.
+  const AxisBox& box() const { return nodes_[0].box; }
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -167,6 +152,30 @@ void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, con
       if (visit(box)) return;
     }
   }
+}
+
+template <class Move, class Visit>
+bool BoxTree::meet(const BoxTree& other, Move&& moved, Visit&& visit) const {
+  if (order_.empty() || other.order_.empty()) return false;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    const Node &x = nodes_[a], &y = other.nodes_[b];
+    if (!x.box.meets(moved(y.box))) continue;
+    if (x.count > 0 && y.count > 0) {
+      for (std::uint32_t j = y.first; j < y.first + y.count; ++j)
+        for (std::uint32_t i = x.first; i < x.first + x.count; ++i)
+          if (visit(order_[i], other.order_[j])) return true;
+    } else if (y.count > 0 || (x.count == 0 && x.box.diagonal() >= y.box.diagonal())) {
+      open.emplace_back(x.first, b);
+      open.emplace_back(x.first + 1, b);
+    } else {
+      open.emplace_back(a, y.first);
+      open.emplace_back(a, y.first + 1);
+    }
+  }
+  return false;
 }
 
 }  // namespace panwright::geometry

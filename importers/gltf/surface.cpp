@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "importers/gltf/draco.h"
@@ -261,11 +262,8 @@ class SurfaceReader {
     const Json* least = a.json->find("min");
     const Json* most = a.json->find("max");
     if (!least || !most || least->items.size() != 3 || most->items.size() != 3) return;
-    Vec3 low = positions[0], high = positions[0];
-    for (const Vec3& p : positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
+    AxisBox box{positions[0], positions[0]};
+    for (const Vec3& p : positions) box.add(p);
     const double scale = scale_of(a.component, a.normalised);
     for (int k = 0; k < 3; ++k) {
       const auto place = static_cast<std::size_t>(k);
@@ -274,11 +272,12 @@ class SurfaceReader {
         return static_cast<float>(std::max(given * scale, a.normalised ? -1.0 : given)) ==
                static_cast<float>(found);
       };
-      if (same(least->items[place].number, low[k]) && same(most->items[place].number, high[k]))
+      if (same(least->items[place].number, box.low[k]) &&
+          same(most->items[place].number, box.high[k]))
         continue;
       wrong(Code::W6212, "/attributes/POSITION",
             fmt::format("positions lie between {} and {} along axis {}, the file says {} and {}",
-                        format_double(low[k]), format_double(high[k]), k,
+                        format_double(box.low[k]), format_double(box.high[k]), k,
                         format_double(least->items[place].number),
                         format_double(most->items[place].number)));
       return;

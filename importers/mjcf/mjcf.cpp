@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <set>
 #include <unordered_map>
@@ -16,12 +15,6 @@ namespace panwright::importers::mjcf {
 namespace {
 
 using geometry::JointKind;
-
-std::string scene_name(const std::string& name) {
-  std::string out = to_utf8(name, Encoding::utf8);
-  std::ranges::replace(out, '/', '_');
-  return out;
-}
 
 // From what is to be placed next to the node that is there: x → position + rotation·(x − minus).
 struct Pending {
@@ -36,11 +29,7 @@ struct Pending {
 class SceneMaker {
  public:
   SceneMaker(const Model& model, meshes::ReaderContext& context)
-      : model_(model),
-        c_(context),
-        assembly_(context, Format::mjcf),
-        meshes_(context, assembly_),
-        painter_(model.paints, context, assembly_) {}
+      : model_(model), c_(context), out_(model.paints, context, Format::mjcf) {}
 
   Imported made() {
     node_of_.assign(model_.bodies.size(), kNone);
@@ -51,21 +40,11 @@ class SceneMaker {
       if (!fill(i)) break;
     }
     if (!c_.full) couple();
-    assembly_.out().in_metres = true;
-    c_.tell();
-    scene::Scene& scene = assembly_.out().scene;
-    scene.inputs = std::move(c_.inputs);
-    for (scene::Input& input : meshes_.take_inputs())
-      if (std::ranges::none_of(scene.inputs,
-                               [&](const auto& known) { return known.path == input.path; }))
-        scene.inputs.push_back(std::move(input));
-    return std::move(assembly_.out());
+    return out_.finished();
   }
 
  private:
-  scene::Node& node(std::int32_t index) {
-    return assembly_.out().scene.nodes[static_cast<std::size_t>(index)];
-  }
+  scene::Node& node(std::int32_t index) { return out_.node(index); }
 
   // ---- bodies and joints
 
@@ -86,7 +65,7 @@ class SceneMaker {
                  body.where);
         return false;
       }
-      open = assembly_.add_node(parent, body.name, "body", body.where);
+      open = out_.assembly.add_node(parent, body.name, "body", body.where);
       if (open == kNone) return false;
       node(open).parent_from_node = here;
       parent = open;
@@ -126,7 +105,7 @@ class SceneMaker {
     joint.name = name;
     joint.node = at;
     joint.axis = from.axis;
-    joint.source = assembly_.source_of(from.where);
+    joint.source = out_.assembly.source_of(from.where);
     switch (from.type) {
       case JointType::hinge:
         joint.kind = from.range ? JointKind::revolute : JointKind::continuous;
@@ -147,13 +126,13 @@ class SceneMaker {
       joint.upper = {from.range->y};
       begins = std::clamp(from.reference, from.range->x, from.range->y);
       if (begins != from.reference)
-        outside_.push_back({assembly_.out().scene.joints.size(), from.where, begins});
+        outside_.push_back({out_.scene().joints.size(), from.where, begins});
     }
     if (begins != 0) joint.value = {begins};
-    const auto index = static_cast<std::int32_t>(assembly_.out().scene.joints.size());
+    const auto index = static_cast<std::int32_t>(out_.scene().joints.size());
     if (geometry::value_count(joint.kind) == 1 && !from.name.empty())
       scalars_.try_emplace(from.name, Scalar{index, from.reference});
-    assembly_.out().scene.joints.push_back(std::move(joint));
+    out_.scene().joints.push_back(std::move(joint));
   }
 
   struct Scalar {
@@ -168,17 +147,16 @@ class SceneMaker {
     std::vector<std::string_view> names;
     for (const auto& [each, value] : scalars_) names.push_back(each);
     std::ranges::sort(names);
-    const auto near = nearest_name(name, names);
     c_.log.report(Code::E6220, coupling.where,
                   fmt::format("there is no hinge or slide {}; the joints move independently",
                               in_quotes(name)),
-                  near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
+                  near_hint(name, names));
     return nullptr;
   }
 
   // Joints that follow others, and those that are held.
   void couple() {
-    std::vector<scene::Joint>& joints = assembly_.out().scene.joints;
+    std::vector<scene::Joint>& joints = out_.scene().joints;
     std::vector<char> taken(joints.size(), 0);
     for (const Coupling& coupling : model_.couplings) {
       const Scalar* const follower = scalar(coupling.follower, coupling);
@@ -247,7 +225,7 @@ class SceneMaker {
       ++number;
       std::string own = geom.name;
       if (own.empty()) own = number == 1 ? name + "_geom" : fmt::format("{}_geom{}", name, number);
-      const std::int32_t place = assembly_.add_node(node_of_[index], own, "geom", geom.where);
+      const std::int32_t place = out_.assembly.add_node(node_of_[index], own, "geom", geom.where);
       if (place == kNone) return false;
       node(place).parent_from_node = {geom.pose.position, geom.pose.rotation, Vec3(1)};
       if (!add_geom(geom, own, place)) return false;
@@ -258,8 +236,8 @@ class SceneMaker {
       frame.node = node_of_[index];
       frame.origin = mark.pose.position;
       frame.rotation = glm::normalize(mark.pose.rotation);
-      frame.source = assembly_.source_of(mark.where);
-      scene::Scene& scene = assembly_.out().scene;
+      frame.source = out_.assembly.source_of(mark.where);
+      scene::Scene& scene = out_.scene();
       // note: names that differ in the file alone, as "a/b" and "a_b"
       if (std::ranges::none_of(scene.frames, [&](const auto& f) { return f.name == frame.name; }))
         scene.frames.push_back(std::move(frame));
@@ -268,36 +246,27 @@ class SceneMaker {
   }
 
   bool add_geom(const Geom& geom, const std::string& name, std::int32_t place) {
-    Cover cover = painter_.cover_of(geom.paint);
+    const Cover cover = out_.painter.cover_of(geom.paint);
     if (geom.mesh != kNone) {
       const MeshAsset& mesh = model_.meshes[static_cast<std::size_t>(geom.mesh)];
       node(place).parent_from_node.scale = mesh.file.scale;
       if (!(mesh.reference.position == Vec3(0) && mesh.reference.rotation == Quat(1, 0, 0, 0))) {
-        place = assembly_.add_node(place, name + "_mesh", "geom", geom.where);
+        place = out_.assembly.add_node(place, name + "_mesh", "geom", geom.where);
         if (place == kNone) return false;
         const Quat back = glm::conjugate(mesh.reference.rotation);
         node(place).parent_from_node = {-(back * mesh.reference.position), back, Vec3(1)};
       }
-      meshes_.attach(mesh.file, place, cover);
+      out_.meshes.attach(mesh.file, place, cover);
       return true;
     }
-    if (cover.material == kNone) cover.material = assembly_.plain_material(false);
-    scene::Scene& scene = assembly_.out().scene;
     for (std::size_t k = 0; k < geom.shapes.size(); ++k) {
-      scene::Instance instance;
-      instance.node = place;
+      std::int32_t at = place;
       if (geom.heights[k] != 0) {
-        instance.node =
-            assembly_.add_node(place, fmt::format("{}_end{}", name, k), "geom", geom.where);
-        if (instance.node == kNone) return false;
-        node(instance.node).parent_from_node.translation = {0, 0, geom.heights[k]};
+        at = out_.assembly.add_node(place, fmt::format("{}_end{}", name, k), "geom", geom.where);
+        if (at == kNone) return false;
+        node(at).parent_from_node.translation = {0, 0, geom.heights[k]};
       }
-      instance.shape = static_cast<std::int32_t>(scene.shapes.size());
-      instance.material = cover.material;
-      instance.texture = cover.texture;
-      instance.source = assembly_.source_of(geom.where);
-      scene.shapes.push_back(geom.shapes[k]);
-      scene.instances.push_back(std::move(instance));
+      out_.add_shape(geom.shapes[k], at, cover, geom.where);
     }
     return true;
   }
@@ -310,9 +279,7 @@ class SceneMaker {
 
   const Model& model_;
   meshes::ReaderContext& c_;
-  meshes::Assembly assembly_;
-  MeshParts meshes_;
-  Painter painter_;
+  RobotScene out_;
   std::vector<std::int32_t> node_of_;  // of bodies
   std::vector<std::uint32_t> depth_;
   std::unordered_map<std::string, Scalar> scalars_;
@@ -365,22 +332,14 @@ bool is_model(std::string_view text) { return first_element_is(text, "mujoco"); 
 
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,
                       DiagnosticLog& log) {
-  meshes::ReaderContext context(files, file, options, true, log);
-  const std::size_t errors = log.errors();
-  XmlText text;
-  if (!text.parse(context)) return failed;
-  add_included(text, context);
-  const Model model = read_model(text, context);
-  if (model.bodies.size() < 2 && model.bodies[0].geoms.empty()) {
-    if (log.errors() == errors)
-      log.report(Code::E6220, text.at(text.top()),
-                 "the model has no body and no geom, expected a <worldbody> with bodies");
-    context.tell();
-    return failed;
-  }
-  Imported out = SceneMaker(model, context).made();
-  assert(scene::check(out.scene).empty());
-  return out;
+  const auto made = [](XmlText& text, meshes::ReaderContext& context) -> std::optional<Imported> {
+    add_included(text, context);
+    const Model model = read_model(text, context);
+    if (model.bodies.size() < 2 && model.bodies[0].geoms.empty()) return std::nullopt;
+    return SceneMaker(model, context).made();
+  };
+  return read_robot_file(files, file, options, log, made,
+                         "the model has no body and no geom, expected a <worldbody> with bodies");
 }
 
 }  // namespace panwright::importers::mjcf

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <unordered_map>
 
@@ -30,9 +29,7 @@ class SceneMaker {
   SceneMaker(const Robot& robot, meshes::ReaderContext& context)
       : robot_(robot),
         c_(context),
-        assembly_(context, Format::urdf),
-        meshes_(context, assembly_),
-        painter_(robot.paints, context, assembly_),
+        out_(robot.paints, context, Format::urdf),
         leader_(robot.joints.size(), kNone) {}
 
   Imported made(const std::vector<std::int32_t>& hangs_on) {
@@ -69,25 +66,15 @@ class SceneMaker {
             {robot_.joints[static_cast<std::size_t>(joint)].child, node, step.depth + 1});
     }
     couple();
-    assembly_.out().in_metres = true;
-    c_.tell();
-    scene::Scene& scene = assembly_.out().scene;
-    scene.inputs = std::move(c_.inputs);
-    for (scene::Input& input : meshes_.take_inputs())
-      if (std::ranges::none_of(scene.inputs,
-                               [&](const auto& known) { return known.path == input.path; }))
-        scene.inputs.push_back(std::move(input));
-    return std::move(assembly_.out());
+    return out_.finished();
   }
 
  private:
-  scene::Transform& transform_of(std::int32_t node) {
-    return assembly_.out().scene.nodes[static_cast<std::size_t>(node)].parent_from_node;
-  }
+  scene::Transform& transform_of(std::int32_t node) { return out_.node(node).parent_from_node; }
 
   std::int32_t add_link(std::size_t index, std::int32_t joint, std::int32_t parent) {
     const Link& link = robot_.links[index];
-    const std::int32_t node = assembly_.add_node(parent, link.name, "link", link.where);
+    const std::int32_t node = out_.assembly.add_node(parent, link.name, "link", link.where);
     if (node == kNone) return kNone;
     if (joint != kNone) {
       const Origin& origin = robot_.joints[static_cast<std::size_t>(joint)].origin;
@@ -101,7 +88,7 @@ class SceneMaker {
       std::string name = visual.name;
       if (name.empty())
         name = number == 1 ? link.name + "_visual" : fmt::format("{}_visual{}", link.name, number);
-      const std::int32_t place = assembly_.add_node(node, name, "visual", visual.where);
+      const std::int32_t place = out_.assembly.add_node(node, name, "visual", visual.where);
       if (place == kNone) return kNone;
       transform_of(place).translation = visual.origin.xyz;
       transform_of(place).rotation = visual.origin.rotation;
@@ -115,18 +102,17 @@ class SceneMaker {
   void add_joint(std::size_t index, const Link& link, std::int32_t node) {
     const RobotJoint& from = robot_.joints[index];
     scene::Joint joint;
-    joint.name = to_utf8(from.name, Encoding::utf8);
-    std::ranges::replace(joint.name, '/', '_');
+    joint.name = scene_name(from.name);
     joint.node = node;
     joint.axis = from.axis;
-    joint.source = assembly_.source_of(from.where);
+    joint.source = out_.assembly.source_of(from.where);
     joint.mass = link.mass;
     if (link.mass) joint.centre_of_mass = link.inertial.xyz;
     if (link.inertia) {
       const Mat3 turn = glm::mat3_cast(link.inertial.rotation);
       joint.inertia = turn * *link.inertia * glm::transpose(turn);
     }
-    std::vector<scene::Joint>& joints = assembly_.out().scene.joints;
+    std::vector<scene::Joint>& joints = out_.scene().joints;
     if (from.type == JointType::planar) return add_planar(joint);
     joint.kind = kind_of(from);
     if (from.limits) {
@@ -175,7 +161,7 @@ class SceneMaker {
         one.centre_of_mass.reset();
         one.inertia.reset();
       }
-      assembly_.out().scene.joints.push_back(std::move(one));
+      out_.scene().joints.push_back(std::move(one));
     }
   }
 
@@ -183,7 +169,7 @@ class SceneMaker {
   void couple() {
     std::unordered_map<std::string_view, std::size_t> named;
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) named.emplace(robot_.joints[i].name, i);
-    std::vector<scene::Joint>& joints = assembly_.out().scene.joints;
+    std::vector<scene::Joint>& joints = out_.scene().joints;
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const auto& mimic = robot_.joints[i].mimic;
       if (!mimic) continue;
@@ -236,28 +222,17 @@ class SceneMaker {
   // ---- what is seen
 
   void add_visual(const Visual& visual, std::int32_t node) {
-    Cover cover = painter_.cover_of(visual.paint);
+    const Cover cover = out_.painter.cover_of(visual.paint);
     if (const auto* mesh = std::get_if<MeshFile>(&visual.geometry)) {
       transform_of(node).scale = mesh->scale;
-      return meshes_.attach(*mesh, node, cover);
+      return out_.meshes.attach(*mesh, node, cover);
     }
-    if (cover.material == kNone) cover.material = assembly_.plain_material(false);
-    scene::Scene& scene = assembly_.out().scene;
-    scene::Instance instance;
-    instance.node = node;
-    instance.shape = static_cast<std::int32_t>(scene.shapes.size());
-    instance.material = cover.material;
-    instance.texture = cover.texture;
-    instance.source = assembly_.source_of(visual.where);
-    scene.shapes.push_back(std::get<geometry::Shape>(visual.geometry));
-    scene.instances.push_back(std::move(instance));
+    out_.add_shape(std::get<geometry::Shape>(visual.geometry), node, cover, visual.where);
   }
 
   const Robot& robot_;
   meshes::ReaderContext& c_;
-  meshes::Assembly assembly_;
-  MeshParts meshes_;
-  Painter painter_;
+  RobotScene out_;
   std::vector<std::int32_t> leader_;  // of each joint of the robot, of one value: in the scene
 };
 
@@ -267,20 +242,13 @@ bool is_robot(std::string_view text) { return first_element_is(text, "robot"); }
 
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,
                       DiagnosticLog& log) {
-  meshes::ReaderContext context(files, file, options, true, log);
-  const std::size_t errors = log.errors();
-  XmlText text;
-  if (!text.parse(context)) return failed;
-  const Robot robot = read_robot(text, context);
-  if (robot.links.empty()) {
-    if (log.errors() == errors)
-      log.report(Code::E6220, text.at(text.top()), "the robot has no link, expected at least one");
-    context.tell();
-    return failed;
-  }
-  Imported out = SceneMaker(robot, context).made(tree_of(robot, context));
-  assert(scene::check(out.scene).empty());
-  return out;
+  const auto made = [](XmlText& text, meshes::ReaderContext& context) -> std::optional<Imported> {
+    const Robot robot = read_robot(text, context);
+    if (robot.links.empty()) return std::nullopt;
+    return SceneMaker(robot, context).made(tree_of(robot, context));
+  };
+  return read_robot_file(files, file, options, log, made,
+                         "the robot has no link, expected at least one");
 }
 
 }  // namespace panwright::importers::urdf

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "geometry/symmetric.h"
 
 namespace panwright::mli {
@@ -66,12 +67,9 @@ Vec2 along_rectangle(const std::vector<Vec2>& points) {
     const Vec2 side = hull[(k + 1) % hull.size()] - hull[k];
     if (!(glm::length(side) > 0)) continue;
     const Vec2 u = glm::normalize(side), v(-u.y, u.x);
-    Vec2 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const Vec2& p : hull) {
-      low = glm::min(low, Vec2(glm::dot(p, u), glm::dot(p, v)));
-      high = glm::max(high, Vec2(glm::dot(p, u), glm::dot(p, v)));
-    }
-    const Vec2 size = high - low;
+    AxisRectangle bounds;
+    for (const Vec2& p : hull) bounds.add(Vec2(glm::dot(p, u), glm::dot(p, v)));
+    const Vec2 size = bounds.extent();
     const double area = size.x * size.y;
     if (area > least * (1 + kEqual)) continue;
     const bool smaller = area < least * (1 - kEqual);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/math.h"
 
 namespace panwright::mli {
@@ -203,11 +204,9 @@ Moments moments_of(const geometry::Mesh& mesh, const Vec2& side) {
     Vec2 sum{0};
     double squares = 0, count = 0;
   };
-  Vec2 low(HUGE_VAL), high(-HUGE_VAL);
-  for (const Vec3& p : mesh.positions) {
-    low = glm::min(low, Vec2(p));
-    high = glm::max(high, Vec2(p));
-  }
+  AxisRectangle bounds;
+  for (const Vec3& p : mesh.positions) bounds.add(Vec2(p));
+  const auto& [low, high] = bounds;
   const auto columns = static_cast<std::size_t>((high.x - low.x) / side.x + 2);
   const auto rows = static_cast<std::size_t>((high.y - low.y) / side.y + 2);
   std::vector<Square> squares[2];

@@ -41,8 +41,7 @@ bool add_box(const world::Camera& camera, const PlacedBox& box, PlaneRect& rect)
       if (!(p.z > 0)) return false;
       p /= p.z;
     }
-    const Vec2 at(c * p.x + s * p.y, c * p.y - s * p.x);
-    rect.add({at, at});
+    rect.add(Vec2(c * p.x + s * p.y, c * p.y - s * p.x));
   }
   return true;
 }
@@ -68,12 +67,11 @@ std::uint32_t texels_for(double flux_error) {
 void place_imposter(const world::Camera& camera, Imposter& imposter) {
   const double c = std::cos(kTurn);
   const double s = std::sin(kTurn);
-  const double focal = imposter.texels / imposter.rect.longer_side();
+  const double focal = imposter.texels / imposter.rect.longest();
   const Vec2 centre = 0.5 * (imposter.rect.low + imposter.rect.high);
   // Even numbers of texels, one to spare on each side: the centre stands at one place among texels
   // whatever the numbers are; not on a corner, about which round targets would count fourfold.
-  const Vec2 half =
-      glm::ceil(0.5 * focal * (imposter.rect.high - imposter.rect.low) - 1e-6) + 1.0;
+  const Vec2 half = glm::ceil(0.5 * focal * (imposter.rect.high - imposter.rect.low) - 1e-6) + 1.0;
   world::Camera& own = imposter.camera;
   own = camera;
   own.width = static_cast<std::uint32_t>(2 * half.x);
@@ -99,12 +97,12 @@ bool ImposterFinder::merge_some(double pixels) {
       Imposter& other = imposters_[k];
       if (other.extent == 0) continue;  // merged into another one
       if (other.rect.low.x >= one.rect.high.x) break;
-      if (!one.rect.overlaps(other.rect) ||
+      if (!overlap(one.rect, other.rect) ||
           std::max(one.extent, other.extent) > kMuchLarger * std::min(one.extent, other.extent))
         continue;
       const double rate = std::max(one.rate(), other.rate());
       one.rect.add(other.rect);
-      one.extent = pixels * one.rect.longer_side();
+      one.extent = pixels * one.rect.longest();
       one.texels = static_cast<std::uint32_t>(std::ceil(rate * one.extent));
       one.targets.insert(one.targets.end(), other.targets.begin(), other.targets.end());
       other.extent = 0;
@@ -119,7 +117,7 @@ bool ImposterFinder::merge_some(double pixels) {
 void ImposterFinder::add_tried() {
   const std::size_t settled = imposters_.size();
   for (Imposter& one : too_large_) {
-    const auto overlaps = [&](const PlaneRect& rect) { return rect.overlaps(one.rect); };
+    const auto overlaps = [&](const PlaneRect& rect) { return overlap(rect, one.rect); };
     // it is one of the others itself
     if (std::count_if(others_.begin(), others_.end(), overlaps) > 1 ||
         std::any_of(imposters_.begin(), imposters_.begin() + static_cast<std::ptrdiff_t>(settled),
@@ -146,7 +144,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     bool before = true;
     for (const PlacedBox& box : visible.targets[v].boxes)
       before = before && add_box(camera, box, one.rect);
-    one.extent = before ? pixels * one.rect.longer_side() : INFINITY;
+    one.extent = before ? pixels * one.rect.longest() : INFINITY;
     if (!before) one.rect = {Vec2(-INFINITY), Vec2(INFINITY)};
     one.targets.push_back(v);
     if (!(one.extent > 0 && one.extent <= largest)) {
@@ -160,7 +158,8 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     one.texels = texels_of(one.extent, options, one.least_rate);
     imposters_.push_back(std::move(one));
   }
-  do std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
+  do
+    std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
       return a.rect.low.x != b.rect.low.x ? a.rect.low.x < b.rect.low.x : a.targets < b.targets;
     });
   while (merge_some(pixels));
@@ -190,7 +189,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     one.shadow_texels = items > kFewItems ? kMoreTexels * one.texels : 0;
     one.alone =
         one.tried || std::none_of(others_.begin(), others_.end(),
-                                  [&](const PlaneRect& rect) { return rect.overlaps(one.rect); });
+                                  [&](const PlaneRect& rect) { return overlap(rect, one.rect); });
   }
   return imposters_;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "preview/frame/visible_set.h"
 #include "preview/renderer.h"
 #include "world/camera.h"
@@ -15,20 +16,12 @@ namespace panwright::preview {
 
 // Rectangle of the image plane, along the axes of imposters' cameras; tangents, orthographic
 // cameras: metres.
-struct PlaneRect {
-  Vec2 low{INFINITY};
-  Vec2 high{-INFINITY};
+using PlaneRect = AxisRectangle;
 
-  double longer_side() const { return std::max(high.x - low.x, high.y - low.y); }
-  bool overlaps(const PlaneRect& other) const {
-    return low.x < other.high.x && other.low.x < high.x && low.y < other.high.y &&
-           other.low.y < high.y;
-  }
-  void add(const PlaneRect& other) {
-    low = glm::min(low, other.low);
-    high = glm::max(high, other.high);
-  }
-};
+// Returns true if two rectangles share an area.
+inline bool overlap(const PlaneRect& a, const PlaneRect& b) {
+  return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
+}
 
 // Fewest texels a pixel of an imposter, except smooth ones.
 inline constexpr double kImposterRate = 4;

@@ -26,11 +26,11 @@ LevelStateFinder::Choice LevelStateFinder::choice_of(double pixel, std::span<con
   return choice;
 }
 
-double pixel_on(const world::Camera& camera, const world::Pose& pose, const world::Bounds& bounds) {
+double pixel_on(const world::Camera& camera, const world::Pose& pose, const AxisBox& bounds) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   if (camera.projection == world::Projection::orthographic) return 1 / focal;
   const Vec3 eye = glm::conjugate(pose.rotation) * (camera.position - pose.translation);
-  const Vec3 nearest = glm::clamp(eye, bounds.min, bounds.max);
+  const Vec3 nearest = glm::clamp(eye, bounds.low, bounds.high);
   return glm::length(eye - nearest) / focal;
 }
 

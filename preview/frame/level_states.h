@@ -14,7 +14,7 @@ namespace panwright::preview {
 // Target with levels of detail in a view.
 struct LeveledTarget {
   const world::Pose* pose = nullptr;
-  const world::Bounds* bounds = nullptr;       // model frame; null: fully hidden
+  const AxisBox* bounds = nullptr;             // model frame; null: fully hidden
   const std::vector<double>* steps = nullptr;  // TargetState::steps; null: no levels
 };
 
@@ -26,7 +26,7 @@ struct LevelState {
 
 // Returns the pixel footprint at the nearest point of a box, metres; 0: the camera is inside.
 // Orthographic cameras: the same everywhere.
-double pixel_on(const world::Camera& camera, const world::Pose& pose, const world::Bounds& bounds);
+double pixel_on(const world::Camera& camera, const world::Pose& pose, const AxisBox& bounds);
 
 // Choice of levels without visible steps. Levels change at footprints of a power of two metres, all
 // of a target at once. Over the upper half of the octave before, the image is a mean of both

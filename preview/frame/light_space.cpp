@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "preview/frame/light_space.h"
 
 namespace panwright::preview {
@@ -23,17 +24,8 @@ Vec3 longest_across(const Vec3& size, const Vec3& to_sun) {
   return longest;
 }
 
-struct Box {
-  Vec3 low{INFINITY};
-  Vec3 high{-INFINITY};
-  void add(const Vec3& point) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-};
-
-Box box_along(std::span<const DrawItem> list, const Mat3& axes_from_model) {
-  Box box;
+AxisBox box_along(std::span<const DrawItem> list, const Mat3& axes_from_model) {
+  AxisBox box;
   for (const DrawItem& item : list) {
     if (!item.visible) continue;
     for (const Vec3& corner : corners(item.low, item.high))
@@ -48,13 +40,13 @@ LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun
   LightSpace frame;
   if (std::none_of(list.begin(), list.end(), [](const DrawItem& item) { return item.visible; }))
     return frame;
-  const Box whole = box_along(list, Mat3(1));
-  const Vec3 right = longest_across(whole.high - whole.low, to_sun);
+  const AxisBox whole = box_along(list, Mat3(1));
+  const Vec3 right = longest_across(whole.extent(), to_sun);
   const Mat3 axes_from_model = glm::transpose(Mat3(right, glm::cross(to_sun, right), to_sun));
   frame.axes_from_model = axes_from_model;
-  const Box box = box_along(list, axes_from_model);
+  const AxisBox box = box_along(list, axes_from_model);
 
-  Vec3 extent = box.high - box.low;
+  Vec3 extent = box.extent();
   // what is seen edge on, or is a point, still has a width to divide by
   const double least = std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-10, 0x1p-900);
   extent = glm::max(extent, Vec3(least));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "preview/frame/projection.h"
 
 namespace panwright::preview {
@@ -106,21 +107,18 @@ bool may_touch(const world::Camera& camera, const Tile& tile, double margin, con
 
 Tile touched_part(const world::Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
                   std::span<const std::uint32_t> which) {
-  Vec2 low(INFINITY);
-  Vec2 high(-INFINITY);
+  AxisRectangle bounds;
   for (const std::uint32_t index : which)
     for (const Vec3& corner : corners(boxes[index].low, boxes[index].high)) {
       const Vec3 p(boxes[index].camera_from_mesh * Vec4(corner, 1));
       const bool perspective = camera.projection == world::Projection::perspective;
       if (perspective && !(p.z > 0)) return tile;
-      const Vec2 pixel = camera.focal * (perspective ? Vec2(p) / p.z : Vec2(p)) + camera.principal;
-      low = glm::min(low, pixel);
-      high = glm::max(high, pixel);
+      bounds.add(camera.focal * (perspective ? Vec2(p) / p.z : Vec2(p)) + camera.principal);
     }
   const Vec2 first(tile.x, tile.y);
   const Vec2 last = first + Vec2(tile.width, tile.height);
-  low = glm::clamp(glm::floor(low) - 1.0, first, last);
-  high = glm::clamp(glm::ceil(high) + 1.0, first, last);
+  const Vec2 low = glm::clamp(glm::floor(bounds.low) - 1.0, first, last);
+  const Vec2 high = glm::clamp(glm::ceil(bounds.high) + 1.0, first, last);
   if (!(high.x > low.x && high.y > low.y)) return {tile.x, tile.y, 0, 0};
   return {static_cast<std::uint32_t>(low.x), static_cast<std::uint32_t>(low.y),
           static_cast<std::uint32_t>(high.x - low.x), static_cast<std::uint32_t>(high.y - low.y)};

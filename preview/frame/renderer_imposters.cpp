@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
@@ -47,7 +48,7 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
     const auto start = std::chrono::steady_clock::now();
     finer.clear();
     for (const Imposter& other : imposters.subspan(i + 1))
-      if (other.rect.overlaps(imposter.rect)) {
+      if (overlap(other.rect, imposter.rect)) {
         finer.push_back(other.rect);
         hide(other, 1);
       }
@@ -87,9 +88,9 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
                                      options.psf_sigma, camera.width, camera.height));
     for (const Imposter& other : imposters) hide(other, 0);
     frame.report.samples += texels / (static_cast<double>(camera.width) * camera.height);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    ImposterReport done{{},         imposter.extent, imposter.camera.width, imposter.camera.height,
-                        flux_error, took.count()};
+    const double took = seconds_since(start);
+    ImposterReport done{
+        {}, imposter.extent, imposter.camera.width, imposter.camera.height, flux_error, took};
     for (const std::uint32_t v : imposter.targets)
       done.targets.push_back(visible_sets.last().targets[v].target);
     frame.report.imposters.push_back(std::move(done));

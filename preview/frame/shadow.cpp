@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/axis_box.h"
 #include "preview/frame/blocks.h"
 
 namespace panwright::preview {
@@ -46,13 +47,9 @@ double largest_shear(const LightSpace& frame, const SunDisc& disc) {
 }
 
 bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high, double shear) {
-  Vec3 least(INFINITY);
-  Vec3 most(-INFINITY);
-  for (const Vec3& corner : corners(low, high)) {
-    const Vec3 at(sun_from_box * Vec4(corner, 1));
-    least = glm::min(least, at);
-    most = glm::max(most, at);
-  }
+  AxisBox box;
+  for (const Vec3& corner : corners(low, high)) box.add(Vec3(sun_from_box * Vec4(corner, 1)));
+  const auto& [least, most] = box;
   const double edge =
       1 + 1e-6 + shear * std::max(std::fabs(least.z - 0.5), std::fabs(most.z - 0.5));
   return least.x <= edge && most.x >= -edge && least.y <= edge && most.y >= -edge && most.z > 0;
@@ -75,17 +72,13 @@ void copy_rows(const Mat4& from, float* to) {
 LightSpace finest_tile(const ShadowTiles& tiles, const Mat4& model_from_mesh, const DrawItem& item,
                        double error, DrawBlock& block) {
   const Mat4 light_from_mesh = Mat4(tiles.light_from_model) * model_from_mesh;
-  Vec3 low(INFINITY);
-  Vec3 high(-INFINITY);
-  for (const Vec3& corner : corners(item.low - 2 * error, item.high + 2 * error)) {
-    const Vec3 at(light_from_mesh * Vec4(corner, 1));
-    low = glm::min(low, at);
-    high = glm::max(high, at);
-  }
+  AxisBox box;
+  for (const Vec3& corner : corners(item.low - 2 * error, item.high + 2 * error))
+    box.add(Vec3(light_from_mesh * Vec4(corner, 1)));
   const auto meets = [&](const ShadowTile& tile) {
     const Vec3 end = tile.low + tile.texel * Vec3(tile.side, tile.side, tiles.depth);
-    return glm::all(glm::lessThanEqual(low, end)) &&
-           glm::all(glm::greaterThanEqual(high, tile.low));
+    return glm::all(glm::lessThanEqual(box.low, end)) &&
+           glm::all(glm::greaterThanEqual(box.high, tile.low));
   };
   std::size_t finest = 0;
   while (finest + 1 < tiles.tiles.size() && !meets(tiles.tiles[finest])) ++finest;
@@ -231,7 +224,7 @@ void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> rec
   const world::World& world = scene.world;
   const world::Pose& anchor = world[receivers.front().target].pose();
   for (std::uint32_t i = 0; i < world.size(); ++i) {
-    const std::optional<world::Bounds>& bounds = scene.states[i].bounds;
+    const std::optional<AxisBox>& bounds = scene.states[i].bounds;
     if (!bounds) continue;
     if (std::any_of(receivers.begin(), receivers.end(),
                     [&](const Drawn& one) { return one.target == i; }))
@@ -239,7 +232,7 @@ void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> rec
     const world::Pose pose = relative_pose(anchor, world[i].pose());
     const Mat4 anchor_from_model = pose.matrix();
     if (std::none_of(frames_.begin(), frames_.end(), [&](const LightSpace& frame) {
-          return meets_column(frame.sun_from_model * anchor_from_model, bounds->min, bounds->max,
+          return meets_column(frame.sun_from_model * anchor_from_model, bounds->low, bounds->high,
                               soft ? largest_shear(frame, disc_) : 0);
         }))
       continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/axis_box.h"
 #include "preview/frame/shadow.h"
 
 namespace panwright::preview {
@@ -12,7 +13,7 @@ namespace {
 
 // where a target's origin of bounds lies in the world
 Vec3 centre_of(const world::Instance& instance, const TargetState& state) {
-  const Vec3 centre = state.bounds->min + 0.5 * (state.bounds->max - state.bounds->min);
+  const Vec3 centre = state.bounds->low + 0.5 * (state.bounds->high - state.bounds->low);
   return instance.pose().translation + instance.pose().rotation * centre;
 }
 
@@ -52,12 +53,9 @@ std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> c
     double middle = 0;
   };
   const auto measured = [&](std::vector<std::uint32_t> members) {
-    Vec3 low(INFINITY);
-    Vec3 high(-INFINITY);
-    for (const std::uint32_t i : members) {
-      low = glm::min(low, centres[i]);
-      high = glm::max(high, centres[i]);
-    }
+    AxisBox box;
+    for (const std::uint32_t i : members) box.add(centres[i]);
+    const auto& [low, high] = box;
     Group group{std::move(members), 0, 0, 0};
     for (int axis = 0; axis < 3; ++axis)
       if (high[axis] - low[axis] > group.length) {
@@ -145,14 +143,14 @@ double ShadowMaps::throw_in(const Group& group, const FrameScene& scene,
   const double shear = largest_shear(whole, disc_);
   double top = 1;
   for (std::uint32_t i = 0; i < world.size(); ++i) {
-    const std::optional<world::Bounds>& bounds = scene.states[i].bounds;
+    const std::optional<AxisBox>& bounds = scene.states[i].bounds;
     if (!bounds || std::any_of(group.targets.begin(), group.targets.end(),
                                [&](const Drawn& one) { return one.target == i; }))
       continue;
     const Mat4 sun_from_model =
         whole.sun_from_model * relative_pose(anchor, world[i].pose()).matrix();
-    if (!meets_column(sun_from_model, bounds->min, bounds->max, shear)) continue;
-    for (const Vec3& corner : corners(bounds->min, bounds->max))
+    if (!meets_column(sun_from_model, bounds->low, bounds->high, shear)) continue;
+    for (const Vec3& corner : corners(bounds->low, bounds->high))
       top = std::max(top, Vec3(sun_from_model * Vec4(corner, 1)).z);
   }
   return top * whole.extent.z;

@@ -105,8 +105,7 @@ Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile) {
 void ShadowTileFinder::Fit::add(const ShownPart& part, const Piece& piece) {
   if (part.empty()) return;
   ShownPart padded = part;
-  padded.low -= piece.pad;
-  padded.high += piece.pad;
+  padded.light.widen(piece.pad);
   all.add(padded);
   across = std::max(across, piece.shape.across);
   deep = std::max(deep, piece.shape.deep);
@@ -120,20 +119,20 @@ double ShadowTileFinder::pixel_of(double depth) const {
 
 // what single precision allows, metres
 double ShadowTileFinder::finest_of(const Fit& fit) {
-  const double deep = fit.all.high.z - fit.all.low.z;
+  const double deep = fit.all.light.high.z - fit.all.light.low.z;
   return stepped(std::max({deep * kLeastTexel, fit.across * kLeastTexel, 0x1p-900}));
 }
 
 // of a tile of so many texels, metres
 double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
-  const Vec3 extent = fit.all.high - fit.all.low;
+  const Vec3 extent = fit.all.light.extent();
   const double room = side - 2 * (kBorder + margin_) - side / 16;
   return std::max(finest_of(fit), stepped(std::max({extent.x / room, extent.y / room, 0x1p-900})));
 }
 
 // The smallest tile whose texels are no wider than a pixel; of none, the largest.
 unsigned ShadowTileFinder::level_of(const Fit& fit) const {
-  const double pixel = pixel_of(fit.all.view_low.z);
+  const double pixel = pixel_of(fit.all.view.low.z);
   for (unsigned level = kLevels; level > 0; --level)
     if (side_ >> level >= kLeastSide + 3 * margin_ && texel_of(fit, side_ >> level) <= pixel)
       return level;
@@ -157,8 +156,8 @@ void ShadowTileFinder::refine(const ViewCell& view, double most, std::span<const
     coarse_.swap(pieces_);
     pieces_.clear();
     for (const Piece& piece : coarse_) {
-      const bool vague = piece.shape.count == 8 && piece.shown.view_low.z < most &&
-                         piece.shown.view_low.z < 0.5 * piece.shown.view_high.z;
+      const bool vague = piece.shape.count == 8 && piece.shown.view.low.z < most &&
+                         piece.shown.view.low.z < 0.5 * piece.shown.view.high.z;
       if (!vague || pieces_.size() > kMostPieces) {
         pieces_.push_back(piece);
         continue;
@@ -171,7 +170,7 @@ void ShadowTileFinder::refine(const ViewCell& view, double most, std::span<const
           Piece one = piece;
           one.first = run.first;
           one.count = run.count;
-          shape.corners = corners(run.low, run.high);
+          shape.corners = corners(run.box.low, run.box.high);
           for (Vec3& corner : shape.corners) corner = Vec3(camera_from_mesh * Vec4(corner, 1));
           add_piece(view, shape, one);
         }
@@ -209,8 +208,8 @@ void ShadowTileFinder::halves(const Cell& cell, const Cut& cut, Cell* low, Cell*
     if (to) to->parts.push_back({part.piece, shown});
   };
   for (const Part& part : cell.parts) {
-    const bool is_below = part.shown.view_high[cut.axis] <= cut.at;
-    const bool is_above = part.shown.view_low[cut.axis] >= cut.at;
+    const bool is_below = part.shown.view.high[cut.axis] <= cut.at;
+    const bool is_above = part.shown.view.low[cut.axis] >= cut.at;
     if (!is_above) give(below, is_below, part, low, low_fit);
     if (!is_below) give(above, is_above, part, high, high_fit);
   }
@@ -222,7 +221,7 @@ void ShadowTileFinder::halves(const Cell& cell, const Cut& cut, Cell* low, Cell*
 void ShadowTileFinder::find_gap(const Cell& cell, int axis, std::vector<Cut>& cuts) const {
   std::vector<std::pair<double, double>> ranges;
   for (const Part& part : cell.parts)
-    ranges.emplace_back(part.shown.view_low[axis], part.shown.view_high[axis]);
+    ranges.emplace_back(part.shown.view.low[axis], part.shown.view.high[axis]);
   std::sort(ranges.begin(), ranges.end());
   double end = ranges.front().second;
   double widest = 0;
@@ -240,15 +239,15 @@ void ShadowTileFinder::find_gap(const Cell& cell, int axis, std::vector<Cut>& cu
 ShadowTileFinder::Cut ShadowTileFinder::best_cut(const Cell& cell) const {
   // Two sides count, so that a cut across the one that does not decide is a step too.
   const auto size_of = [&](const Fit& fit) {
-    const Vec3 extent = fit.all.high - fit.all.low;
-    return fit.all.empty() ? 0.0 : (extent.x + extent.y) / pixel_of(fit.all.view_low.z);
+    const Vec3 extent = fit.all.light.extent();
+    return fit.all.empty() ? 0.0 : (extent.x + extent.y) / pixel_of(fit.all.view.low.z);
   };
   std::vector<Cut> cuts;
   const ShownPart& all = cell.fit.all;
   const bool perspective = frame_.camera->projection == world::Projection::perspective;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low = all.view_low[axis];
-    const double high = all.view_high[axis];
+    const double low = all.view.low[axis];
+    const double high = all.view.high[axis];
     if (!(high > low)) continue;
     cuts.push_back({axis, axis == 2 && perspective ? std::sqrt(low) * std::sqrt(high)
                                                    : low + 0.5 * (high - low)});
@@ -287,12 +286,12 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
     tile.texel = texel_of(fit, tile.side);
     const double step = tile.texel * (tile.side / 16);
     for (int axis = 0; axis < 2; ++axis)
-      tile.low[axis] = aligned(fit.all.low[axis] - (kBorder + margin_) * tile.texel, step);
-    tile.low.z = fit.all.low.z;
-    const double deep =
-        std::max((fit.all.high.z - fit.all.low.z) * (kDepthSteps / (kDepthSteps - 3)), fit.deep);
+      tile.low[axis] = aligned(fit.all.light.low[axis] - (kBorder + margin_) * tile.texel, step);
+    tile.low.z = fit.all.light.low.z;
+    const double deep = std::max(
+        (fit.all.light.high.z - fit.all.light.low.z) * (kDepthSteps / (kDepthSteps - 3)), fit.deep);
     while (tiles_.depth * tile.texel < deep) tiles_.depth *= 2;
-    const double pixel = pixel_of(fit.all.view_low.z);
+    const double pixel = pixel_of(fit.all.view.low.z);
     if (tile.texel / pixel > worst) {
       worst = tile.texel / pixel;
       texel_ = tile.texel;
@@ -427,7 +426,7 @@ bool ShadowTileFinder::find_tiles(const ViewCell& view, const TileLimits& limits
     all.fit.add(pieces_[i].shown, pieces_[i]);
   }
   if (all.parts.empty()) return false;
-  pixel_ = pixel_of(all.fit.all.view_low.z);
+  pixel_ = pixel_of(all.fit.all.view.low.z);
   if (texel_ <= kMostPixelsATexel * pixel_) return false;
 
   cut_up(limits);

@@ -129,7 +129,7 @@ class ShadowTileFinder {
   double texel_of(const Fit& fit, unsigned side) const;
   unsigned level_of(const Fit& fit) const;
   double coarseness(const Fit& fit) const {
-    return texel_of(fit, side_) / pixel_of(fit.all.view_low.z);
+    return texel_of(fit, side_) / pixel_of(fit.all.view.low.z);
   }
   void add_piece(const ViewCell& view, const ViewPiece& shape, const Piece& from);
   void refine(const ViewCell& view, double most, std::span<const ShownItem> items);

@@ -20,7 +20,7 @@ struct TargetState {
   std::shared_ptr<const ModelResources> resources;  // may be null if fully hidden
   // its model's draw list, placed; never changed, so that frames under way share it
   std::shared_ptr<const std::vector<DrawItem>> placed;
-  std::optional<world::Bounds> bounds;  // none: fully hidden
+  std::optional<AxisBox> bounds;  // none: fully hidden
   // With levels of detail: the pixel footprints at which levels change, ascending, metres; and the
   // footprint of `placed`.
   std::shared_ptr<const std::vector<double>> steps;

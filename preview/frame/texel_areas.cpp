@@ -9,9 +9,9 @@
 namespace panwright::preview {
 namespace {
 
-constexpr double kReach = 6;    // of a PSF, in sigmas: 2e-9 lie beyond
-constexpr double kWide = 4;     // sigma from which sampled Gaussians have their variance
-constexpr double kCell = 1.5;   // of texels' sides: a texel lies on two cells a row at most
+constexpr double kReach = 6;   // of a PSF, in sigmas: 2e-9 lie beyond
+constexpr double kWide = 4;    // sigma from which sampled Gaussians have their variance
+constexpr double kCell = 1.5;  // of texels' sides: a texel lies on two cells a row at most
 
 // A grid of squares along the axes of the image.
 struct Grid {
@@ -123,7 +123,7 @@ class TexelLayer {
 double left_of(const PlaneRect& rect, std::span<const PlaneRect> others) {
   for (std::size_t i = 0; i < others.size(); ++i) {
     const PlaneRect& other = others[i];
-    if (!rect.overlaps(other)) continue;
+    if (!overlap(rect, other)) continue;
     const auto rest = others.subspan(i + 1);
     const Vec2 low = glm::max(rect.low, other.low);
     const Vec2 high = glm::min(rect.high, other.high);
@@ -153,8 +153,8 @@ class Shares {
 
   double operator()(std::uint32_t column, std::uint32_t row) const {
     constexpr std::uint32_t kBorder = 2;
-    const bool inside = column >= kBorder && row >= kBorder && column + kBorder < width_ &&
-                        row + kBorder < height_;
+    const bool inside =
+        column >= kBorder && row >= kBorder && column + kBorder < width_ && row + kBorder < height_;
     if (inside && finer_.empty()) return 1;
     const Vec2 low = low_ + side_ * Vec2(column, row);
     const PlaneRect texel{glm::max(low, rect_.low), glm::min(low + side_, rect_.high)};
@@ -372,8 +372,7 @@ ImposterPatch patch_of(const Imposter& imposter, const Image& texels, const Imag
   if (sigma > 0)
     blur_light(shown, sigma, patch.part, patch.light);
   else
-    lay_light(shown,
-              {Vec2(patch.part.x, patch.part.y), 1, patch.part.width, patch.part.height},
+    lay_light(shown, {Vec2(patch.part.x, patch.part.y), 1, patch.part.width, patch.part.height},
               patch.light);
   return patch;
 }
@@ -393,7 +392,8 @@ double flux_error_of(const Image& texels) {
     for (std::size_t column = 0; column < texels.width; ++column) {
       const double here = light(row * texels.width + column);
       sum += here;
-      squares += (here - before) * (here - before) + (here - above[column]) * (here - above[column]);
+      squares +=
+          (here - before) * (here - before) + (here - above[column]) * (here - above[column]);
       before = here;
       above[column] = here;
     }

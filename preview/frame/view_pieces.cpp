@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "base/axis_box.h"
+
 namespace panwright::preview {
 namespace {
 
@@ -86,13 +88,9 @@ void clip(Polygon& polygon, const Plane& plane) {
 
 void add_point(const ViewFrame& view, const Vec3& point, ShownPart& part) {
   const world::Camera& camera = *view.camera;
-  const Vec3 light(view.light_from_camera * Vec4(point, 1));
-  part.low = glm::min(part.low, light);
-  part.high = glm::max(part.high, light);
+  part.light.add(Vec3(view.light_from_camera * Vec4(point, 1)));
   const double depth = is_perspective(camera) ? std::max(point.z, 0x1p-1000) : 1.0;
-  const Vec3 seen(camera.focal * Vec2(point) / depth + camera.principal, point.z);
-  part.view_low = glm::min(part.view_low, seen);
-  part.view_high = glm::max(part.view_high, seen);
+  part.view.add(Vec3(camera.focal * Vec2(point) / depth + camera.principal, point.z));
 }
 
 void add_clipped(const ViewFrame& view, Polygon polygon, std::span<const Plane> planes,
@@ -104,15 +102,12 @@ void add_clipped(const ViewFrame& view, Polygon polygon, std::span<const Plane> 
 }  // namespace
 
 void measure(const ViewFrame& view, ViewPiece& piece) {
-  Vec3 low(INFINITY);
-  Vec3 high(-INFINITY);
-  for (unsigned i = 0; i < piece.count; ++i) {
-    const Vec3 light = Mat3(view.light_from_camera) * piece.corners[i];
-    low = glm::min(low, light);
-    high = glm::max(high, light);
-  }
-  piece.across = std::max(high.x - low.x, high.y - low.y);
-  piece.deep = high.z - low.z;
+  AxisBox box;
+  for (unsigned i = 0; i < piece.count; ++i)
+    box.add(Mat3(view.light_from_camera) * piece.corners[i]);
+  const Vec3 extent = box.extent();
+  piece.across = std::max(extent.x, extent.y);
+  piece.deep = extent.z;
 }
 
 ShownPart shown_part(const ViewFrame& view, const ViewCell& cell, const ViewPiece& piece) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "base/axis_box.h"
 #include "world/camera.h"
 
 namespace panwright::preview {
@@ -37,17 +38,13 @@ void measure(const ViewFrame& view, ViewPiece& piece);
 
 // Bounds of the part of a piece that a cell shows.
 struct ShownPart {
-  Vec3 low{INFINITY};  // light space, metres
-  Vec3 high{-INFINITY};
-  Vec3 view_low{INFINITY};  // pixel x, pixel y, depth
-  Vec3 view_high{-INFINITY};
+  AxisBox light;  // light space, metres
+  AxisBox view;   // pixel x, pixel y, depth
 
-  bool empty() const { return !(low.x <= high.x); }
+  bool empty() const { return light.empty(); }
   void add(const ShownPart& other) {
-    low = glm::min(low, other.low);
-    high = glm::max(high, other.high);
-    view_low = glm::min(view_low, other.view_low);
-    view_high = glm::max(view_high, other.view_high);
+    light.add(other.light);
+    view.add(other.view);
   }
 };
 

@@ -58,8 +58,8 @@ const VisibleSet& VisibleSetFinder::find(const world::Camera& camera,
     // ones of the nodes join in
     const Mat4 camera_from_model = camera_from(camera, target.pose->matrix());
     const bool several = targets.size() > 1;
-    if (several &&
-        !may_touch(camera, whole, 1.0, {camera_from_model, target.bounds->min, target.bounds->max}))
+    if (several && !may_touch(camera, whole, 1.0,
+                              {camera_from_model, target.bounds->low, target.bounds->high}))
       continue;
     VisibleTarget& visible = element(set_.targets, count);
     visible.target = index;

@@ -34,7 +34,7 @@ struct VisibleSet {
 // Target as an input of the visible set.
 struct TargetShape {
   const world::Pose* pose = nullptr;
-  const world::Bounds* bounds = nullptr;  // model frame; null: fully hidden
+  const AxisBox* bounds = nullptr;  // model frame; null: fully hidden
   std::span<const DrawItem> items;
   std::uint32_t instances = 0;  // number of its model's, visible or not: the ids that it takes
 };

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/clock.h"
 #include "materials/cells.h"
 #include "materials/formula_text.h"
 #include "preview/gl/shader_text.h"
@@ -28,10 +29,6 @@ std::string layer_names(LayerSet layers) {
 // of a fragment shader that may leave holes
 std::string cutout_text(bool cutout) {
   return cutout ? std::string("#define CUTOUT\n") + cutout_glsl : std::string();
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -91,8 +88,7 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         defined("BUMPED", v.normal_map) + defined("ROUGHNESS_MAP", v.roughness_map) +
         defined("REFLECTANCE_MAP", v.reflectance_map) + defined("MAPPED", mapped) +
         defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
-        defined("CURVED", v.curved && !flat) +
-        defined("SHADOWED", shadows) + draw_glsl;
+        defined("CURVED", v.curved && !flat) + defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? light_space_glsl : "";
     program = requested(version + defined("VERTEX", true) + head + model_vert,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 
 namespace panwright::preview {
@@ -33,8 +34,7 @@ std::vector<std::uint32_t> touched(const pan::MeshView& mesh, const PlacedDecal&
                                    bool one_sided) {
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    Vec3 low(INFINITY);
-    Vec3 high(-INFINITY);
+    AxisBox box;
     bool facing = !one_sided;
     for (std::size_t k = 0; k < 3; ++k) {
       const layout::Float3& p = mesh.positions[mesh.indices[i + k]];
@@ -42,10 +42,10 @@ std::vector<std::uint32_t> touched(const pan::MeshView& mesh, const PlacedDecal&
       const Vec4 position(p.x, p.y, p.z, 1);
       const Vec3 at(glm::dot(decal.place[0], position), glm::dot(decal.place[1], position),
                     glm::dot(decal.place[2], position));
-      low = glm::min(low, at);
-      high = glm::max(high, at);
+      box.add(at);
       facing = facing || glm::dot(decal.outwards, Vec3(n.x, n.y, n.z)) > -kMargin;
     }
+    const auto& [low, high] = box;
     const bool meets = high.x >= -kMargin && high.y >= -kMargin && high.z >= -1 - kMargin &&
                        low.x <= 1 + kMargin && low.y <= 1 + kMargin && low.z <= 1 + kMargin;
     if (!meets || !facing) continue;

@@ -26,25 +26,8 @@ bool is_brushed(const pan::layout::Material& material) {
 // turn from sample to sample (geometry.frag).
 std::optional<double> narrow_lobe(const materials::Material& material) {
   constexpr double kWidest = 0.25;
-  double alpha = HUGE_VAL;
-  using materials::SpecularModel;
-  switch (material.specular_model()) {
-    case SpecularModel::none:
-    case SpecularModel::retroreflector:  // whose lobe does not stand about the normal
-      break;
-    case SpecularModel::mirror:
-      alpha = 0;
-      break;
-    case SpecularModel::blinn_phong:
-      alpha = std::sqrt(2 / std::get<materials::BlinnPhong>(material.specular_brdf).shine);
-      break;
-    case SpecularModel::cook_torrance:
-    case SpecularModel::beckmann:
-    case SpecularModel::ggx:
-      if (const auto slopes = materials::slopes_of(material)) alpha = std::min(slopes->x, slopes->y);
-      break;
-  }
-  if (material.coat) alpha = std::min(alpha, material.coat->alpha);
+  const double alpha =
+      materials::narrowest_slope(material, materials::Lobes::about_normal).value_or(HUGE_VAL);
   // a map makes lobes narrower
   if (!(alpha < (material.maps.roughness >= 0 ? HUGE_VAL : kWidest))) return std::nullopt;
   return alpha * alpha;
@@ -169,7 +152,8 @@ bool is_wide(const materials::Material& material) {
     case SpecularModel::retroreflector:
       return false;
     case SpecularModel::blinn_phong:
-      return 2 / std::get<materials::BlinnPhong>(material.specular_brdf).shine >= kWideLobe * kWideLobe;
+      return materials::slope_of_shine(
+                 std::get<materials::BlinnPhong>(material.specular_brdf).shine) >= kWideLobe;
     case SpecularModel::cook_torrance:
     case SpecularModel::beckmann:
     case SpecularModel::ggx:

@@ -10,12 +10,12 @@ std::vector<MeshRun> mesh_runs(const pan::MeshView& mesh) {
   const std::size_t length = std::max<std::size_t>(64, (triangles + kMostRuns - 1) / kMostRuns);
   std::vector<MeshRun> runs;
   for (std::size_t first = 0; first < triangles; first += length) {
-    MeshRun run{Vec3(INFINITY), Vec3(-INFINITY), static_cast<std::uint32_t>(first),
+    MeshRun run{{},
+                static_cast<std::uint32_t>(first),
                 static_cast<std::uint32_t>(std::min(length, triangles - first))};
     for (std::size_t i = 3 * first; i < 3 * (first + run.count); ++i) {
       const pan::layout::Float3& p = mesh.positions[mesh.indices[i]];
-      run.low = glm::min(run.low, Vec3(p.x, p.y, p.z));
-      run.high = glm::max(run.high, Vec3(p.x, p.y, p.z));
+      run.box.add(Vec3(p.x, p.y, p.z));
     }
     runs.push_back(run);
   }

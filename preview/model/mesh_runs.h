@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "pan/model.h"
 
 namespace panwright::preview {
 
 // Consecutive triangles of a mesh's index array.
 struct MeshRun {
-  Vec3 low{0};  // bounds, mesh frame
-  Vec3 high{0};
+  AxisBox box;              // mesh frame
   std::uint32_t first = 0;  // triangles
   std::uint32_t count = 0;
 };

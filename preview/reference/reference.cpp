@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "preview/reference/internal/batches.h"
 #include "preview/reference/internal/view_rays.h"
@@ -259,7 +260,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   if (options.ground_truth) add_ground_truth(scene, world, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, empty_because(world, scene, cells));
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = seconds_since(start);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
@@ -38,13 +39,10 @@ constexpr std::uint32_t kLevels = 6;
 constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
 double diagonal_of(const geometry::Mesh& mesh) {
-  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+  AxisBox box;
   for (const auto& t : mesh.triangles)
-    for (const std::uint32_t v : t) {
-      low = glm::min(low, mesh.positions[v]);
-      high = glm::max(high, mesh.positions[v]);
-    }
-  return mesh.triangles.empty() ? 0 : glm::length(high - low);
+    for (const std::uint32_t v : t) box.add(mesh.positions[v]);
+  return mesh.triangles.empty() ? 0 : box.diagonal();
 }
 
 geometry::Mesh stretched(const geometry::Mesh& mesh, const Mat3& by) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "geometry/mesh/flat_faces.h"
 #include "geometry/tessellate/tessellate.h"
@@ -29,12 +30,9 @@ geometry::MeshShape grid_mesh_of(const geometry::Shape& shape) {
     auto made =
         geometry::tessellated(shape, {.max_error = part * size, .texcoords = true}, {}, ignored);
     if (!made) return nullptr;
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-    for (const Vec3& p : made->positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    size = glm::length(high - low);
+    AxisBox box;
+    for (const Vec3& p : made->positions) box.add(p);
+    size = box.diagonal();
     out = std::make_shared<const geometry::Mesh>(std::move(*made));
   }
   return out;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "geometry/mesh/bytes.h"
 #include "geometry/mesh/check.h"
 #include "mli/trim.h"
@@ -239,14 +240,14 @@ bool Surroundings::add_near(const Asked& asked, KeyHasher& key) const {
   const auto world = [&](std::uint32_t v) {
     return Vec3(world_from_metres * Vec4(metres.positions[v], 1));
   };
-  std::vector<geometry::AxisBox> boxes(faces.size());
+  std::vector<AxisBox> boxes(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i)
     for (const std::uint32_t v : metres.triangles[faces[i]]) boxes[i].add(world(v));
-  geometry::AxisBox all;
+  AxisBox all;
   for (const Vec3& p : metres.positions) all.add(p);
   const double slack = all.empty() ? 0 : kSlack * glm::length(all.high - all.low);
   const auto widen = [&](double by) {
-    for (geometry::AxisBox& box : boxes) box.widen(by);
+    for (AxisBox& box : boxes) box.widen(by);
   };
   widen(asked.parts + slack);
   const bool parts = obstacles.add_near(of, boxes, key);

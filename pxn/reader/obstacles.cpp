@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/axis_box.h"
 #include "geometry/mesh/check.h"
 #include "geometry/tessellate/tessellate.h"
 
@@ -14,8 +15,6 @@ namespace {
 // of the reach: how far facets of a curved shape may lie from it
 constexpr double kObstacleFacetShare = 0.02;
 
-using geometry::AxisBox;
-
 AxisBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
   AxisBox box;
   for (const Vec3& p : mesh.positions) box.add(Vec3(world * Vec4(p, 1)));
@@ -24,7 +23,7 @@ AxisBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
 
 double size_of(const geometry::Mesh& mesh) {
   const AxisBox box = box_of(mesh, Mat4(1));
-  return mesh.positions.empty() ? 0 : glm::length(box.high - box.low);
+  return mesh.positions.empty() ? 0 : box.diagonal();
 }
 
 Hash128 hash_of(const geometry::Mesh& mesh) {

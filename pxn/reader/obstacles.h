@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/bytes.h"
 #include "base/job.h"
 #include "geometry/ray/box_tree.h"
@@ -40,14 +41,14 @@ class Obstacles {
 
   // Adds to a key the obstacles in some boxes in the world: all inputs of room() for places that
   // query nothing beyond a box. Returns true if there are any. Cost: O(obstacles · boxes) at most.
-  bool add_near(std::int32_t of, std::span<const geometry::AxisBox> boxes, KeyHasher& key) const;
+  bool add_near(std::int32_t of, std::span<const AxisBox> boxes, KeyHasher& key) const;
 
  private:
   // Data of add_near(), by instances of the caster.
   struct Standing {
     Hash128 mesh;
     Mat4 world;
-    geometry::AxisBox box;
+    AxisBox box;
   };
 
   geometry::InstanceCaster caster_;

@@ -33,7 +33,7 @@ void touch(const panwright::pan::Model& model) {
     sum += static_cast<std::uint64_t>(is_finite(Vec3(model.world_from_frame(i)[3])));
   for (const auto& instance : model.instances())
     sum += model.world_from_nodes()[instance.node][3].w > 0;
-  if (const auto bounds = model.world_bounds()) require(bounds->min.x <= bounds->max.x, "bounds");
+  if (const auto bounds = model.world_bounds()) require(bounds->low.x <= bounds->high.x, "bounds");
   sum += model.version().size() + model.options().size();
   const auto difference = panwright::pan::diff(model, model);
   require(difference.model.empty() && difference.provenance.empty(), "a model equals itself");

@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/axis_box.h"
+
 namespace panwright::importers::clean_test {
 namespace {
 
@@ -184,7 +186,7 @@ TEST(Place, UnitUpAndMiddle) {
   Imported model = sample(400);
   model.scene.instances.pop_back();  // the sphere, whose bounds are known to a hundredth
   DiagnosticLog log;
-  const Bounds before = bounds_of(model.scene);
+  const AxisBox before = bounds_of(model.scene);
   EXPECT_EQ(before.low, Vec3(-400));
   EXPECT_EQ(before.high, Vec3(4400, 400, 400));
   model.scene.keypoints.push_back({"tip", 0, {100, 200, 300}, {}});
@@ -193,7 +195,7 @@ TEST(Place, UnitUpAndMiddle) {
   EXPECT_EQ(scene::check(model.scene), "");
   EXPECT_EQ(model.scene.nodes[0].parent_from_node, scene::Transform{});
   EXPECT_EQ(model.scene.nodes[1].name, "model");
-  const Bounds after = bounds_of(model.scene);
+  const AxisBox after = bounds_of(model.scene);
   // 4.4e-16 measured
   EXPECT_LT(glm::length(after.low - Vec3(-2.4, -0.4, -0.4)), 1e-14);
   EXPECT_LT(glm::length(after.high - Vec3(2.4, 0.4, 0.4)), 1e-14);
@@ -207,7 +209,7 @@ TEST(Place, UnitUpAndMiddle) {
 TEST(Place, BoundsOfExactShapesAreGoodToAHundredth) {
   Imported model = sample();
   model.scene.instances.erase(model.scene.instances.begin(), model.scene.instances.begin() + 2);
-  const Bounds bounds = bounds_of(model.scene);
+  const AxisBox bounds = bounds_of(model.scene);
   EXPECT_LT(glm::length(bounds.low - Vec3(-1)), 0.02);
   EXPECT_LT(glm::length(bounds.high - Vec3(1)), 0.02);
 }

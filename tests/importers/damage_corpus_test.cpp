@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "importers/clean.h"
 #include "importers/import.h"
@@ -70,8 +71,8 @@ void read_damaged(const std::string& name, const std::string& bytes, double& slo
   } else {
     ASSERT_TRUE(log.has_errors()) << name << " is refused without a reason";
   }
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  slowest = std::max(slowest, seconds.count());
+  const double seconds = seconds_since(start);
+  slowest = std::max(slowest, seconds);
   ASSERT_FALSE(to_text(log).size() > 1u << 20);
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "materials/hapke_h.h"
 
 #include "base/random.h"
@@ -287,6 +289,45 @@ TEST(Sample, HapkeWithItsExactH) {
       }
   }
   EXPECT_LE(worst, 1e-9) << worst;  // measured 2e-10; with the fit 1e-6
+}
+
+// The slope of a Blinn-Phong lobe: its RMS over half vectors, and its half width to second order.
+TEST(Sample, SlopesOfShine) {
+  for (const double shine : {2.0, 10.0, 25.0, 100.0, 1000.0}) {
+    const double slope = slope_of_shine(shine);
+    constexpr int kSteps = 1'000'000;
+    double sum = 0, weight = 0;
+    // u: sin² of the angle; uniform over the projected hemisphere
+    for (int k = 0; k < kSteps; ++k) {
+      const double u = (k + 0.5) / kSteps;
+      const double density = std::pow(1 - u, 0.5 * shine);  // cos^shine
+      sum += density * u / (1 - u);
+      weight += density;
+    }
+    EXPECT_NEAR(std::sqrt(sum / weight), slope, 2e-4 * slope) << shine;
+    if (shine < 25) continue;
+    const double half = std::sqrt(std::pow(2.0, 2 / shine) - 1);
+    EXPECT_NEAR(half, slope * std::sqrt(std::log(2.0)), 0.015 * slope) << shine;
+  }
+}
+
+TEST(Sample, NarrowestSlopes) {
+  const auto slope = [](const Material& m, Lobes lobes) { return narrowest_slope(m, lobes); };
+  Material m;
+  EXPECT_FALSE(slope(m, Lobes::about_normal));
+  m.specular_brdf = Ggx{0.3, 0.1};
+  EXPECT_EQ(slope(m, Lobes::about_normal), 0.1);
+  m.coat = Coat{.index = 1.5, .alpha = 0};
+  EXPECT_EQ(slope(m, Lobes::about_normal), 0);
+  EXPECT_EQ(slope(m, Lobes::finite), 0.1);
+  m.specular_brdf = Mirror{};
+  EXPECT_FALSE(slope(m, Lobes::finite));
+  m.coat->alpha = 0.2;
+  EXPECT_DOUBLE_EQ(slope(m, Lobes::about_normal).value(), 0.1 * std::sqrt(0.5));
+  m.coat.reset();
+  m.specular_brdf = Retroreflector{.width = 0.1};
+  EXPECT_FALSE(slope(m, Lobes::about_normal));
+  EXPECT_DOUBLE_EQ(slope(m, Lobes::finite).value(), 0.1 * std::sqrt(0.5));
 }
 
 }  // namespace

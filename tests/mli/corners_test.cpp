@@ -38,7 +38,7 @@ Corners corners(const std::vector<std::vector<Face>>& of) {
   return out;
 }
 
-Hash128 key_of(const Corners& corners, const std::vector<geometry::AxisBox>& boxes, bool expected) {
+Hash128 key_of(const Corners& corners, const std::vector<AxisBox>& boxes, bool expected) {
   KeyHasher key;
   EXPECT_EQ(corners.add_near(0, boxes, key), expected);
   return key.key();
@@ -61,7 +61,7 @@ TEST(Corners, FarFacesChangeNothing) {
     EXPECT_EQ(among.crossed(0, from, to, 1e-3), alone.crossed(0, from, to, 1e-3));
   }
   EXPECT_GT(lower, 1000u);
-  geometry::AxisBox box;
+  AxisBox box;
   box.add(Vec3(-1));
   box.add(Vec3(2));
   EXPECT_EQ(key_of(among, {box}, true), key_of(alone, {box}, true));
@@ -71,11 +71,11 @@ TEST(Corners, KeysHoldWhatIsNear) {
   std::mt19937 random(8);
   const std::vector<Face> own = faces(random, 20, Vec3(0), 1);
   std::vector<Face> others = faces(random, 40, Vec3(0), 4);
-  geometry::AxisBox box;
+  AxisBox box;
   box.add(Vec3(1));
   box.add(Vec3(2));
   const auto meets = [&](const Face& face) {
-    geometry::AxisBox around;
+    AxisBox around;
     for (const Vec3& p : face) around.add(p);
     return box.meets(around);
   };
@@ -94,7 +94,7 @@ TEST(Corners, KeysHoldWhatIsNear) {
   }
   EXPECT_GT(inside, 5u);
   EXPECT_LT(inside, 40u);
-  geometry::AxisBox away;
+  AxisBox away;
   away.add(Vec3(9));
   away.add(Vec3(10));
   key_of(corners({own, others}), {away}, false);

@@ -119,7 +119,7 @@ TEST(Check, HostileWordsNeverBreakTheReader) {
       EXPECT_GT(sum, 0u);
       const auto bounds = model->world_bounds();
       ASSERT_TRUE(bounds);
-      EXPECT_TRUE(is_finite(bounds->min) && is_finite(bounds->max)) << "word at " << at;
+      EXPECT_TRUE(is_finite(bounds->low) && is_finite(bounds->high)) << "word at " << at;
     }
   }
   // some changes are harmless (another translation, a weight of 1), most are not

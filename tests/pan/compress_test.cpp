@@ -215,7 +215,7 @@ TEST(Shared, OwnersReadAModelWhoseFileIsGone) {
     for (std::size_t t = 0; t < same.size(); ++t)
       threads.emplace_back([&, t, mine = model] {
         const auto found = mine->world_bounds();
-        same[t] = found && found->min == bounds->min && found->max == bounds->max &&
+        same[t] = found && found->low == bounds->low && found->high == bounds->high &&
                   mine->node_path(5) == reference.node_path(5) &&
                   mine->find_frame("eye 7") == reference.find_frame("eye 7") &&
                   std::ranges::equal(mine->texels(1), reference.texels(1)) &&

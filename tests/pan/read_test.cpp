@@ -220,8 +220,8 @@ TEST(Read, WorldBoundsHoldTheFurthestVertices) {
   const Model model = load(write_to_memory(contents));
   const auto bounds = model.world_bounds();
   ASSERT_TRUE(bounds);
-  EXPECT_EQ(bounds->min, Vec3(-1, 0, 1));
-  EXPECT_EQ(bounds->max, Vec3(3, 4, 5));
+  EXPECT_EQ(bounds->low, Vec3(-1, 0, 1));
+  EXPECT_EQ(bounds->high, Vec3(3, 4, 5));
   contents.instances.clear();
   contents.sources.clear();
   EXPECT_FALSE(load(write_to_memory(contents)).world_bounds());

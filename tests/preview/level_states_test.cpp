@@ -12,7 +12,7 @@ namespace {
 
 struct Scene {
   world::Pose pose;
-  world::Bounds bounds{Vec3(-1), Vec3(1)};
+  AxisBox bounds{Vec3(-1), Vec3(1)};
   std::vector<double> steps{0.01, 0.02, 0.04, 0.08};
   LeveledTarget target() const { return {&pose, &bounds, &steps}; }
 };

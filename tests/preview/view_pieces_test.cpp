@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/axis_box.h"
 #include "preview/frame/projection.h"
 #include "preview/frame/view_pieces.h"
 
@@ -33,8 +34,7 @@ TEST(ViewPieces, BoundsHoldAllThatIsSeenAndNoMore) {
       piece.corners = corners(-half, half);
       for (Vec3& corner : piece.corners) corner = Vec3(camera_from_box * Vec4(corner, 1));
       const ShownPart part = shown_part(frame, cell, piece);
-      Vec3 low(INFINITY);
-      Vec3 high(-INFINITY);
+      AxisBox shown;
       for (int i = 0; i < 20000; ++i) {
         const Vec3 p(camera_from_box * Vec4(half * Vec3(real(), real(), real()), 1));
         const double w = perspective ? p.z : 1;
@@ -44,20 +44,19 @@ TEST(ViewPieces, BoundsHoldAllThatIsSeenAndNoMore) {
           continue;
         ++seen;
         const Vec3 light(frame.light_from_camera * Vec4(p, 1));
-        low = glm::min(low, light);
-        high = glm::max(high, light);
+        shown.add(light);
         // measured 0
         for (int k = 0; k < 3; ++k) {
-          ASSERT_GE(light[k], part.low[k] - 1e-12);
-          ASSERT_LE(light[k], part.high[k] + 1e-12);
+          ASSERT_GE(light[k], part.light.low[k] - 1e-12);
+          ASSERT_LE(light[k], part.light.high[k] + 1e-12);
         }
-        ASSERT_GE(p.z, part.view_low.z - 1e-12);
-        ASSERT_LE(p.z, part.view_high.z + 1e-12);
-        ASSERT_GE(pixel.x, part.view_low.x - 1e-9);
-        ASSERT_LE(pixel.y, part.view_high.y + 1e-9);
+        ASSERT_GE(p.z, part.view.low.z - 1e-12);
+        ASSERT_LE(p.z, part.view.high.z + 1e-12);
+        ASSERT_GE(pixel.x, part.view.low.x - 1e-9);
+        ASSERT_LE(pixel.y, part.view.high.y + 1e-9);
       }
-      if (!(low.x < high.x)) continue;
-      const Vec3 share = (high - low) / glm::max(part.high - part.low, Vec3(1e-12));
+      if (!(shown.low.x < shown.high.x)) continue;
+      const Vec3 share = shown.extent() / glm::max(part.light.extent(), Vec3(1e-12));
       tightest = std::max(tightest, std::max(share.x, share.y));
     }
   EXPECT_GT(seen, 50000u);

@@ -32,11 +32,11 @@ TEST(Evaluation, WithoutChangesItIsTheModel) {
   const auto exact = exact_bounds(world[0]);
   const auto model = world[0].model()->world_bounds();
   ASSERT_TRUE(exact && model && found.bounds);
-  EXPECT_EQ(exact->min, model->min);
-  EXPECT_EQ(exact->max, model->max);
+  EXPECT_EQ(exact->low, model->low);
+  EXPECT_EQ(exact->high, model->high);
   for (int k = 0; k < 3; ++k) {
-    EXPECT_LE(found.bounds->min[k], exact->min[k]);
-    EXPECT_GE(found.bounds->max[k], exact->max[k]);
+    EXPECT_LE(found.bounds->low[k], exact->low[k]);
+    EXPECT_GE(found.bounds->high[k], exact->high[k]);
   }
 }
 
@@ -117,8 +117,8 @@ TEST(Evaluation, AfterRandomEditsItIsWhatAFreshOneIs) {
       ASSERT_EQ(kept[i].node_visible, fresh[i].node_visible);
       ASSERT_EQ(kept[i].bounds.has_value(), fresh[i].bounds.has_value());
       if (kept[i].bounds) {
-        ASSERT_EQ(kept[i].bounds->min, fresh[i].bounds->min);
-        ASSERT_EQ(kept[i].bounds->max, fresh[i].bounds->max);
+        ASSERT_EQ(kept[i].bounds->low, fresh[i].bounds->low);
+        ASSERT_EQ(kept[i].bounds->high, fresh[i].bounds->high);
       }
     }
   }

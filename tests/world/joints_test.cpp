@@ -240,8 +240,8 @@ TEST(JointStates, TreesOfAllKindsMoveAsTheirMatricesSay) {
       EXPECT_EQ(running.result().node_visible, fresh.node_visible);
       ASSERT_EQ(running.result().bounds.has_value(), fresh.bounds.has_value());
       if (fresh.bounds) {
-        EXPECT_EQ(running.result().bounds->min, fresh.bounds->min);
-        EXPECT_EQ(running.result().bounds->max, fresh.bounds->max);
+        EXPECT_EQ(running.result().bounds->low, fresh.bounds->low);
+        EXPECT_EQ(running.result().bounds->high, fresh.bounds->high);
       }
       if (!world[0].node_states().empty()) continue;
       const auto expected = by_hand(world);
@@ -417,8 +417,8 @@ TEST(Sweep, NamesWhatAPartRunsInto) {
   ASSERT_EQ(found->size(), 1u);
   const SweptJoint& sweep = (*found)[0];
   EXPECT_EQ(sweep.positions, 91u);
-  EXPECT_NEAR(sweep.bounds.max.x, 2, 1e-6);
-  EXPECT_NEAR(sweep.bounds.max.y, 2, 1e-6);
+  EXPECT_NEAR(sweep.bounds.high.x, 2, 1e-6);
+  EXPECT_NEAR(sweep.bounds.high.y, 2, 1e-6);
   // the post that the lever stands in now is not told; the other at 60 degrees, where half the
   // lever's width and half the post's width are (0.01 + 0.014)/1.5 rad or less
   ASSERT_EQ(sweep.collisions.size(), 1u);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/clock.h"
 #include "workspace/open.h"
 
 namespace panwright::workspace {
@@ -16,8 +17,8 @@ class Stopwatch {
       : report_(report), name_(std::move(name)), start_(Clock::now()) {}
   ~Stopwatch() {
     if (report_ == nullptr) return;
-    const std::chrono::duration<double> seconds = Clock::now() - start_;
-    report_->steps.push_back({std::move(name_), seconds.count()});
+    const double seconds = seconds_since(start_);
+    report_->steps.push_back({std::move(name_), seconds});
   }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geometry/internal/limits.h"
@@ -30,8 +31,7 @@ struct Sums {
   double flipped_area = 0;
   double volume = 0;  // · 6, of cones from the mesh's centre
   Vec3 cross{0};      // 2 · area vector
-  Vec3 low{HUGE_VAL};
-  Vec3 high{-HUGE_VAL};
+  AxisBox box;
 };
 
 class Orienter {
@@ -103,13 +103,9 @@ class Orienter {
   }
 
   void measure_pieces() {
-    Vec3 low(HUGE_VAL);
-    Vec3 high(-HUGE_VAL);
-    for (const Vec3& p : mesh_.positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    if (!mesh_.positions.empty()) centre_ = 0.5 * low + 0.5 * high;
+    AxisBox box;
+    for (const Vec3& p : mesh_.positions) box.add(p);
+    if (!mesh_.positions.empty()) centre_ = box.centre();
     sums_.resize(out_.components.size());
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
       Sums& sum = sums_[out_.component_of[i]];
@@ -122,8 +118,7 @@ class Orienter {
       sum.moment += (area / 3) * (a + b + c);
       sum.cross += sign * cross;
       sum.volume += sign * glm::dot(a, cross);
-      sum.low = glm::min(sum.low, glm::min(a, glm::min(b, c)));
-      sum.high = glm::max(sum.high, glm::max(a, glm::max(b, c)));
+      for (const Vec3& p : {a, b, c}) sum.box.add(p);
     }
   }
 
@@ -134,7 +129,7 @@ class Orienter {
     const Sums& sum = sums_[p];
     component.area = sum.area;
     if (component.one_sided || !(sum.area > 0)) return;
-    const double radius = 0.5 * glm::length(sum.high - sum.low);
+    const double radius = 0.5 * sum.box.diagonal();
     // cones from the component's own centroid: what the mesh's centre adds to an open one is not
     // its own
     const double cones = (sum.volume - glm::dot(sum.moment / sum.area, sum.cross)) / 6;
@@ -180,7 +175,7 @@ class Orienter {
       const auto [a, b, c] = corners(t);
       areas.push_back(total += glm::length(glm::cross(b - a, c - a)));
     }
-    const double size = glm::length(sums_[component].high - sums_[component].low);
+    const double size = sums_[component].box.diagonal();
     double front = 0;
     double back = 0;
     for (std::uint32_t r = 0; r < rays; ++r) {

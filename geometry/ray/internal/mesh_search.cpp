@@ -9,6 +9,7 @@
 #include <new>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "geometry/ray/internal/embree_device.h"
 #include "geometry/ray/internal/hit_order.h"
 #include "geometry/ray/internal/ray_triangle.h"
@@ -116,19 +117,15 @@ std::uint8_t MeshSearch::slices_of(const Leaf& leaf) const {
   constexpr double kLoose = 16;
   // a million leaves, or two for each triangle
   const double most = std::clamp(1e6 / static_cast<double>(triangles_.size()), 2.0, 64.0);
-  Vec3 low(std::numeric_limits<double>::infinity());
-  Vec3 high(-low);
+  AxisBox bounds;
   double area = 0;
   for (std::uint32_t i = 0; i < leaf.count; ++i) {
     const Triangle& t = triangles_[leaf.first + i];
-    for (const std::uint32_t v : t) {
-      low = glm::min(low, positions_[v]);
-      high = glm::max(high, positions_[v]);
-    }
+    for (const std::uint32_t v : t) bounds.add(positions_[v]);
     const Vec3& a = positions_[t[0]];
     area += glm::length(glm::cross(positions_[t[1]] - a, positions_[t[2]] - a));
   }
-  const Vec3 size = high - low;
+  const Vec3 size = bounds.extent();
   const double box = size.x * size.y + size.y * size.z + size.z * size.x;
   if (!(box > kLoose * area)) return 1;
   return static_cast<std::uint8_t>(box < most * area ? box / area : most);
@@ -157,8 +154,7 @@ void MeshSearch::list_leaves() {
 void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
   const auto& mesh = *static_cast<const MeshSearch*>(arguments->geometryUserPtr);
   const Leaf& leaf = mesh.leaves_[arguments->primID];
-  Vec3 low(std::numeric_limits<double>::infinity());
-  Vec3 high(-low);
+  AxisBox box;
   const auto each_corner = [&](const auto& body) {
     for (std::uint32_t i = 0; i < leaf.count; ++i)
       for (int k = 0; k < 3; ++k) {
@@ -167,17 +163,13 @@ void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
              mesh.positions_[t[static_cast<std::size_t>((k + 1) % 3)]]);
       }
   };
-  each_corner([&](const Vec3& a, const Vec3&) {
-    low = glm::min(low, a);
-    high = glm::max(high, a);
-  });
+  each_corner([&](const Vec3& a, const Vec3&) { box.add(a); });
   if (leaf.slices > 1) {
-    const Vec3 size = high - low;
+    const Vec3 size = box.extent();
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const double from = low[axis] + size[axis] * leaf.slice / leaf.slices;
-    const double to = low[axis] + size[axis] * (leaf.slice + 1) / leaf.slices;
-    low = Vec3(std::numeric_limits<double>::infinity());
-    high = -low;
+    const double from = box.low[axis] + size[axis] * leaf.slice / leaf.slices;
+    const double to = box.low[axis] + size[axis] * (leaf.slice + 1) / leaf.slices;
+    box = {};
     // the edges within the slice bound what lies in it
     each_corner([&](const Vec3& a, const Vec3& b) {
       const double rise = b[axis] - a[axis];
@@ -188,17 +180,13 @@ void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
       s = std::max(s, 0.0);
       e = std::min(e, 1.0);
       if (s > e) return;
-      for (const double w : {s, e}) {
-        const Vec3 p = a + w * (b - a);
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-      }
+      for (const double w : {s, e}) box.add(a + w * (b - a));
     });
-    low[axis] = from;
-    high[axis] = to;
+    box.low[axis] = from;
+    box.high[axis] = to;
   }
-  low = (low - mesh.centre_) / mesh.radius_;
-  high = (high - mesh.centre_) / mesh.radius_;
+  const Vec3 low = (box.low - mesh.centre_) / mesh.radius_;
+  const Vec3 high = (box.high - mesh.centre_) / mesh.radius_;
   RTCBounds& bounds = *arguments->bounds_o;
   bounds.lower_x = static_cast<float>(low.x) - kSlack;
   bounds.lower_y = static_cast<float>(low.y) - kSlack;

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/predicates.h"
 
@@ -187,13 +188,9 @@ class CrossingFinder {
 };
 
 std::optional<RegionFault> coincident(const Region& region) {
-  Vec2 low = region.points.front();
-  Vec2 high = low;
-  for (std::uint32_t i = 0; i < region.loops[1]; ++i) {
-    low = glm::min(low, region.points[i]);
-    high = glm::max(high, region.points[i]);
-  }
-  const double least = kCoincident * glm::length(high - low);
+  AxisRectangle bounds{region.points.front(), region.points.front()};
+  for (std::uint32_t i = 0; i < region.loops[1]; ++i) bounds.add(region.points[i]);
+  const double least = kCoincident * bounds.diagonal();
   for (std::uint32_t i = 0; i < region.size(); ++i)
     if (!(glm::length(region.points[region.next[i]] - region.points[i]) > least))
       return RegionFault{RegionFault::Kind::coincident, i, region.next[i]};

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "geometry/tessellate/internal/flat.h"
 #include "geometry/tessellate/internal/revolve.h"
@@ -34,14 +35,11 @@ constexpr double kSlower = 0.13;
 // A cage about the origin, of size about 1: products neither overflow nor vanish.
 struct Centred {
   explicit Centred(const Subdiv& shape) {
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+    AxisBox box;
     for (const Subdiv::Face& face : shape.faces)
-      for (const std::uint32_t v : face.outline) {
-        low = glm::min(low, shape.positions[v]);
-        high = glm::max(high, shape.positions[v]);
-      }
-    centre = 0.5 * low + 0.5 * high;
-    const Vec3 half = 0.5 * high - 0.5 * low;
+      for (const std::uint32_t v : face.outline) box.add(shape.positions[v]);
+    centre = box.centre();
+    const Vec3 half = 0.5 * box.extent();
     scale = std::ldexp(1.0, std::ilogb(std::max({half.x, half.y, half.z})));
     reach = glm::length(half);
     positions.reserve(shape.positions.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "geometry/tessellate/internal/flat.h"
 
@@ -198,13 +199,9 @@ Problem add_corners(const Subdiv& shape, Cage& cage) {
 }
 
 Problem extent_problem(const Subdiv& shape, const Cage& cage) {
-  Vec3 low = shape.positions[cage.vertex[0]], high = low;
-  for (const std::uint32_t v : cage.vertex) {
-    low = glm::min(low, shape.positions[v]);
-    high = glm::max(high, shape.positions[v]);
-  }
-  const Vec3 size = high - low;
-  const double largest = std::max({size.x, size.y, size.z});
+  AxisBox box;
+  for (const std::uint32_t v : cage.vertex) box.add(shape.positions[v]);
+  const double largest = box.longest();
   if (largest >= kMinRadius) return std::nullopt;
   return ShapeProblem{largest > 0 ? Code::E2010 : Code::E2011,
                       fmt::format("a cage with an extent of {} m, expected at least {} m",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
@@ -20,15 +21,14 @@ struct FaceArea {
 FaceArea area_of(const Subdiv& shape, const Subdiv::Face& face) {
   FaceArea out;
   const Vec3& origin = shape.positions[face.outline[0]];
-  Vec3 low = origin, high = origin;
+  AxisBox box{origin, origin};
   for (std::size_t i = 1; i < face.outline.size(); ++i) {
     const Vec3& p = shape.positions[face.outline[i]];
-    low = glm::min(low, p);
-    high = glm::max(high, p);
+    box.add(p);
     if (i + 1 < face.outline.size())
       out.area += 0.5 * glm::cross(p - origin, shape.positions[face.outline[i + 1]] - origin);
   }
-  out.longest = glm::length(high - low);
+  out.longest = box.diagonal();
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "base/text.h"
 #include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
@@ -149,12 +150,9 @@ Problem path_problem(const Tube& tube) {
                     counted(tube.path.size(), "point"), least),
         "path"};
   if (auto bad = coordinate_problem(tube.path, "path")) return bad;
-  Vec3 low = tube.path[0], high = low;
-  for (const Vec3& p : tube.path) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const double whole = glm::length(high - low);
+  AxisBox box;
+  for (const Vec3& p : tube.path) box.add(p);
+  const double whole = box.diagonal();
   if (auto bad = size_problem(whole, "path", "a path")) return bad;
   const std::size_t segments = tube.closed ? tube.path.size() : tube.path.size() - 1;
   for (std::size_t i = 0; i < segments; ++i) {

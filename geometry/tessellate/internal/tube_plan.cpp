@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "geometry/internal/limits.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/revolve.h"
@@ -37,14 +38,11 @@ class Planner {
 
  private:
   double reach() const {
-    Vec3 low = tube_.path[0], high = low;
-    for (const Vec3& p : tube_.path) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
+    AxisBox box;
+    for (const Vec3& p : tube_.path) box.add(p);
     // a spline leaves the bounds of its points by less than their diagonal's half, a mitre by
     // less than the shorter straight
-    return glm::length(high - low) + 2 * tube_.radius;
+    return box.diagonal() + 2 * tube_.radius;
   }
 
   void count_triangles(double bands) {

@@ -15,7 +15,6 @@ using pugi::xml_node;
 
 namespace {
 
-constexpr double kLargest = 1e12;  // metres and angles that anyone means
 constexpr const char* kOrientations[] = {"quat", "axisangle", "xyaxes", "zaxis", "euler"};
 constexpr std::size_t kOutermost = 0;
 
@@ -64,30 +63,7 @@ void Attributes::read_compiler(const xml_node& element) {
 std::optional<std::vector<double>> Attributes::numbers(const xml_node& element, const char* name,
                                                        std::size_t its_class, std::size_t least,
                                                        std::size_t most) {
-  const xml_attribute attribute = classes_.find(element, name, its_class);
-  if (!attribute) return std::nullopt;
-  std::vector<double> out;
-  std::string_view rest = attribute.value();
-  bool usable = true;
-  constexpr std::string_view kSpace = " \t\r\n";
-  while (usable) {
-    rest.remove_prefix(std::min(rest.find_first_not_of(kSpace), rest.size()));
-    if (rest.empty()) break;
-    std::string_view word = rest.substr(0, rest.find_first_of(kSpace));
-    rest.remove_prefix(word.size());
-    if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
-    const auto number = parse_double(word);
-    usable = out.size() < most && number && std::fabs(*number) <= kLargest;
-    if (usable) out.push_back(*number);
-  }
-  if (usable && out.size() >= least) return out;
-  wrong(text_.at(attribute),
-        fmt::format(
-            "{} of <{}> is {}, expected {} of at most {:g}", name, element.name(),
-            in_quotes(attribute.value()),
-            least == most ? counted(most, "number") : fmt::format("{} to {} numbers", least, most),
-            kLargest));
-  return std::nullopt;
+  return XmlValues::numbers(element, classes_.find(element, name, its_class), least, most);
 }
 
 double Attributes::number_or(const xml_node& element, const char* name, std::size_t its_class,
@@ -124,11 +100,9 @@ SourceSpan Attributes::at(const xml_node& element, const char* name, std::size_t
 }
 
 std::optional<Vec3> Attributes::direction(const Vec3& v, SourceSpan where, std::string_view what) {
-  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-  // in two steps, so that no square gets lost
-  if (largest > 0 && std::isfinite(1 / largest)) return glm::normalize(v / largest);
-  wrong(where, fmt::format("{} has no length, expected a direction", what));
-  return std::nullopt;
+  const auto unit = unit_vector(v);
+  if (!unit) wrong(where, fmt::format("{} has no length, expected a direction", what));
+  return unit;
 }
 
 // ---- orientations

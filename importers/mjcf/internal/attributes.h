@@ -20,21 +20,14 @@ struct Compiler {
   bool strip_path = false;
 };
 
-class Attributes {
+class Attributes : public XmlValues {
  public:
   Attributes(const XmlText& text, meshes::ReaderContext& context)
-      : text_(text), c_(context), classes_(text, context) {}
+      : XmlValues(text, context), text_(text), classes_(text, context) {}
 
   Classes& classes() { return classes_; }
   void read_compiler(const pugi::xml_node& element);
   const Compiler& compiler() const { return compiler_; }
-
-  void wrong(SourceSpan where, const std::string& message) {
-    c_.log.report(Code::E6220, where, message);
-  }
-  void tolerated(SourceSpan where, const std::string& message) {
-    c_.log.report(Code::W6221, where, message);
-  }
 
   // Reads an element's attribute with the defaults of its class: least to most numbers. Nothing if
   // missing, or invalid: E6220.
@@ -66,7 +59,6 @@ class Attributes {
   std::optional<Quat> from_axes(const pugi::xml_node& element);
 
   const XmlText& text_;
-  meshes::ReaderContext& c_;
   Classes classes_;
   Compiler compiler_;
 };

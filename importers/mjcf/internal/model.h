@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "geometry/tessellate/shape.h"
-#include "importers/internal/mesh_parts.h"
-#include "importers/internal/painter.h"
-#include "importers/internal/xml_text.h"
+#include "importers/internal/robot_parts.h"
 
 namespace panwright::importers::mjcf {
 

@@ -73,12 +73,11 @@ class ModelReader {
   }
 
   template <typename Named>
-  std::string near_hint(const std::string& name, const Named& known) const {
+  static std::string near_of(const std::string& name, const Named& known) {
     std::vector<std::string_view> names;
     for (const auto& [each, index] : known) names.push_back(each);
     std::ranges::sort(names);
-    const auto near = nearest_name(name, names);
-    return near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string();
+    return near_hint(name, names);
   }
 
   // ---- assets
@@ -155,7 +154,7 @@ class ModelReader {
         c_.log.report(Code::E6220, text_.at(texture),
                       fmt::format("there is no texture {}; the material has none",
                                   in_quotes(texture.value())),
-                      near_hint(texture.value(), textures_));
+                      near_of(texture.value(), textures_));
       } else {
         paint.texture = texture_files_[known->second].first;
         paint.texture_at = texture_files_[known->second].second;
@@ -416,7 +415,7 @@ class ModelReader {
                   name.empty()
                       ? std::string("a geom has no mesh; it is left out")
                       : fmt::format("there is no mesh {}; the geom is left out", in_quotes(name)),
-                  near_hint(name, meshes_));
+                  near_of(name, meshes_));
     return false;
   }
 
@@ -508,7 +507,7 @@ class ModelReader {
         c_.log.report(
             Code::E6220, text_.at(material),
             fmt::format("there is no material {}; the part is grey", in_quotes(material.value())),
-            near_hint(material.value(), materials_));
+            near_of(material.value(), materials_));
     }
     const auto rgba = a_.numbers(element, "rgba", its_class, 4, 4);
     if (!rgba) return paint;

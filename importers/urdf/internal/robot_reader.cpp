@@ -18,11 +18,11 @@ using pugi::xml_node;
 
 constexpr std::string_view kTypes[] = {"fixed",     "revolute", "continuous",
                                        "prismatic", "floating", "planar"};
-constexpr double kLargest = 1e12;  // metres, radians and kilograms that anyone means
 
 class RobotReader {
  public:
-  RobotReader(const XmlText& text, meshes::ReaderContext& context) : text_(text), c_(context) {}
+  RobotReader(const XmlText& text, meshes::ReaderContext& context)
+      : text_(text), c_(context), values_(text, context) {}
 
   Robot read() {
     const xml_node top = text_.top();
@@ -45,11 +45,9 @@ class RobotReader {
   }
 
  private:
-  void wrong(SourceSpan where, const std::string& message) {
-    c_.log.report(Code::E6220, where, message);
-  }
+  void wrong(SourceSpan where, const std::string& message) { values_.wrong(where, message); }
   void tolerated(SourceSpan where, const std::string& message) {
-    c_.log.report(Code::W6221, where, message);
+    values_.tolerated(where, message);
   }
 
   void skip(const xml_node& element) {
@@ -67,28 +65,11 @@ class RobotReader {
   // Numbers of an attribute; nothing where it is not there, or where it is wrong: E6220.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const xml_node& element, const char* name) {
-    const xml_attribute attribute = element.attribute(name);
-    if (!attribute) return std::nullopt;
-    std::array<double, N> out{};
-    std::string_view rest = attribute.value();
-    std::size_t count = 0;
-    bool usable = true;
-    constexpr std::string_view kSpace = " \t\r\n";
-    while (usable) {
-      rest.remove_prefix(std::min(rest.find_first_not_of(kSpace), rest.size()));
-      if (rest.empty()) break;
-      std::string_view word = rest.substr(0, rest.find_first_of(kSpace));
-      rest.remove_prefix(word.size());
-      if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
-      const auto number = parse_double(word);
-      usable = count < N && number && std::fabs(*number) <= kLargest;
-      if (usable) out[count++] = *number;
-    }
-    if (usable && count == N) return out;
-    wrong(text_.at(attribute),
-          fmt::format("{} of <{}> is {}, expected {} of at most {:g}", name, element.name(),
-                      in_quotes(attribute.value()), counted(N, "number"), kLargest));
-    return std::nullopt;
+    const auto found = values_.numbers(element, element.attribute(name), N, N);
+    if (!found) return std::nullopt;
+    std::array<double, N> out;
+    std::ranges::copy(*found, out.begin());
+    return out;
   }
 
   double number_or(const xml_node& element, const char* name, double otherwise) {
@@ -286,11 +267,10 @@ class RobotReader {
     }
     std::vector<std::string_view> names;
     for (const Link& each : out_.links) names.push_back(each.name);
-    const auto near = nearest_name(link.value(), names);
     c_.log.report(
         Code::E6220, text_.at(link),
         fmt::format("there is no link {}; the joint is left out", in_quotes(link.value())),
-        near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
+        near_hint(link.value(), names));
     return kNone;
   }
 
@@ -309,10 +289,7 @@ class RobotReader {
     const Vec3 usual(1, 0, 0);
     const auto xyz = numbers<3>(element.child("axis"), "xyz");
     if (!xyz) return usual;
-    const Vec3 axis((*xyz)[0], (*xyz)[1], (*xyz)[2]);
-    const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
-    // in two steps, so that no square gets lost
-    if (largest > 0 && std::isfinite(1 / largest)) return glm::normalize(axis / largest);
+    if (const auto axis = unit_vector({(*xyz)[0], (*xyz)[1], (*xyz)[2]})) return *axis;
     wrong(text_.at(element.child("axis").attribute("xyz")),
           "the axis has no length, expected a direction; 1 0 0 is taken");
     return usual;
@@ -392,6 +369,7 @@ class RobotReader {
 
   const XmlText& text_;
   meshes::ReaderContext& c_;
+  XmlValues values_;
   Robot out_;
   std::unordered_map<std::string, std::int32_t> link_named_, joint_named_, paint_named_;
   std::vector<Later> later_;

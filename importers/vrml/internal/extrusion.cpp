@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "importers/vrml/internal/faces.h"
 
 namespace panwright::importers::vrml {
@@ -323,15 +324,12 @@ class ExtrusionMesher {
 
   // The larger side of the cross-section's bounds runs from 0 to 1.
   void make_cap_texcoords() {
-    Vec2 low = vec2_at(in_.cross_section, 0);
-    Vec2 high = low;
-    for (std::size_t j = 1; j < around_; ++j) {
-      low = glm::min(low, vec2_at(in_.cross_section, j));
-      high = glm::max(high, vec2_at(in_.cross_section, j));
-    }
-    const double size = std::max(high.x - low.x, high.y - low.y);
+    const Vec2 first = vec2_at(in_.cross_section, 0);
+    AxisRectangle bounds{first, first};
+    for (std::size_t j = 1; j < around_; ++j) bounds.add(vec2_at(in_.cross_section, j));
+    const double size = bounds.longest();
     for (std::size_t j = 0; j < around_; ++j) {
-      const Vec2 at = (vec2_at(in_.cross_section, j) - low) / (size > 0 ? size : 1);
+      const Vec2 at = (vec2_at(in_.cross_section, j) - bounds.low) / (size > 0 ? size : 1);
       texcoords_.insert(texcoords_.end(), {at.x, at.y});
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/polygon.h"
 #include "geometry/tessellate/tessellate.h"
@@ -346,13 +347,10 @@ class FaceMesher {
   // longest, to the same measure.
   void make_texcoords() {
     if (out_.positions.empty()) return;
-    Vec3 low = out_.positions[0];
-    Vec3 high = low;
-    for (const Vec3& p : out_.positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    const Vec3 size = high - low;
+    AxisBox box{out_.positions[0], out_.positions[0]};
+    for (const Vec3& p : out_.positions) box.add(p);
+    const Vec3& low = box.low;
+    const Vec3 size = box.extent();
     const int s = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int one = s == 0 ? 1 : 0;
     const int two = s == 2 ? 1 : 2;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 
 namespace panwright::preview::reference {
@@ -13,16 +14,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // pixels; instances of boxes up to this wide are measured by their vertices
 constexpr double kSmall = 8;
-
-struct Area {
-  Vec2 low{kInfinity};
-  Vec2 high{-kInfinity};
-  void add(const Vec2& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  bool empty() const { return !(low.x <= high.x && low.y <= high.y); }
-};
 
 // Where a set of points falls, widened by what rounding is worth. all: behind or beside the camera
 // too, so that it may be anywhere.
@@ -40,9 +31,9 @@ class Projected {
       area_.add(camera_.focal * (Vec2(at) / at.z) + camera_.principal);
   }
 
-  Area area() const {
+  AxisRectangle area() const {
     const double focal = std::max(camera_.focal.x, camera_.focal.y);
-    Area result = area_;
+    AxisRectangle result = area_;
     double slack = focal * rounding_;
     if (camera_.projection == world::Projection::perspective) {
       if (!(nearest_ > 2 * rounding_)) return {Vec2(-kInfinity), Vec2(kInfinity)};
@@ -50,10 +41,8 @@ class Projected {
     }
     if (result.empty()) return result;
     const Vec2 far = glm::max(glm::abs(result.low), glm::abs(result.high));
-    slack += 1e-5 * std::max(result.high.x - result.low.x, result.high.y - result.low.y) +
-             1e-14 * std::max({far.x, far.y, focal});
-    result.low -= slack;
-    result.high += slack;
+    slack += 1e-5 * result.longest() + 1e-14 * std::max({far.x, far.y, focal});
+    result.widen(slack);
     return result;
   }
 
@@ -62,7 +51,7 @@ class Projected {
   const Affine& camera_from_mesh_;
   double rounding_;
   double nearest_ = kInfinity;
-  Area area_;
+  AxisRectangle area_;
 };
 
 std::array<Vec3, 8> corners_of(const TraceModel::Part& part) {
@@ -90,8 +79,8 @@ bool is_out_of_view(const world::Camera& camera, std::span<const Vec3> corners) 
   return behind || left || right || above || below;
 }
 
-Area area_of(const world::Camera& camera, const TraceModel::Part& part,
-             const Affine& camera_from_mesh, const Vec3& target) {
+AxisRectangle area_of(const world::Camera& camera, const TraceModel::Part& part,
+                      const Affine& camera_from_mesh, const Vec3& target) {
   std::array<Vec3, 8> corners = corners_of(part);
   const Vec3 far =
       glm::max(glm::abs(camera_from_mesh.offset), glm::abs(camera.position) + glm::abs(target));
@@ -103,7 +92,7 @@ Area area_of(const world::Camera& camera, const TraceModel::Part& part,
     corner = camera_from_mesh(corner);
   }
   if (is_out_of_view(camera, corners)) return {};
-  const Area area = whole.area();
+  const AxisRectangle area = whole.area();
   const Vec2 size = area.high - area.low;
   if (!(std::max(size.x, size.y) <= kSmall)) return area;
   Projected vertices(camera, camera_from_mesh, rounding);
@@ -114,7 +103,7 @@ Area area_of(const world::Camera& camera, const TraceModel::Part& part,
 // Pixels with the parts that areas cover.
 class Grid {
  public:
-  Grid(std::uint32_t width, std::uint32_t height, const Area& bounds) {
+  Grid(std::uint32_t width, std::uint32_t height, const AxisRectangle& bounds) {
     const auto pixel = [](double at, std::uint32_t size) {
       return static_cast<std::int64_t>(std::clamp(at, 0.0, static_cast<double>(size)));
     };
@@ -126,7 +115,7 @@ class Grid {
     inside_.resize(static_cast<std::size_t>((columns_ + 1) * (rows_ + 1)));
   }
 
-  void add(const Area& area) {
+  void add(const AxisRectangle& area) {
     const std::int64_t x0 = clamped(std::floor(area.low.x) - static_cast<double>(left_), columns_);
     const std::int64_t y0 = clamped(std::floor(area.low.y) - static_cast<double>(top_), rows_);
     const std::int64_t x1 = clamped(std::ceil(area.high.x) - static_cast<double>(left_), columns_);
@@ -150,7 +139,7 @@ class Grid {
           x = a1 - 1;
           continue;
         }
-        Area& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
+        AxisRectangle& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
         const Vec2 corner(static_cast<double>(left_ + x), static_cast<double>(top_ + y));
         part.add(glm::clamp(area.low - corner, Vec2(0), Vec2(1)));
         part.add(glm::clamp(area.high - corner, Vec2(0), Vec2(1)));
@@ -170,7 +159,7 @@ class Grid {
         cell.column = static_cast<std::uint32_t>(left_ + x);
         cell.row = static_cast<std::uint32_t>(top_ + y);
         if (covered == 0) {
-          const Area& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
+          const AxisRectangle& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
           if (!(part.low.x < part.high.x && part.low.y < part.high.y)) continue;
           cell.low = part.low;
           cell.high = part.high;
@@ -190,14 +179,14 @@ class Grid {
   }
 
   std::int64_t left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;
-  std::vector<Area> parts_;
+  std::vector<AxisRectangle> parts_;
   std::vector<std::int32_t> inside_;
 };
 
 }  // namespace
 
 std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera) {
-  std::vector<Area> areas;
+  std::vector<AxisRectangle> areas;
   for (const TraceScene::Placed& placed : scene.targets()) {
     const Affine camera_from_model = between(scene.camera(), placed.frame);
     const TraceTarget& target = *placed.target;
@@ -210,15 +199,15 @@ std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera)
                                  camera_from_mesh, placed.frame.position);
     });
   }
-  Area bounds;
-  for (const Area& area : areas) {
+  AxisRectangle bounds;
+  for (const AxisRectangle& area : areas) {
     if (area.empty()) continue;
     bounds.add(area.low);
     bounds.add(area.high);
   }
   if (bounds.empty()) return {};
   Grid grid(camera.width, camera.height, bounds);
-  for (const Area& area : areas)
+  for (const AxisRectangle& area : areas)
     if (!area.empty()) grid.add(area);
   return grid.cells();
 }

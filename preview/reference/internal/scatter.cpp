@@ -14,7 +14,10 @@ constexpr double kLeastSlope = 1e-4;
 }  // namespace
 
 Scatter::Scatter(const materials::Material& material)
-    : Scatter(materials::Scattering(material), materials::narrowest_slope(material)) {}
+    : Scatter(
+          materials::Scattering(material),
+          std::min(1.0,
+                   materials::narrowest_slope(material, materials::Lobes::finite).value_or(1))) {}
 
 bool Scatter::is_narrow() const { return slope < kNarrowSlope; }
 

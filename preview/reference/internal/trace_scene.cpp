@@ -105,19 +105,19 @@ void TraceScene::update(const world::World& world, const Job& job) {
 void TraceScene::place_camera(const world::Camera& camera) {
   camera_ = frame_of(camera);
   for (Placed& placed : targets_) placed.from_camera = between(placed.frame, camera_);
-  std::vector<geometry::AxisBox> boxes(targets_.size());
+  std::vector<AxisBox> boxes(targets_.size());
   double far = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Placed& placed = targets_[i];
     const Vec3 offset = placed.frame.position - camera_.position;
-    const geometry::AxisBox& bounds = placed.target->bounds();
+    const AxisBox& bounds = placed.target->bounds();
     for_corners(bounds.low, bounds.high, [&](const Vec3& corner) {
       boxes[i].add(placed.frame.world_from * corner + offset);
     });
     far = std::max({far, largest(boxes[i].low), largest(boxes[i].high), largest(bounds.low),
                     largest(bounds.high)});
   }
-  for (geometry::AxisBox& box : boxes)
+  for (AxisBox& box : boxes)
     box.widen(kSizeSlack * largest(box.high - box.low) + kDistanceSlack * far);
   tree_.build(std::move(boxes));
 }

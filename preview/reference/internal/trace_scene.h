@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/job.h"
 #include "geometry/ray/box_tree.h"
 #include "geometry/ray/instances.h"
@@ -30,7 +31,7 @@ class TraceTarget {
   // Visible parts, ascending, and their placements; numbered as hits are.
   std::span<const std::uint32_t> parts() const { return parts_; }
   std::span<const Placement> placements() const { return placements_; }
-  const geometry::AxisBox& bounds() const { return bounds_; }  // empty: fully hidden
+  const AxisBox& bounds() const { return bounds_; }  // empty: fully hidden
 
   // Returns the nearest surface, except holes; the inside of closed meshes counts, unless by a
   // camera.
@@ -55,7 +56,7 @@ class TraceTarget {
   std::vector<std::uint32_t> parts_;
   std::vector<Placement> placements_;
   geometry::InstanceCaster caster_;
-  geometry::AxisBox bounds_;
+  AxisBox bounds_;
   bool has_holes_ = false;
 };
 

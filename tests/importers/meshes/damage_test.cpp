@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "base/clock.h"
 #include "tests/importers/meshes/mesh_files.h"
 
 namespace panwright::importers::damage_test {
@@ -34,7 +35,7 @@ double read_damaged(const std::string& name, const std::string& bytes) {
     EXPECT_TRUE(out->log.has_errors()) << name << " is refused without a reason";
   }
   EXPECT_LT(out->text().size(), 1u << 20);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return seconds_since(start);
 }
 
 // Everything that OBJ has.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 
+#include "base/clock.h"
 #include "tests/importers/vrml/vrml_reading.h"
 
 namespace panwright::importers::vrml::vrml_hostile_test {
@@ -109,7 +110,7 @@ template <class Work>
 double seconds(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return seconds_since(start);
 }
 
 std::string repeated(const std::string& text, int count) {
@@ -118,7 +119,8 @@ std::string repeated(const std::string& text, int count) {
   return out;
 }
 
-// seconds: no hang, whatever the machine does besides; measured 0.2 at most, with sanitizers on a busy machine 9.5
+// seconds: no hang, whatever the machine does besides; measured 0.2 at most, with sanitizers on a
+// busy machine 9.5
 constexpr double kMost = 120;
 
 void expect_refused(const std::string& body, const Options& options = {}) {
@@ -229,8 +231,10 @@ TEST(VrmlHostile, SizesThatLie) {
   EXPECT_TRUE(grid->out);
 }
 
-// Ten times as many take ten times as long, not a hundred: times beside each other, as the machine may be busy.
-void expect_linear(const std::function<std::string(int)>& text, int count, const std::string& what) {
+// Ten times as many take ten times as long, not a hundred: times beside each other, as the machine
+// may be busy.
+void expect_linear(const std::function<std::string(int)>& text, int count,
+                   const std::string& what) {
   const auto time_of = [&](int n) {
     const std::string body = text(n);
     return seconds([&] {
@@ -249,7 +253,8 @@ TEST(VrmlHostile, MillionsOfProblems) {
       [](int n) {
         std::string names;
         for (int i = 0; i < n; ++i)
-          names += "DEF name" + std::to_string(i) + " Group { } USE nome" + std::to_string(i) + "\n";
+          names +=
+              "DEF name" + std::to_string(i) + " Group { } USE nome" + std::to_string(i) + "\n";
         return names;
       },
       30'000, "names");

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/axis_box.h"
 #include "geometry/tessellate/tessellate.h"
 #include "tests/importers/vrml/vrml_reading.h"
 
@@ -175,23 +176,15 @@ TEST(VrmlScene, MisplacedNodes) {
 
 // ---- shapes
 
-struct Bounds {
-  Vec3 low{1e300};
-  Vec3 high{-1e300};
-};
-
-Bounds bounds_of(const Reading& reading) {
-  Bounds out;
+AxisBox bounds_of(const Reading& reading) {
+  AxisBox out;
   const auto world = scene::world_from_nodes(reading.scene());
   for (const scene::Instance& instance : reading.scene().instances) {
     DiagnosticLog log;
     const auto& shape = reading.scene().shapes[static_cast<std::size_t>(instance.shape)];
     const auto mesh = geometry::tessellated(shape, {.max_error = 1e-4}, {}, log);
-    for (const Vec3& p : mesh->positions) {
-      const Vec3 q(world[static_cast<std::size_t>(instance.node)] * Vec4(p, 1));
-      out.low = glm::min(out.low, q);
-      out.high = glm::max(out.high, q);
-    }
+    for (const Vec3& p : mesh->positions)
+      out.add(Vec3(world[static_cast<std::size_t>(instance.node)] * Vec4(p, 1)));
   }
   return out;
 }
@@ -199,7 +192,7 @@ Bounds bounds_of(const Reading& reading) {
 void expect_bounds(const std::string& body, const Vec3& low, const Vec3& high) {
   const auto reading = read97(body);
   EXPECT_THAT(reading->places(), IsEmpty()) << to_text(reading->log);
-  const Bounds bounds = bounds_of(*reading);
+  const AxisBox bounds = bounds_of(*reading);
   EXPECT_LT(glm::length(bounds.low - low), 2e-4)
       << body;  // chord error 1e-4 on each axis; measured 1.44e-4
   EXPECT_LT(glm::length(bounds.high - high), 2e-4) << body;
