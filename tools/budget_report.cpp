@@ -218,14 +218,13 @@ std::string budget_page(const std::string& model, const scene::Budget& budget,
   Json sections = Json::array();
   sections.push_back(
       {{"cards",
-        Json::array(
-            {{spent.triangles,
-              without > spent.triangles
-                  ? fmt::format("triangles, of {} without this budget's cuts", without)
-                  : "triangles"},
-             {bytes_words(spent.bytes), "of vertices and indices"},
-             {bytes_words(report.bytes), "the file"},
-             {time_words(spent.seconds), "of one core, to make the meshes"}})}});
+        Json::array({{spent.triangles,
+                      without > spent.triangles
+                          ? fmt::format("triangles, of {} without this budget's cuts", without)
+                          : "triangles"},
+                     {bytes_words(spent.bytes), "of vertices and indices"},
+                     {bytes_words(report.bytes), "the file"},
+                     {time_words(spent.seconds), "of one core, to make the meshes"}})}});
   // Adds a table of at most kPageRows rows, of what is in a list.
   const auto table = [&](const char* title, std::string text, Json columns, const auto& list,
                          const auto& row) {
@@ -242,7 +241,9 @@ std::string budget_page(const std::string& model, const scene::Budget& budget,
         {{"text", "The model has no budget: every part is within 1 mm of its shape."}});
   else {
     table("Asked and achieved", "", {"term", "asked", "achieved, bounds"}, lines_of(budget, report),
-          [](const Line& line) { return Json{line.term, line.asked, line.achieved}; });
+          [](const Line& line) {
+            return Json{line.term, line.asked, line.achieved};
+          });
     sections.back()["table"]["words"] = true;
   }
   const double most =

@@ -21,8 +21,8 @@
 #include "tools/material_plots.h"
 #include "tools/overlay_text.h"
 #include "tools/print.h"
-#include "workspace/material_scene.h"
 #include "workspace/drawer.h"
+#include "workspace/material_scene.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
 
@@ -334,8 +334,10 @@ void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview:
 Result<preview::Image> sample_image(const DescribedMaterial& material, const Options& options,
                                     workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
-  const auto light = options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
-  const auto bytes = compiler::compiled(workspace::sample_scene(material, light), {}, log, context.job());
+  const auto light =
+      options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
+  const auto bytes =
+      compiler::compiled(workspace::sample_scene(material, light), {}, log, context.job());
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, material.material.name, log);
   if (!model || !model->check(log)) return failed;
@@ -343,7 +345,8 @@ Result<preview::Image> sample_image(const DescribedMaterial& material, const Opt
   if (!world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
     return failed;
   world.set_sun(workspace::sample_sun());
-  auto drawn = drawer.draw(world, workspace::sample_camera(options.width), false, log, context.job());
+  auto drawn =
+      drawer.draw(world, workspace::sample_camera(options.width), false, log, context.job());
   if (!drawn) return failed;
   return std::move(drawn->image);
 }
@@ -400,8 +403,8 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   }
   const char* const caption =
       options.light == "sun" ? "Sunlight alone, as in space." : kStudioCaption;
-  write_overlay_text(sheet, {10, sheet.height - kLabelHeight + 3, sheet.width - 20, kLabelHeight - 6},
-                     caption);
+  write_overlay_text(
+      sheet, {10, sheet.height - kLabelHeight + 3, sheet.width - 20, kLabelHeight - 6}, caption);
   context.step("write " + options.render);
   if (!preview::write_image(options.render, sheet, 0, context.log())) return false;
   context.wrote(options.render, fmt::format("{}x{}", sheet.width, sheet.height));

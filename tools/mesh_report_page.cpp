@@ -121,17 +121,17 @@ class Camera {
 
 Json totals(const geometry::CleanReport& total) {
   return Json::array({{"triangles before", total.triangles_before},
-          {"triangles after", total.triangles_after},
-          {"vertices before", total.vertices_before},
-          {"vertices after", total.vertices_after},
-          {"faces without area", total.degenerate},
-          {"duplicate faces", total.duplicates},
-          {"faces flipped", total.flipped},
-          {"components", total.components},
-          {"closed components", total.closed_components},
-          {"edges of three faces or more", total.non_manifold_edges},
-          {"holes", total.holes},
-          {"vertices on edges of other faces", total.t_junctions}});
+                      {"triangles after", total.triangles_after},
+                      {"vertices before", total.vertices_before},
+                      {"vertices after", total.vertices_after},
+                      {"faces without area", total.degenerate},
+                      {"duplicate faces", total.duplicates},
+                      {"faces flipped", total.flipped},
+                      {"components", total.components},
+                      {"closed components", total.closed_components},
+                      {"edges of three faces or more", total.non_manifold_edges},
+                      {"holes", total.holes},
+                      {"vertices on edges of other faces", total.t_junctions}});
 }
 
 // Section of the meshes that are not clean.

@@ -68,7 +68,8 @@ void write_overlay_text(preview::Image& image, const OverlayLine& line, std::str
       if (x < 0 || y < 0 || x >= static_cast<int>(image.width) ||
           y >= static_cast<int>(image.height))
         continue;
-      const std::size_t at = static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x);
+      const std::size_t at =
+          static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x);
       const float share = static_cast<float>(shares[static_cast<std::size_t>(k)]) / 255;
       const auto white = static_cast<float>(1 / kPi);  // in a PNG
       for (std::size_t c = 3 * at; c < 3 * at + 3; ++c)

@@ -51,12 +51,18 @@ TEST(ReportPage, NeedsNothingElse) {
 
 TEST(ReportPage, OfABudget) {
   const TemporaryFolder folder;
-  const std::string model = folder.write("<b>.pxn",
-                                         "<pangu_model ver=\"1\"><sphere radius=\"1\" id=\"&lt;i>\"/>"
-                                         "</pangu_model>");
+  const std::string model =
+      folder.write("<b>.pxn",
+                   "<pangu_model ver=\"1\"><sphere radius=\"1\" id=\"&lt;i>\"/>"
+                   "</pangu_model>");
   const auto compile = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {PANWRIGHT_BIN_DIR "/panwright", "compile", model, "-o",
-                                      folder / "a.pan", "--budget-report", folder / "r.html"};
+    std::vector<std::string> words = {PANWRIGHT_BIN_DIR "/panwright",
+                                      "compile",
+                                      model,
+                                      "-o",
+                                      folder / "a.pan",
+                                      "--budget-report",
+                                      folder / "r.html"};
     words.insert(words.end(), more.begin(), more.end());
     const support::Outcome done = support::run(words);
     EXPECT_EQ(done.code, 0) << done.err;
