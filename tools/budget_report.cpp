@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
 #include <vector>
 
 #include "base/file.h"
@@ -27,7 +26,6 @@ using compiler::Report;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kTextRows = 20;
-constexpr std::size_t kPageRows = 300;
 
 // What of the budget's terms was used, as far as there are bounds.
 struct Spent {
@@ -213,87 +211,26 @@ std::string budget_text(const std::string& model, const scene::Budget& budget,
 std::string budget_page(const std::string& model, const scene::Budget& budget,
                         const Report& report) {
   const Spent spent = spent_of(budget, report);
-  const FitReport& fit = report.fit;
-  const std::uint64_t without = spent.triangles + without_fit(report);
-  Json sections = Json::array();
-  sections.push_back(
-      {{"cards",
-        Json::array({{spent.triangles,
-                      without > spent.triangles
-                          ? fmt::format("triangles, of {} without this budget's cuts", without)
-                          : "triangles"},
-                     {bytes_words(spent.bytes), "of vertices and indices"},
-                     {bytes_words(report.bytes), "the file"},
-                     {time_words(spent.seconds), "of one core, to make the meshes"}})}});
-  // Adds a table of at most kPageRows rows, of what is in a list.
-  const auto table = [&](const char* title, std::string text, Json columns, const auto& list,
-                         const auto& row) {
-    Json rows = Json::array();
-    for (const auto& each : list | std::views::take(kPageRows)) rows.push_back(row(each));
-    if (list.size() > kPageRows)
-      text += fmt::format(" The first {} of {}.", kPageRows, list.size());
-    sections.push_back({{"title", title},
-                        {"text", text},
-                        {"table", {{"columns", std::move(columns)}, {"rows", std::move(rows)}}}});
-  };
+  Json all = budget_json(budget, report);
+  Json out{{"summary",
+            {{"triangles", spent.triangles},
+             {"triangles_without_cuts", spent.triangles + without_fit(report)},
+             {"bytes", spent.bytes},
+             {"file_bytes", report.bytes},
+             {"seconds", spent.seconds}}},
+           {"asked_and_achieved", Json::array()}};
+  for (const Line& line : lines_of(budget, report))
+    out["asked_and_achieved"].push_back(
+        {{"term", line.term}, {"asked", line.asked}, {"achieved", line.achieved}});
   if (!budget.any())
-    sections.push_back(
-        {{"text", "The model has no budget: every part is within 1 mm of its shape."}});
-  else {
-    table("Asked and achieved", "", {"term", "asked", "achieved, bounds"}, lines_of(budget, report),
-          [](const Line& line) {
-            return Json{line.term, line.asked, line.achieved};
-          });
-    sections.back()["table"]["words"] = true;
-  }
-  const double most =
-      report.parts.empty() ? 1 : std::max(1.0, static_cast<double>(report.parts[0].triangles));
-  const auto bar = [](double share, const char* color) {
-    return Json{{"share", share}, {"color", color}};
-  };
-  table("Parts", "",
-        {"part", "instances", "triangles", "", "bytes", "time", "nearest", "asked", "error",
-         "of what was asked", "decided by"},
-        report.parts, [&](const PartReport& part) {
-          const bool asked = part.asked > 0;
-          return Json{{part.name, part.mesh},
-                      part.instances,
-                      part.triangles,
-                      bar(static_cast<double>(part.triangles) / most, "#2f6db5"),
-                      bytes_words(part.bytes),
-                      time_words(seconds_of(part, report)),
-                      part.nearest > 0 ? length_in_words(part.nearest) : "–",
-                      asked ? length_in_words(part.asked) : "as given",
-                      length_in_words(part.achieved),
-                      asked ? bar(std::min(part.achieved / part.asked, 1.0), "#c98a1b") : Json(""),
-                      asked ? part.reason : "–"};
-        });
-  if (!fit.simplified.empty())
-    table("Simplified meshes", "",
-          {"first shown by", "triangles before", "after", "error, bound", "diffuse flux",
-           "normals, RMS", "time"},
-          fit.simplified, [](const compiler::Simplified& mesh) {
-            return Json{mesh.name,
-                        mesh.before,
-                        mesh.after,
-                        length_in_words(mesh.error),
-                        percent(mesh.flux),
-                        fmt::format("{:.2g}°", mesh.normals / kDegree),
-                        time_words(mesh.seconds)};
-          });
-  if (fit.pieces_left_out > 0)
-    table("Left out",
-          fmt::format("{} of {}; a tolerance of its own keeps a part.", fit.pieces_left_out,
-                      counted(fit.pieces, "part")),
-          {"part", "pieces", "triangles", "largest area, m²"}, fit.left_out,
-          [](const compiler::LeftOut& part) {
-            return Json{part.name, part.pieces,
-                        part.triangles > 0 ? Json(part.triangles) : Json("–"),
-                        fmt::format("{:.3g}", part.area)};
-          });
-  return report_page({{"title", std::filesystem::path(model).filename().string()},
-                      {"kind", "budget"},
-                      {"sections", std::move(sections)}});
+    out["asked_and_achieved"] = "The model has no budget: every part is within 1 mm of its shape.";
+  for (Json& part : all["parts"])
+    part["share_of_tolerance"] =
+        part["tolerance"].is_null()
+            ? Json()
+            : Json(part["error"].get<double>() / part["tolerance"].get<double>());
+  for (const char* name : {"parts", "simplified", "left_out"}) out[name] = std::move(all[name]);
+  return report_page(std::filesystem::path(model).filename().string() + ": budget", out);
 }
 
 bool write_budget_report(const std::string& file, const std::string& model,

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -17,25 +16,12 @@
 namespace panwright::tools {
 namespace {
 
-using Points = Plot::Points;
-
-constexpr const char* kChannels[] = {"650 nm", "550 nm", "450 nm"};
-constexpr const char* kChannelColors[] = {"#c0392b", "#27ae60", "#2c6fbb"};
-
 constexpr const char* kLightColors[] = {"#222222", "#2c6fbb", "#27ae60", "#c0392b"};
 
-// Plot over the viewing angle, −90° to 90°.
-Plot lobe_plot(const std::string& title, const char* x_name, const char* y_name, double bottom,
-               double top) {
-  return Plot({.title = title,
-               .x_name = x_name,
-               .y_name = y_name,
-               .left = -90,
-               .right = 90,
-               .bottom = bottom,
-               .top = top,
-               .logarithmic = true,
-               .x_step = 30});
+// Plot over the viewing angle, −90° to 90°, without curves.
+Plot lobe_plot(double bottom, double top) {
+  return {
+      .left = -90, .right = 90, .bottom = bottom, .top = top, .logarithmic = true, .x_step = 30};
 }
 
 // Direction in the plane of incidence.
@@ -47,27 +33,32 @@ Vec3 direction_at(double degrees) {
 }  // namespace
 
 std::string albedo_plot(const materials::Material& material) {
-  Plot plot({.title = material.name + ": directional albedo",
-             .x_name = "angle from the normal, degrees",
-             .y_name = "albedo",
-             .right = 90,
-             .x_step = 15});
-  std::array<Points, 3> curves;
+  Plot plot{
+      .title = material.name + ": directional albedo",
+      .x_name = "angle from the normal, degrees",
+      .y_name = "albedo",
+      .right = 90,
+      .x_step = 15,
+      .curves = {{{}, "#c0392b", "650 nm"}, {{}, "#27ae60", "550 nm"}, {{}, "#2c6fbb", "450 nm"}}};
   for (const int angle :
        {0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80, 83, 86, 88}) {
     const Vec3 albedo = materials::directional_albedo(material, det::cos(angle * kDegree));
-    for (std::size_t k = 0; k < 3; ++k) curves[k].emplace_back(angle, albedo[static_cast<int>(k)]);
+    for (int k = 0; k < 3; ++k)
+      plot.curves[static_cast<std::size_t>(k)].points.emplace_back(angle, albedo[k]);
   }
-  for (std::size_t k = 0; k < 3; ++k) plot.curve(curves[k], kChannelColors[k], kChannels[k]);
-  return plot.finish();
+  return svg_of(plot);
 }
 
 std::string slices_plot(const materials::Material& material) {
   constexpr int kLights_deg[] = {0, 30, 60, 80};
   const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
-  std::array<Points, 4> curves;
+  std::vector<PlotCurve> curves;
   double peak = 1e-30;
-  for (std::size_t i = 0; i < 4; ++i)
+  for (std::size_t i = 0; i < 4; ++i) {
+    PlotPoints& points =
+        curves
+            .emplace_back(PlotCurve{{}, kLightColors[i], fmt::format("light {}°", kLights_deg[i])})
+            .points;
     // note: half a degree apart, and finely about the mirrored direction and the light
     for (int step = -1780; step <= 1780; ++step) {
       const double angle = step * 0.05;
@@ -78,17 +69,17 @@ std::string slices_plot(const materials::Material& material) {
                                           direction_at(angle), Vec3(0, 0, 1), Vec3(1), local);
       const double value = kPi * (f.x + f.y + f.z) / 3;
       peak = std::max(peak, value);
-      curves[i].emplace_back(angle, value);
+      points.emplace_back(angle, value);
     }
+  }
   const double top = std::ceil(det::log10(peak));
   const double bottom = std::max(top - 6, -4.0) < top - 2 ? std::max(top - 6, -4.0) : top - 2;
-  Plot plot =
-      lobe_plot(material.name + ": reflectance in the plane of incidence",
-                "viewing angle, degrees (light from the left, its mirror image to the right)",
-                "π f", bottom, top);
-  for (std::size_t i = 0; i < 4; ++i)
-    plot.curve(curves[i], kLightColors[i], fmt::format("light {}°", kLights_deg[i]));
-  return plot.finish();
+  Plot plot = lobe_plot(bottom, top);
+  plot.title = material.name + ": reflectance in the plane of incidence";
+  plot.x_name = "viewing angle, degrees (light from the left, its mirror image to the right)";
+  plot.y_name = "π f";
+  plot.curves = std::move(curves);
+  return svg_of(plot);
 }
 
 std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit,
@@ -96,7 +87,7 @@ std::string fit_plot(const std::vector<materials::Reading>& readings, const mate
   // viewing angles are positive on the far side of the normal from the light
   struct Slice {
     int light_deg;
-    Points measured;
+    PlotPoints measured;
   };
   std::vector<Slice> slices;
   double least = 1, most = 1e-6;
@@ -119,21 +110,23 @@ std::string fit_plot(const std::vector<materials::Reading>& readings, const mate
   const double bottom = std::floor(det::log10(least));
   const double top = std::max(std::ceil(det::log10(most)), bottom + 1);
   constexpr const char* kBands[] = {" in red", " in green", " in blue"};
-  Plot plot = lobe_plot(fmt::format("{}{}: readings, and {} ({:.3f} decades RMS)", name,
-                                    band < 0 ? "" : kBands[band], fit.brdf, fit.rms_decades),
-                        "viewing angle, degrees (light from the left)", "f, 1/sr", bottom, top);
+  Plot plot = lobe_plot(bottom, top);
+  plot.title = fmt::format("{}{}: readings, and {} ({:.3f} decades RMS)", name,
+                           band < 0 ? "" : kBands[band], fit.brdf, fit.rms_decades);
+  plot.x_name = "viewing angle, degrees (light from the left)";
+  plot.y_name = "f, 1/sr";
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    plot.dots(slices[i].measured, kLightColors[i]);
     const Vec3 light = direction_at(-slices[i].light_deg);
-    Points curve;
+    PlotPoints curve;
     for (int step = -178; step <= 178; ++step) {
       const Vec3 f =
           materials::f64::brdf(fit.material, light, direction_at(step * 0.5), Vec3(0, 0, 1));
       curve.emplace_back(step * 0.5, band < 0 ? f.y : f[band]);
     }
-    plot.curve(curve, kLightColors[i], fmt::format("light {}°", slices[i].light_deg));
+    plot.curves.push_back({curve, kLightColors[i], fmt::format("light {}°", slices[i].light_deg),
+                           slices[i].measured});
   }
-  return plot.finish();
+  return svg_of(plot);
 }
 
 }  // namespace panwright::tools

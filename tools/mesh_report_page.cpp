@@ -27,7 +27,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t kSide = 360;         // pixels of an image
 constexpr std::size_t kTexturesOfAKind = 6;  // the worst
 constexpr double kRing = 0.16;               // of the image: the ring's radius
-constexpr std::size_t kMeshRows = 200;
 
 std::string base64(std::string_view bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -119,39 +118,13 @@ class Camera {
   std::filesystem::path file_;
 };
 
-Json totals(const geometry::CleanReport& total) {
-  return Json::array({{"triangles before", total.triangles_before},
-                      {"triangles after", total.triangles_after},
-                      {"vertices before", total.vertices_before},
-                      {"vertices after", total.vertices_after},
-                      {"faces without area", total.degenerate},
-                      {"duplicate faces", total.duplicates},
-                      {"faces flipped", total.flipped},
-                      {"components", total.components},
-                      {"closed components", total.closed_components},
-                      {"edges of three faces or more", total.non_manifold_edges},
-                      {"holes", total.holes},
-                      {"vertices on edges of other faces", total.t_junctions}});
-}
-
-// Section of the meshes that are not clean.
-Json unclean_meshes(const importers::MeshReport& mesh_report) {
-  Json rows = Json::array();
-  for (const importers::MeshQuality& mesh : mesh_report.meshes) {
-    const geometry::CleanReport& r = mesh.report;
-    if (r.holes + r.non_manifold_edges + r.t_junctions + r.flipped == 0) continue;
-    if (rows.size() == kMeshRows) break;
-    rows.push_back(
-        {mesh.path, r.triangles_after, r.holes, r.non_manifold_edges, r.t_junctions, r.flipped});
-  }
-  if (rows.empty()) return {{"text", "Every mesh is clean."}};
-  Json out{{"title", "Meshes"},
-           {"table",
-            {{"columns",
-              {"first location", "triangles", "holes", "non-manifold edges", "T-junctions",
-               "flipped"}}}}};
-  if (rows.size() == kMeshRows) out["text"] = fmt::format("The first {}.", kMeshRows);
-  out["table"]["rows"] = std::move(rows);
+// The members of a mesh or of the total that the page shows.
+Json shown_of(const Json& report) {
+  Json out;
+  for (const char* name : {"path", "triangles_before", "triangles_after", "vertices_before",
+                           "vertices_after", "degenerate", "duplicates", "flipped", "components",
+                           "closed_components", "non_manifold_edges", "holes", "t_junctions"})
+    if (report.contains(name)) out[name] = report[name];
   return out;
 }
 
@@ -161,12 +134,11 @@ Result<std::string> mesh_report_page(const importers::MeshReport& mesh_report,
                                      const scene::Scene& scene, const std::string& input,
                                      const workspace::OpenOptions& options, DiagnosticLog& log,
                                      const Job& job) {
-  Json sections = Json::array();
-  sections.push_back({{"table", {{"rows", totals(mesh_report.total)}}}});
+  const Json all = Json::parse(importers::to_json(mesh_report));
+  Json out{{"total", shown_of(all["total"])}};
   if (!mesh_report.spots.empty()) {
     Camera camera(scene, options, job);
-    Json section{{"title", "Locations to inspect"}, {"images", Json::array()}};
-    if (!camera.works()) section["text"] = "No images: no OpenGL context.";
+    Json images = Json::array();
     std::array<std::size_t, 8> shown{};
     for (const importers::WorldSpot& spot : mesh_report.spots) {
       if (job.cancelled() || !camera.works()) break;
@@ -174,23 +146,28 @@ Result<std::string> mesh_report_page(const importers::MeshReport& mesh_report,
       const std::string image = camera.image(spot);
       if (image.empty()) continue;
       const bool flipped = spot.kind == geometry::SpotKind::flipped;
-      section["images"].push_back(
-          {{"source", "data:image/png;base64," + image},
+      images.push_back(
+          {{"image", "data:image/png;base64," + image},
            {"caption",
             fmt::format("{}, {:.3g} m, in {}, at {:.4g} {:.4g} {:.4g}",
                         flipped ? "flipped region" : importers::kind_name(spot.kind), spot.length,
                         mesh_report.meshes[spot.mesh].path, spot.at.x, spot.at.y, spot.at.z)}});
     }
-    sections.push_back(std::move(section));
+    out["locations_to_inspect"] =
+        camera.works() ? std::move(images) : Json("No images: no OpenGL context.");
   }
   if (job.cancelled()) {
     report_cancelled(log);
     return failed;
   }
-  sections.push_back(unclean_meshes(mesh_report));
-  return report_page({{"title", std::filesystem::path(input).filename().string()},
-                      {"kind", "mesh report"},
-                      {"sections", std::move(sections)}});
+  Json& meshes = out["meshes"] = Json::array();
+  for (std::size_t i = 0; i < mesh_report.meshes.size(); ++i) {
+    const geometry::CleanReport& r = mesh_report.meshes[i].report;
+    if (r.holes + r.non_manifold_edges + r.t_junctions + r.flipped > 0)
+      meshes.push_back(shown_of(all["meshes"][i]));
+  }
+  if (meshes.empty()) meshes = "Every mesh is clean.";
+  return report_page(std::filesystem::path(input).filename().string() + ": mesh report", out);
 }
 
 }  // namespace panwright::tools
