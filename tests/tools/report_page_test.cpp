@@ -52,7 +52,7 @@ TEST(ReportPage, OfABudget) {
   const TemporaryFolder folder;
   const std::string model =
       folder.write("<b>.pxn",
-                   "<pangu_model ver=\"1\"><sphere radius=\"1\" id=\"&lt;i>\"/>"
+                   "<pangu_model ver=\"1\"><sphere radius=\"1\" name=\"&lt;i>\"/>"
                    "</pangu_model>");
   const auto compile = [&](std::vector<std::string> more) {
     std::vector<std::string> words = {PANWRIGHT_BIN_DIR "/panwright",
