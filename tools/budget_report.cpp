@@ -11,7 +11,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "compiler/size.h"
-#include "tools/html.h"
+#include "tools/report_page.h"
 #include "tools/words.h"
 #include "workspace/open.h"
 
@@ -26,7 +26,6 @@ using compiler::Report;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kTextRows = 20;
-constexpr std::size_t kPageRows = 300;
 
 // What of the budget's terms was used, as far as there are bounds.
 struct Spent {
@@ -212,112 +211,26 @@ std::string budget_text(const std::string& model, const scene::Budget& budget,
 std::string budget_page(const std::string& model, const scene::Budget& budget,
                         const Report& report) {
   const Spent spent = spent_of(budget, report);
-  const std::string name = html_escaped(std::filesystem::path(model).filename().string());
-  std::string out = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<title>{0}: budget</title>\n<style>\n"
-      "body {{ font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 84em; "
-      "padding: 0 1em; color: #1c2430; background: #fff; }}\n"
-      "table {{ border-collapse: collapse; margin: .6em 0 1.6em; width: 100%; }}\n"
-      "td, th {{ padding: .25em .7em; text-align: right; border-bottom: 1px solid #dde2e8; "
-      "white-space: nowrap; }}\n"
-      "th {{ font-weight: 600; color: #4a5563; }}\n"
-      "td:first-child, th:first-child {{ text-align: left; white-space: normal; "
-      "min-width: 9em; overflow-wrap: anywhere; }}\n"
-      ".words td, .words th {{ text-align: left; }}\n"
-      ".bar {{ min-width: 7em; text-align: left; }}\n"
-      ".bar div {{ height: .8em; background: #2f6db5; min-width: 1px; }}\n"
-      ".bar .ratio {{ background: #c98a1b; }}\n"
-      ".big {{ font-size: 22px; font-weight: 600; }}\n"
-      ".cards {{ display: flex; flex-wrap: wrap; gap: 2.2em; margin: 1em 0 1.4em; }}\n"
-      ".cards span {{ display: block; color: #4a5563; font-size: 13px; }}\n"
-      "</style></head>\n<body>\n<h1>{0}</h1>\n",
-      name);
-  const auto card = [&](const std::string& value, const std::string& what) {
-    out += fmt::format("<div><div class=\"big\">{}</div><span>{}</span></div>\n", value, what);
-  };
-  out += "<div class=\"cards\">\n";
-  card(fmt::format("{}", spent.triangles),
-       without_fit(report) > 0 ? fmt::format("triangles, of {} without this budget's cuts",
-                                             spent.triangles + without_fit(report))
-                               : "triangles");
-  card(bytes_words(spent.bytes), "of vertices and indices");
-  card(bytes_words(report.bytes), "the file");
-  card(time_words(spent.seconds), "of one core, to make the meshes");
-  out += "</div>\n";
-  if (!budget.any()) {
-    out += "<p>The model has no budget: every part is within 1 mm of its shape.</p>\n";
-  } else {
-    out +=
-        "<h2>Asked and achieved</h2>\n<table class=\"words\">\n"
-        "<tr><th>term</th><th>asked</th><th>achieved, bounds</th></tr>\n";
-    for (const Line& line : lines_of(budget, report))
-      out += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", line.term,
-                         html_escaped(line.asked), html_escaped(line.achieved));
-    out += "</table>\n";
-  }
-  out +=
-      "<h2>Parts</h2>\n<table>\n<tr><th>part</th><th>instances</th><th>triangles</th><th></th>"
-      "<th>bytes</th><th>time</th><th>nearest</th><th>asked</th><th>error</th>"
-      "<th>of what was asked</th><th>decided by</th></tr>\n";
-  const double most = report.parts.empty()
-                          ? 1
-                          : std::max<double>(1, static_cast<double>(report.parts[0].triangles));
-  for (std::size_t i = 0; i < std::min(kPageRows, report.parts.size()); ++i) {
-    const PartReport& part = report.parts[i];
-    const double ratio = part.asked > 0 ? std::min(part.achieved / part.asked, 1.0) : 0;
-    out += fmt::format(
-        "<tr><td>{} <small>{}</small></td><td>{}</td><td>{}</td><td class=\"bar\"><div "
-        "style=\"width: "
-        "{:.1f}%\"></div></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
-        "<td class=\"bar\">{}</td><td>{}</td></tr>\n",
-        html_escaped(part.name), html_escaped(part.mesh), part.instances, part.triangles,
-        100 * static_cast<double>(part.triangles) / most, bytes_words(part.bytes),
-        time_words(seconds_of(part, report)),
-        part.nearest > 0 ? length_in_words(part.nearest) : "–",
-        part.asked > 0 ? length_in_words(part.asked) : "as given", length_in_words(part.achieved),
-        part.asked > 0
-            ? fmt::format(
-                  "<div class=\"ratio\" title=\"{0:.0f} %\" style=\"width: {0:.0f}%\"></div>",
-                  100 * ratio)
-            : "",
-        part.asked > 0 ? html_escaped(part.reason) : "–");
-  }
-  out += "</table>\n";
-  if (report.parts.size() > kPageRows)
-    out +=
-        fmt::format("<p>and {} more, with fewer triangles.</p>\n", report.parts.size() - kPageRows);
-  const FitReport& fit = report.fit;
-  if (!fit.simplified.empty()) {
-    out +=
-        "<h2>Simplified meshes</h2>\n<table>\n<tr><th>first shown by</th><th>triangles before"
-        "</th><th>after</th><th>error, bound</th><th>diffuse flux</th><th>normals, RMS</th>"
-        "<th>time</th></tr>\n";
-    for (std::size_t i = 0; i < std::min(kPageRows, fit.simplified.size()); ++i) {
-      const compiler::Simplified& mesh = fit.simplified[i];
-      out += fmt::format(
-          "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2g}°</td><td>{}</td>"
-          "</tr>\n",
-          html_escaped(mesh.name), mesh.before, mesh.after, length_in_words(mesh.error),
-          percent(mesh.flux), mesh.normals / kDegree, time_words(mesh.seconds));
-    }
-    out += "</table>\n";
-  }
-  if (fit.pieces_left_out > 0) {
-    out += fmt::format(
-        "<h2>Left out</h2>\n<p>{} of {}; a tolerance of its own keeps a part.</p>\n"
-        "<table>\n<tr><th>part</th><th>pieces</th><th>triangles</th><th>largest area, "
-        "m²</th></tr>\n",
-        fit.pieces_left_out, counted(fit.pieces, "part"));
-    for (std::size_t i = 0; i < std::min(kPageRows, fit.left_out.size()); ++i) {
-      const compiler::LeftOut& part = fit.left_out[i];
-      out += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.3g}</td></tr>\n",
-                         html_escaped(part.name), part.pieces,
-                         part.triangles > 0 ? fmt::format("{}", part.triangles) : "–", part.area);
-    }
-    out += "</table>\n";
-  }
-  return out + "</body></html>\n";
+  Json all = budget_json(budget, report);
+  Json out{{"summary",
+            {{"triangles", spent.triangles},
+             {"triangles_without_cuts", spent.triangles + without_fit(report)},
+             {"bytes", spent.bytes},
+             {"file_bytes", report.bytes},
+             {"seconds", spent.seconds}}},
+           {"asked_and_achieved", Json::array()}};
+  for (const Line& line : lines_of(budget, report))
+    out["asked_and_achieved"].push_back(
+        {{"term", line.term}, {"asked", line.asked}, {"achieved", line.achieved}});
+  if (!budget.any())
+    out["asked_and_achieved"] = "The model has no budget: every part is within 1 mm of its shape.";
+  for (Json& part : all["parts"])
+    part["share_of_tolerance"] =
+        part["tolerance"].is_null()
+            ? Json()
+            : Json(part["error"].get<double>() / part["tolerance"].get<double>());
+  for (const char* name : {"parts", "simplified", "left_out"}) out[name] = std::move(all[name]);
+  return report_page(std::filesystem::path(model).filename().string() + ": budget", out);
 }
 
 bool write_budget_report(const std::string& file, const std::string& model,

@@ -399,14 +399,13 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
     const std::string& name = all[i].material.name;
-    write_overlay_text(sheet, x + 10, y + 6, 12 * name.size() + 10 < options.width ? 2 : 1, name);
+    write_overlay_text(sheet, {x + 10, y + 3, options.width - 20, kLabelHeight - 6}, name);
     lay(*image, x, y + kLabelHeight, sheet);
   }
   const char* const caption =
       options.light == "sun" ? "Sunlight alone, as in space." : kStudioCaption;
-  const auto words = static_cast<std::uint32_t>(6 * std::string_view(caption).size());
-  write_overlay_text(sheet, 10, sheet.height - kLabelHeight + 4, 2 * words < width ? 2 : 1,
-                     caption);
+  write_overlay_text(
+      sheet, {10, sheet.height - kLabelHeight + 3, sheet.width - 20, kLabelHeight - 6}, caption);
   context.step("write " + options.render);
   if (!preview::write_image(options.render, sheet, 0, context.log())) return false;
   context.wrote(options.render, fmt::format("{}x{}", sheet.width, sheet.height));

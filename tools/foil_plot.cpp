@@ -33,14 +33,6 @@ void count(SlopeHistogram::Axis& axis, double slope, double lowest, double bin) 
     ++axis.counts[static_cast<std::size_t>(at)];
 }
 
-// 1, 2 or 5 times a power of ten: the largest that fits `least` times and more into `range`.
-double tick_step(double range, int least) {
-  double step = det::exp(det::log(10.0) * std::floor(det::log10(range / least)));
-  for (const double factor : {5.0, 2.0})
-    if (factor * step * least <= range) return factor * step;
-  return step;
-}
-
 }  // namespace
 
 SlopeHistogram slope_histogram(const mli::Sheet& sheet) {
@@ -82,38 +74,36 @@ std::string slope_plot(const SlopeHistogram& histogram, const std::string& name)
     if (axis->deviation > 0) peak = std::max(peak, 0.4 / axis->deviation);
   }
   if (!(peak > 0)) peak = 1;
-  Plot plot(fmt::format("{}: slopes of facets, standard deviation {:.3g} along x, {:.3g} along y",
-                        name, histogram.x.deviation, histogram.y.deviation),
-            "slope dh/dx, dh/dy", "share of facets per unit of slope", -reach, reach, 0,
-            1.05 * peak);
-  const double x_step = tick_step(2 * reach, 5);
-  for (double k = std::ceil(-reach / x_step); k * x_step <= reach; ++k)
-    plot.x_tick(k * x_step, fmt::format("{:.6g}", k * x_step));
-  const double y_step = tick_step(peak, 4);
-  for (double k = 0; k * y_step <= peak; ++k)
-    plot.y_tick(k * y_step, fmt::format("{:.6g}", k * y_step));
+  Plot plot{.title = fmt::format(
+                "{}: slopes of facets, standard deviation {:.3g} along x, {:.3g} along y", name,
+                histogram.x.deviation, histogram.y.deviation),
+            .x_name = "slope dh/dx, dh/dy",
+            .y_name = "share of facets per unit of slope",
+            .left = -reach,
+            .right = reach,
+            .top = 1.05 * peak};
   const auto draw = [&](const SlopeHistogram::Axis& axis, const char* color, const char* pale,
                         const char* words) {
-    Plot::Points steps;
+    PlotPoints steps;
     for (std::size_t k = 0; k < SlopeHistogram::kBins; ++k) {
       const double left = histogram.lowest + static_cast<double>(k) * histogram.bin;
       const double density = static_cast<double>(axis.counts[k]) * scale;
       steps.emplace_back(left, density);
       steps.emplace_back(left + histogram.bin, density);
     }
-    plot.curve(steps, color, fmt::format("along {}", words));
+    plot.curves.push_back({steps, color, fmt::format("along {}", words)});
     if (!(axis.deviation > 0)) return;
-    Plot::Points bell;
+    PlotPoints bell;
     for (int k = -200; k <= 200; ++k) {
       const double slope = reach * k / 200;
       const double z = (slope - axis.mean) / axis.deviation;
       bell.emplace_back(slope, det::exp(-0.5 * z * z) / (axis.deviation * std::sqrt(2 * kPi)));
     }
-    plot.curve(bell, pale, fmt::format("Gaussian {}", words));
+    plot.curves.push_back({bell, pale, fmt::format("Gaussian {}", words)});
   };
   draw(histogram.x, "#c0392b", "#e8a9a2", "x");
   draw(histogram.y, "#2c6fbb", "#a3c4e6", "y");
-  return plot.finish();
+  return svg_of(plot);
 }
 
 }  // namespace panwright::tools

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/axis_box.h"
@@ -15,17 +16,18 @@
 #include "compiler/compile.h"
 #include "importers/clean.h"
 #include "pan/model.h"
-#include "tools/html.h"
+#include "tools/report_page.h"
 #include "workspace/drawer.h"
 
 namespace panwright::tools {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::uint32_t kSide = 360;         // pixels of an image
 constexpr std::size_t kTexturesOfAKind = 6;  // the worst
 constexpr double kRing = 0.16;               // of the image: the ring's radius
-constexpr std::size_t kMeshRows = 200;
 
 std::string base64(std::string_view bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -117,59 +119,14 @@ class Camera {
   std::filesystem::path file_;
 };
 
-std::string head(const std::string& input) {
-  return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<title>{0}: mesh report</title>\n<style>\n"
-      "body {{ font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: "
-      "0 1em; "
-      "color: #1c2430; }}\n"
-      "table {{ border-collapse: collapse; margin: 1em 0; }}\n"
-      "td, th {{ padding: .25em .8em; text-align: right; border-bottom: 1px solid #dde2e8; }}\n"
-      "td:first-child, th:first-child {{ text-align: left; }}\n"
-      "figure {{ display: inline-block; margin: 0 1em 1em 0; width: {1}px; vertical-align: top; "
-      "}}\n"
-      "figcaption {{ font-size: 13px; }}\n"
-      "</style></head>\n<body>\n<h1>{0}</h1>\n",
-      html_escaped(std::filesystem::path(input).filename().string()), kSide);
-}
-
-std::string totals(const geometry::CleanReport& total) {
-  std::string out = "<table>\n";
-  const auto row = [&](const char* name, std::uint64_t count) {
-    out += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", name, count);
-  };
-  row("triangles before", total.triangles_before);
-  row("triangles after", total.triangles_after);
-  row("vertices before", total.vertices_before);
-  row("vertices after", total.vertices_after);
-  row("faces without area", total.degenerate);
-  row("duplicate faces", total.duplicates);
-  row("faces flipped", total.flipped);
-  row("components", total.components);
-  row("closed components", total.closed_components);
-  row("edges of three faces or more", total.non_manifold_edges);
-  row("holes", total.holes);
-  row("vertices on edges of other faces", total.t_junctions);
-  return out + "</table>\n";
-}
-
-std::string mesh_rows(const importers::MeshReport& mesh_report) {
-  std::string out =
-      "<h2>Meshes</h2>\n<table>\n<tr><th>first location</th><th>triangles</th><th>holes</th>"
-      "<th>non-manifold edges</th><th>T-junctions</th><th>flipped</th></tr>\n";
-  std::size_t rows = 0;
-  for (const importers::MeshQuality& mesh : mesh_report.meshes) {
-    const geometry::CleanReport& r = mesh.report;
-    if (r.holes + r.non_manifold_edges + r.t_junctions + r.flipped == 0) continue;
-    if (++rows > kMeshRows) break;
-    out +=
-        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                    html_escaped(mesh.path), r.triangles_after, r.holes, r.non_manifold_edges,
-                    r.t_junctions, r.flipped);
-  }
-  if (rows == 0) return "<p>Every mesh is clean.</p>\n";
-  return out + (rows > kMeshRows ? "</table>\n<p>and more.</p>\n" : "</table>\n");
+// The members of a mesh or of the total that the page shows.
+Json shown_of(const Json& report) {
+  Json out;
+  for (const char* name : {"path", "triangles_before", "triangles_after", "vertices_before",
+                           "vertices_after", "degenerate", "duplicates", "flipped", "components",
+                           "closed_components", "non_manifold_edges", "holes", "t_junctions"})
+    if (report.contains(name)) out[name] = report[name];
+  return out;
 }
 
 }  // namespace
@@ -178,31 +135,40 @@ Result<std::string> mesh_report_page(const importers::MeshReport& mesh_report,
                                      const scene::Scene& scene, const std::string& input,
                                      const workspace::OpenOptions& options, DiagnosticLog& log,
                                      const Job& job) {
-  std::string out = head(input) + totals(mesh_report.total);
+  const Json all = Json::parse(importers::to_json(mesh_report));
+  Json out{{"total", shown_of(all["total"])}};
   if (!mesh_report.spots.empty()) {
     Camera camera(scene, options, job);
-    out += "<h2>Locations to inspect</h2>\n";
-    if (!camera.works()) out += "<p>No images: no OpenGL context.</p>\n";
+    Json images = Json::array();
     std::array<std::size_t, 8> shown{};
     for (const importers::WorldSpot& spot : mesh_report.spots) {
-      if (job.cancelled()) break;
-      if (!camera.works() || shown[static_cast<std::size_t>(spot.kind)]++ >= kTexturesOfAKind)
-        continue;
+      if (job.cancelled() || !camera.works()) break;
+      if (shown[static_cast<std::size_t>(spot.kind)]++ >= kTexturesOfAKind) continue;
       const std::string image = camera.image(spot);
       if (image.empty()) continue;
       const bool flipped = spot.kind == geometry::SpotKind::flipped;
-      out += fmt::format(
-          "<figure><img width=\"{0}\" height=\"{0}\" alt=\"{1}\" src=\"data:image/png;base64,{2}\">"
-          "<figcaption>{1}, {3:.3g} m, in {4}, at {5:.4g} {6:.4g} {7:.4g}</figcaption></figure>\n",
-          kSide, flipped ? "flipped region" : importers::kind_name(spot.kind), image, spot.length,
-          html_escaped(mesh_report.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
+      images.push_back(
+          {{"image", "data:image/png;base64," + image},
+           {"caption",
+            fmt::format("{}, {:.3g} m, in {}, at {:.4g} {:.4g} {:.4g}",
+                        flipped ? "flipped region" : importers::kind_name(spot.kind), spot.length,
+                        mesh_report.meshes[spot.mesh].path, spot.at.x, spot.at.y, spot.at.z)}});
     }
+    out["locations_to_inspect"] =
+        camera.works() ? std::move(images) : Json("No images: no OpenGL context.");
   }
   if (job.cancelled()) {
     report_cancelled(log);
     return failed;
   }
-  return out + mesh_rows(mesh_report) + "</body></html>\n";
+  Json& meshes = out["meshes"] = Json::array();
+  for (std::size_t i = 0; i < mesh_report.meshes.size(); ++i) {
+    const geometry::CleanReport& r = mesh_report.meshes[i].report;
+    if (r.holes + r.non_manifold_edges + r.t_junctions + r.flipped > 0)
+      meshes.push_back(shown_of(all["meshes"][i]));
+  }
+  if (meshes.empty()) meshes = "Every mesh is clean.";
+  return report_page(std::filesystem::path(input).filename().string() + ": mesh report", out);
 }
 
 }  // namespace panwright::tools

@@ -1,4 +1,4 @@
-// Overlay text in images, with a bitmap font.
+// Overlay text in images, in DejaVu Sans Mono.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,14 @@
 
 namespace panwright::tools {
 
-// Writes text in white into an image; letters of 5 × 7 dots, `size` pixels a dot, with two rows of
-// dots for descenders. Parts outside are clipped; each non-ASCII character is a box.
-void write_overlay_text(preview::Image& image, std::uint32_t x, std::uint32_t y, std::uint32_t size,
-                        std::string_view words);
+// Place of a line of text, in pixels: its upper left corner, the height of a line, and the width
+// that smaller letters keep to.
+struct OverlayLine {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
+// Writes text in white into an image. Parts outside are clipped; characters that the font lacks
+// are boxes.
+void write_overlay_text(preview::Image& image, const OverlayLine& line, std::string_view utf8);
 
 }  // namespace panwright::tools

@@ -232,7 +232,7 @@ TEST(Import, reports_in_three_kinds) {
   const json report = json::parse(support::contents(folder / "r.json"));
   EXPECT_EQ(report["total"]["non_manifold_edges"], 1);
   const std::string page = support::contents(folder / "r.html");
-  EXPECT_THAT(page, HasSubstr("edges of three faces or more</td><td>1"));
+  EXPECT_THAT(page, HasSubstr(R"("non_manifold_edges":1)"));
 #ifdef PANWRIGHT_GL
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
 #endif

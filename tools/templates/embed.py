@@ -8,15 +8,22 @@ import pathlib
 import sys
 
 PIECE = 15000
+PLAIN = {code: chr(code) for code in range(32, 127) if chr(code) not in '"\\?'}
+
+
+def literal(piece):
+    return "".join(PLAIN.get(byte) or f"\\{byte:03o}" for byte in piece)
+
 
 output = pathlib.Path(sys.argv[1])
 lines = ['#include "tools/templates.h"', "", "namespace panwright::tools {", ""]
 for pair in sys.argv[2:]:
     name, file = pair.split("=", 1)
-    text = pathlib.Path(file).read_text(encoding="utf-8")
-    assert ')file"' not in text, file
+    data = pathlib.Path(file).read_bytes()
     lines.append(f"std::string {name}() {{\n  std::string out;")
-    lines += [f'  out += R"file({text[i:i + PIECE]})file";' for i in range(0, len(text), PIECE)]
+    for start in range(0, len(data), PIECE):
+        piece = data[start:start + PIECE]
+        lines.append(f'  out.append("{literal(piece)}", {len(piece)});')
     lines += ["  return out;", "}", ""]
 lines += ["}  // namespace panwright::tools", ""]
-output.write_text("\n".join(lines), encoding="utf-8")
+output.write_text("\n".join(lines), encoding="ascii")
