@@ -86,12 +86,6 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("N");
   declare(arguments, cad);
   declare(arguments, options.cache);
-  // the camera has no say here, so that the name that this option once had is free
-  arguments.add("--up", cad.up, "Alias of --up-axis")
-      .one_of({"auto", "y", "z"})
-      .type("AXIS")
-      .excludes(arguments.find("--up-axis"))
-      .alias_of(arguments.find("--up-axis"));
   declare(arguments, options.common);
 }
 

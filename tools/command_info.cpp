@@ -297,8 +297,6 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
         {{"name", model.material_name(i)},
          {"diffuse_model", diffuse_word(material.diffuse_brdf)},
          {"specular_model", specular_word(material.specular_brdf)},
-         {"diffuse_law", diffuse_word(material.diffuse_brdf)},  // as it was called
-         {"specular_law", specular_word(material.specular_brdf)},
          {"diffuse_brdf", parameters_json(full.diffuse_brdf)},
          {"specular_brdf", parameters_json(full.specular_brdf)},
          {"coat", full.coat ? parameters_json(*full.coat) : Json(nullptr)},
@@ -313,7 +311,6 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
                              {"vertices", mesh.vertex_count},
                              {"error", mesh.error},
                              {"budget", mesh_budget_json(model, i)},
-                             {"need", mesh_budget_json(model, i)},  // as it was called
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
   out["textures"] = Json::array();
@@ -684,7 +681,6 @@ int run(const Options& options, const Host& host) {
   out["joints"] = joints_json(*model, target.joint_values());
   out["instances"] = instances_json(*model);
   out["budget"] = budget_json(*model);
-  out["need"] = out["budget"];  // as it was called
   out.update(tables_json(*model, matrices));
   out.update(ground_truth_json(*model, matrices));
   out["sections"] = sections_json(*model);
