@@ -57,7 +57,6 @@ STORAGE = ("of positions, normals and indices: --compress", {
 
 REUSED = {"reused": "integer: number from the cache", "made": "integer: number computed"}
 CACHE = ("use of the cache, if there is one", {
-    "whole": "boolean: the whole file is from the cache",
     "meshes": ("triangles for exact shapes", REUSED), "levels": ("levels of detail of meshes", REUSED), "simplified": ("meshes made coarser for the budget", REUSED),
     "foil": ("sheets and blankets", REUSED), "cleaned": ("meshes of CAD files", REUSED)})
 

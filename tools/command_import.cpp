@@ -16,7 +16,6 @@
 #include "tools/mesh_report_page.h"
 #include "tools/print.h"
 #include "workspace/budget.h"
-#include "workspace/known_import.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -312,9 +311,9 @@ void write_import_template(const importers::Imported& imported, const Options& o
 }
 
 // What is said of a pan file that was written.
-void describe_written(const Options& options, const workspace::KnownImport& made,
+void describe_written(const Options& options, const compiler::Report& report,
+                      const std::optional<compiler::HiddenReport>& hidden,
                       CommandContext& context) {
-  const compiler::Report& report = made.report;
   if (report.triangles == 0 && !context.log().contains(Code::E6011))
     context.log().report_file(
         Code::E6011, options.input,
@@ -326,7 +325,7 @@ void describe_written(const Options& options, const workspace::KnownImport& made
                                : "") +
           storage_words(options.compress, report.storage));
   context.result()["output"] = options.output;
-  if (made.hidden) context.result()["removed"] = as_json(*made.hidden);
+  if (hidden) context.result()["removed"] = as_json(*hidden);
   context.result()["storage"] = storage_json(options.compress, report.storage);
   context.result()["bytes"] = report.bytes;
   context.result()["triangles"] = report.triangles;
@@ -353,23 +352,6 @@ int run(const Options& options, const Host& host) {
   open.cache = options.cache.folder();
   if (!open.budget.empty() && !workspace::budget_of_text(open.budget, log)) return context.finish();
   workspace::OpenReport found;
-  const workspace::WriteOptions write{.output = options.output,
-                                      .strip_sources = false,
-                                      .mesh_levels = options.mesh_levels,
-                                      .storage = storage_of(options.compress),
-                                      .check_size = true,
-                                      .origin = origin_of(options.open.cad)};
-  const workspace::ImportMemory memory(options.input, open, write, log);
-  // what is to be reported is found anew
-  if (extension == ".pan" && options.report.empty() && options.budget_report.empty()) {
-    const auto known = memory.recall(log, &found);
-    context.add_timings(std::exchange(found.steps, {}));
-    if (known) {
-      if (!open.cache.empty()) context.add_work({}, true);
-      describe_written(options, *known, context);
-    }
-    if (known || log.has_errors()) return context.finish();
-  }
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
   if (!open.cache.empty()) context.add_work(found.work);
@@ -388,6 +370,12 @@ int run(const Options& options, const Host& host) {
     write_import_template(*imported, options, context);
   } else {
     context.step({});
+    const workspace::WriteOptions write{.output = options.output,
+                                        .strip_sources = false,
+                                        .mesh_levels = options.mesh_levels,
+                                        .storage = storage_of(options.compress),
+                                        .check_size = true,
+                                        .origin = origin_of(options.open.cad)};
     const auto report =
         workspace::write_pan(imported->scene, open, write, log, context.job(), &found);
     context.add_timings(found.steps);
@@ -396,9 +384,7 @@ int run(const Options& options, const Host& host) {
       if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
       return context.finish();
     }
-    const workspace::KnownImport made{*report, found.hidden};
-    memory.keep(imported->scene, made, log);
-    describe_written(options, made, context);
+    describe_written(options, *report, found.hidden, context);
     if (!options.budget_report.empty())
       write_budget_report(options.budget_report, options.input, imported->scene.budget, *report,
                           context);
@@ -420,10 +406,9 @@ int run_importer(const Options& typed, const Host& host) {
 }  // namespace command_import
 
 Command import_command() {
-  return command(
-      "import",
-      "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
-      command_import::declare_all, command_import::run);
+  return command("import",
+                 "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
+                 command_import::declare_all, command_import::run);
 }
 
 Command importer_command(const std::string& name) {
