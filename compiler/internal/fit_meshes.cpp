@@ -20,9 +20,9 @@ using geometry::MeshShape;
 
 constexpr std::size_t kLeastTriangles = 64;
 // What levels begin with: the tolerance may be more than the light allows.
-constexpr double kFinest = 1.0 / 16;  // of the tolerance
-constexpr double kFine = 1e-4;        // of the diagonal
-constexpr double kCoarsestMesh = 0.25;      // of the diagonal: the coarsest
+constexpr double kFinest = 1.0 / 16;    // of the tolerance
+constexpr double kFine = 1e-4;          // of the diagonal
+constexpr double kCoarsestMesh = 0.25;  // of the diagonal: the coarsest
 
 class Simplifier {
  public:
@@ -155,14 +155,13 @@ class Simplifier {
     return key.key();
   }
 
-  static bool write(const std::optional<Made>& made, ByteWriter& to) {
+  static void write(const std::optional<Made>& made, ByteWriter& to) {
     to.number(made.has_value());
-    if (!made) return true;
+    if (!made) return;
     geometry::write(*made->mesh, to);
     to.number(made->entry.before);
     for (const double value : {made->entry.error, made->entry.flux, made->entry.normals})
       to.real(value);
-    return true;
   }
 
   static std::optional<Made> read(ByteReader& from) {
@@ -180,7 +179,7 @@ class Simplifier {
 
   // Whether it can be made coarser is worth keeping too.
   std::optional<Made> reused_or_make(const Chosen& chosen) const {
-    auto made = *reused_or_made<std::optional<Made>>(
+    auto made = *remember<std::optional<Made>>(
         cache_, Work::simplified, [&] { return key_of(chosen); },
         [&] { return std::optional<std::optional<Made>>(std::in_place, make(chosen)); }, write,
         read);
