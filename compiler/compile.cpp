@@ -513,7 +513,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
   drop_unseen_backs(scene, out);
   internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
-  if (options.storage.lossy()) {
+  if (options.storage.streams()) {
     std::vector<double> tolerances;
     for (std::size_t i = 0; plan.asked && i < place.size(); ++i)
       if (place[i] != kLeftOut) tolerances.push_back(plan.jobs[plan.job_of[i]].max_error);
@@ -541,9 +541,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
 
 // note: what is no mesh is compressed as well, but where nothing is compressed
 pan::WriteOptions write_options(const Options& options) {
-  using Kind = pan::StorageForm::Kind;
-  const Kind kind = options.storage.kind;
-  return {.compress = kind != Kind::plain && kind != Kind::quantised};
+  return {.compress = options.storage.kind != pan::StorageForm::Kind::plain};
 }
 
 }  // namespace

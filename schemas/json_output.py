@@ -51,7 +51,7 @@ MATERIAL = {
 }
 
 STORAGE = ("of positions, normals and indices: --compress", {
-    "form": "string: none, lossless, quantised:16, meshopt, draco:14 …", "bytes": "integer: of their streams; 0 of none and lossless",
+    "form": "string: none, lossless, lossy:16 …", "bytes": "integer: of their streams; 0 of none and lossless",
     "position_error": "number: metres in the frame of a mesh, largest displacement of a vertex", "normal_error": "number: degrees, largest rotation of a normal",
     "meshes_with_more_bits": "integer: meshes stored with more bits, for their tolerance"})
 

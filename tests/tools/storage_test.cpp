@@ -58,6 +58,19 @@ TEST(Storage, InfoSaysOfOldFilesWhatItSaid) {
   EXPECT_EQ(files, 9u);
 }
 
+TEST(Storage, InfoSaysHowOldFilesAreStored) {
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(PANWRIGHT_SOURCE_DIR "/tests/pan/data/1.1")) {
+    if (entry.path().extension() != ".pan") continue;
+    ++files;
+    const json then = json::parse(std::ifstream(fs::path(entry.path()).replace_extension(".json")));
+    const Outcome outcome = panwright({"info", entry.path().string(), "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_EQ(json::parse(outcome.out).value("storage", ""), then["storage"]) << entry.path();
+  }
+  EXPECT_EQ(files, 9u);
+}
+
 TEST(Storage, CompressedModelsAreEqualModels) {
   const TemporaryFolder folder;
   const std::string cubesat = PANWRIGHT_SOURCE_DIR "/examples/cubesat/cubesat.pxn";
