@@ -124,7 +124,7 @@ void WorkCache::keep(Work work, const Hash128& key, std::span<const std::byte> b
 }
 
 void WorkCache::count(Work work, bool reused) const {
-  ++(reused ? reused_ : made_)[static_cast<std::size_t>(work)];
+  if (const auto i = static_cast<std::size_t>(work); i < kWorks) ++(reused ? reused_ : made_)[i];
 }
 
 WorkCounts WorkCache::counts() const {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -23,9 +24,12 @@ enum class Work : std::uint8_t {
   simplified,  // meshes that a budget lets be coarser
   foil,        // sheets and blankets, with their levels
   cleaned,     // meshes of CAD files
+  // not counted:
+  hidden,  // searches for hidden triangles
+  fits,    // of materials
 };
-inline constexpr std::size_t kWorks = 5;
-std::string_view work_name(Work work);  // "meshes"
+inline constexpr std::size_t kWorks = 5;  // counted
+std::string_view work_name(Work work);    // "meshes"
 
 // Numbers of results read from a cache and computed. Work faster than its reading is not cached and
 // not counted.
@@ -59,6 +63,32 @@ class WorkCache {
   std::optional<std::vector<std::byte>> find(Work work, const Hash128& key) const;
   void keep(Work work, const Hash128& key, std::span<const std::byte> bytes) const;
 
+  // Returns a result. Nothing: absent or not valid.
+  //
+  //   read  (ByteReader&) → T, unverified; fail() marks it invalid
+  template <class T, class Read>
+  std::optional<T> recall(Work work, const Hash128& key, Read&& read) const {
+    const auto bytes = find(work, key);
+    if (!bytes) return std::nullopt;
+    ByteReader reader(*bytes);
+    std::optional<T> found(std::in_place, read(reader));
+    if (!reader.at_end()) found.reset();
+    return found;
+  }
+
+  // Stores a result.
+  //
+  //   write  (const T&, ByteWriter&) → nothing, or false to store nothing
+  template <class T, class Write>
+  void store(Work work, const Hash128& key, const T& result, Write&& write) const {
+    ByteWriter writer;
+    if constexpr (std::is_void_v<std::invoke_result_t<Write&, const T&, ByteWriter&>>)
+      write(result, writer);
+    else if (!write(result, writer))
+      return;
+    keep(work, key, writer.bytes());
+  }
+
   void count(Work work, bool reused) const;
   WorkCounts counts() const;
 
@@ -76,28 +106,18 @@ class WorkCache {
 //   cache  null: none
 //   key    () → Hash128, of all that the result depends on
 //   make   () → std::optional<T>; nothing: it failed, which is not kept
-//   write  (const T&, ByteWriter&) → true to keep it
-//   read   (ByteReader&) → T, unverified; fail() marks it invalid
+//   write, read  as of WorkCache
 template <class T, class Key, class Make, class Write, class Read>
-std::optional<T> reused_or_made(const WorkCache* cache, Work work, Key&& key, Make&& make,
-                                Write&& write, Read&& read) {
-  if (cache == nullptr) return std::forward<Make>(make)();
-  const Hash128 name = std::forward<Key>(key)();
-  if (const auto bytes = cache->find(work, name)) {
-    ByteReader reader(*bytes);
-    T found = std::forward<Read>(read)(reader);
-    if (reader.at_end()) {
-      cache->count(work, true);
-      return found;
-    }
-  }
-  std::optional<T> made = std::forward<Make>(make)();
-  cache->count(work, false);
-  if (made) {
-    ByteWriter writer;
-    if (std::forward<Write>(write)(*made, writer)) cache->keep(work, name, writer.bytes());
-  }
-  return made;
+std::optional<T> remember(const WorkCache* cache, Work work, Key&& key, Make&& make, Write&& write,
+                          Read&& read) {
+  if (cache == nullptr) return make();
+  const Hash128 name = key();
+  std::optional<T> result = cache->recall<T>(work, name, read);
+  cache->count(work, result.has_value());
+  if (result) return result;
+  result = make();
+  if (result) cache->store(work, name, *result, write);
+  return result;
 }
 
 }  // namespace panwright

@@ -281,7 +281,7 @@ void run_cached(Context& context, const std::string& name, const scene::Scene& b
                 const scene::Scene& expected) {
   const auto folder =
       std::filesystem::temp_directory_path() / fmt::format("panwright-bench-cache-{}", getpid());
-  const FileCache cache(folder);
+  const WorkCache cache(folder);
   compiler::HiddenOptions options = options_of(context);
   options.cache = &cache;
   scene::Scene after;

@@ -14,8 +14,7 @@ namespace panwright::bench::case_storage {
 
 namespace {
 
-constexpr const char* kForms[] = {"none",       "lossless", "quantised", "meshopt",
-                                  "meshopt:16", "draco:11", "draco:14",  "draco:16"};
+constexpr const char* kForms[] = {"none", "lossless", "lossy:11", "lossy:14", "lossy:16"};
 
 // Meshes as a plain file has them, as they were before they are stored.
 std::vector<pan::PackedMesh> meshes_of(const pan::Model& model) {
@@ -76,8 +75,8 @@ void run_form(Context& context, const std::string& name, const scene::Scene& sce
   const auto store = [&] {
     for (pan::PackedMesh mesh : meshes) {
       if (!form.streams()) continue;
-      pan::snap(mesh, form.bits, pan::normal_bits(form), {});
-      pan::encode(mesh, form);
+      pan::snap(mesh, form.bits, pan::normal_bits(form.bits), {});
+      pan::encode(mesh);
     }
   };
   const auto load = [&] {

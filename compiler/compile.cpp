@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "base/work_cache.h"
 #include "compiler/internal/decals.h"
 #include "compiler/internal/fit.h"
 #include "compiler/internal/foil_levels.h"
@@ -20,6 +21,7 @@
 #include "compiler/internal/mesh_levels.h"
 #include "compiler/internal/size_check.h"
 #include "compiler/internal/storage.h"
+#include "geometry/mesh/bytes.h"
 #include "geometry/tessellate/mapping.h"
 #include "geometry/tessellate/tessellate.h"
 #include "materials/report.h"
@@ -93,15 +95,20 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
     out.meshes[index] = pan::packed(**authored, mesh_name(job, index));
     place_decals(scene, job, **authored, out);
   } else if (job.decals.empty()) {
-    out.meshes[index] = internal::kept_or_packed(cache, job, tessellation, [&] {
-      auto mesh = mesh_of(job, tessellation, log);
-      return mesh ? std::optional(packed_shape(*job.shape, *mesh, {})) : std::nullopt;
-    });
+    out.meshes[index] = remember<pan::PackedMesh>(
+        cache, Work::meshes, [&] { return internal::mesh_key(job, tessellation); },
+        [&] {
+          auto mesh = mesh_of(job, tessellation, log);
+          return mesh ? std::optional(packed_shape(*job.shape, *mesh, {})) : std::nullopt;
+        },
+        internal::write_packed, internal::read_packed);
     if (!out.meshes[index]) return;
     out.meshes[index]->name = mesh_name(job, index);
   } else {
-    auto mesh = internal::kept_or_made(cache, job, tessellation,
-                                       [&] { return mesh_of(job, tessellation, log); });
+    auto mesh = remember<geometry::Mesh>(
+        cache, Work::meshes,
+        [&] { return internal::mesh_key(job, tessellation, internal::Kept::mesh); },
+        [&] { return mesh_of(job, tessellation, log); }, geometry::write, geometry::read_mesh);
     if (!mesh) return;
     out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
     place_decals(scene, job, *mesh, out);
@@ -503,7 +510,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
   drop_unseen_backs(scene, out);
   internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
-  if (options.storage.lossy()) {
+  if (options.storage.streams()) {
     std::vector<double> tolerances;
     for (std::size_t i = 0; plan.asked && i < place.size(); ++i)
       if (place[i] != kLeftOut) tolerances.push_back(plan.jobs[plan.job_of[i]].max_error);
@@ -531,9 +538,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
 
 // note: what is no mesh is compressed as well, but where nothing is compressed
 pan::WriteOptions write_options(const Options& options) {
-  using Kind = pan::StorageForm::Kind;
-  const Kind kind = options.storage.kind;
-  return {.compress = kind != Kind::plain && kind != Kind::quantised};
+  return {.compress = options.storage.kind != pan::StorageForm::Kind::plain};
 }
 
 }  // namespace

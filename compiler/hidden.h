@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
-#include "base/file_cache.h"
+#include "base/work_cache.h"
 #include "compiler/compile.h"
 #include "scene/scene.h"
 
@@ -21,7 +21,7 @@ struct HiddenOptions {
   std::uint64_t max_rays = 16'000'000;
   std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
   // Cache of earlier searches; null: none. It changes no result, `cached` and `seconds` apart.
-  const FileCache* cache = nullptr;
+  const WorkCache* cache = nullptr;
 };
 
 struct HiddenReport {

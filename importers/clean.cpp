@@ -95,7 +95,7 @@ Hash128 key_of(const Mesh& mesh, const geometry::CleanOptions& options) {
   return key.key();
 }
 
-bool write(const Cleaned& cleaned, ByteWriter& to) {
+void write(const Cleaned& cleaned, ByteWriter& to) {
   geometry::write(cleaned.mesh, to);
   const CleanReport& report = cleaned.report;
   for (const auto number : kNumbers) to.number(report.*number);
@@ -107,7 +107,6 @@ bool write(const Cleaned& cleaned, ByteWriter& to) {
     for (const double value : {spot.at.x, spot.at.y, spot.at.z, spot.length}) to.real(value);
     to.number(spot.size);
   }
-  return true;
 }
 
 Cleaned read(ByteReader& from) {
@@ -169,7 +168,7 @@ class SceneCleaner {
   CleanReport clean(Mesh& mesh, const geometry::CleanOptions& options) const {
     if (cache_ == nullptr || mesh.triangles.size() < kLeastKept)
       return geometry::clean(mesh, options, job_);
-    auto cleaned = *reused_or_made<Cleaned>(
+    auto cleaned = *remember<Cleaned>(
         cache_, Work::cleaned, [&] { return key_of(mesh, options); },
         [&] {
           CleanReport report = geometry::clean(mesh, options, job_);

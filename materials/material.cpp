@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <optional>
+#include <vector>
 
 #include "base/text.h"
 #include "materials/kept_fits.h"
@@ -185,28 +187,39 @@ bool is_finite(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
-void fit_or_reuse(Material& material, const WorkCache* cache) {
-  constexpr std::size_t kNumbers = sizeof(Fits) / sizeof(double);
-  static_assert(sizeof(Fits) == kNumbers * sizeof(double));
-  if (cache == nullptr || !is_long(material)) return fit(material);
-  KeyHasher hasher;
-  hasher.list(key_of(material));
-  const Hash128 key = hasher.key();
+constexpr std::size_t kFitNumbers = sizeof(Fits) / sizeof(double);
+static_assert(sizeof(Fits) == kFitNumbers * sizeof(double));
+
+void write_fits(const Fits& fits, ByteWriter& to) {
+  std::vector<double> numbers(kFitNumbers);
+  std::memcpy(numbers.data(), &fits, sizeof fits);
+  to.list(numbers);
+}
+
+Fits read_fits(ByteReader& from) {
+  Fits fits;
   std::vector<double> numbers;
-  if (const auto bytes = cache->find(kFitting, key)) {
-    ByteReader reader(*bytes);
-    reader.list(numbers);
-    if (reader.at_end() && numbers.size() == kNumbers && is_finite(numbers)) {
-      std::memcpy(static_cast<void*>(&material.fits), numbers.data(), sizeof(Fits));
-      return;
-    }
-  }
-  fit(material);
-  numbers.resize(kNumbers);
-  std::memcpy(numbers.data(), &material.fits, sizeof(Fits));
-  ByteWriter writer;
-  writer.list(numbers);
-  cache->keep(kFitting, key, writer.bytes());
+  from.list(numbers);
+  if (numbers.size() == kFitNumbers && is_finite(numbers))
+    std::memcpy(static_cast<void*>(&fits), numbers.data(), sizeof fits);
+  else
+    from.fail();
+  return fits;
+}
+
+void fit_or_reuse(Material& material, const WorkCache* cache) {
+  material.fits = *remember<Fits>(
+      is_long(material) ? cache : nullptr, Work::fits,
+      [&] {
+        KeyHasher key;
+        key.list(key_of(material));
+        return key.key();
+      },
+      [&] {
+        fit(material);
+        return std::optional(material.fits);
+      },
+      write_fits, read_fits);
 }
 
 }  // namespace

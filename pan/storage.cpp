@@ -17,8 +17,7 @@ namespace panwright::pan {
 namespace {
 
 using Kind = StorageForm::Kind;
-constexpr std::array<std::string_view, 5> kNames = {"none", "lossless", "quantised", "meshopt",
-                                                    "draco"};
+constexpr std::array<std::string_view, 3> kNames = {"none", "lossless", "lossy"};
 
 template <class T>
 void append(std::vector<std::byte>& to, const std::vector<T>& values) {
@@ -53,8 +52,8 @@ double angle_of_directions(const float* a, const float* b) {
 }
 
 // The codes of a mesh, as its stream's record says.
-internal::DracoArrays codes_of(const PackedMesh& mesh) {
-  internal::DracoArrays out;
+internal::StreamCodes codes_of(const PackedMesh& mesh) {
+  internal::StreamCodes out;
   const layout::MeshStream& record = mesh.stream;
   if (record.position_bits > 0)
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
@@ -65,44 +64,12 @@ internal::DracoArrays codes_of(const PackedMesh& mesh) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
       internal::codes_of(&mesh.normals[3 * v], record.normal_bits, &out.normals[2 * v]);
   }
-  out.indices = mesh.indices;
-  return out;
-}
-
-std::vector<float> permuted(const std::vector<float>& values,
-                            const std::vector<std::uint32_t>& order, std::size_t width) {
-  if (values.empty()) return {};
-  std::vector<float> out;
-  out.reserve(values.size());
-  for (const std::uint32_t v : order)
-    out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(width * v),
-               values.begin() + static_cast<std::ptrdiff_t>(width * (v + 1)));
   return out;
 }
 
 template <class To>
 std::vector<To> as(const std::vector<std::uint32_t>& codes) {
   return std::vector<To>(codes.begin(), codes.end());
-}
-
-std::vector<std::byte> plain_body(const PackedMesh& mesh, const internal::DracoArrays& codes,
-                                  std::uint32_t index_size) {
-  std::vector<std::byte> out;
-  if (codes.positions.empty())
-    append(out, mesh.positions);
-  else if (mesh.stream.position_bits <= 16)
-    append(out, as<std::uint16_t>(codes.positions));
-  else
-    append(out, codes.positions);
-  if (codes.normals.empty())
-    append(out, mesh.normals);
-  else
-    append(out, as<std::uint16_t>(codes.normals));
-  if (index_size == 2)
-    append(out, as<std::uint16_t>(mesh.indices));
-  else
-    append(out, mesh.indices);
-  return out;
 }
 
 std::vector<std::byte> packed_vertices(const void* from, std::size_t count, std::size_t stride) {
@@ -113,7 +80,7 @@ std::vector<std::byte> packed_vertices(const void* from, std::size_t count, std:
 }
 
 // Turns triangles so that they begin where the codec has them begin.
-std::vector<std::byte> meshopt_body(PackedMesh& mesh, const internal::DracoArrays& codes) {
+std::vector<std::byte> meshopt_body(PackedMesh& mesh, const internal::StreamCodes& codes) {
   const std::size_t n = mesh.vertex_count();
   std::vector<std::byte> parts[3];
   if (codes.positions.empty()) {
@@ -143,56 +110,6 @@ std::vector<std::byte> meshopt_body(PackedMesh& mesh, const internal::DracoArray
   return out;
 }
 
-bool is_permutation(const std::vector<std::uint32_t>& order) {
-  std::vector<char> seen(order.size());
-  for (const std::uint32_t v : order) {
-    if (v >= order.size() || seen[v]) return false;
-    seen[v] = 1;
-  }
-  return true;
-}
-
-// The stream of edgebreaker, and the mesh in its order; nothing where it would lose a vertex or a
-// triangle: those that no triangle has, triangles of two vertices, edges of three triangles.
-std::vector<std::byte> edgebreaker_body(PackedMesh& mesh, internal::DracoArrays codes,
-                                        const internal::StreamShape& shape) {
-  internal::DracoArrays numbered;
-  codes.ids.resize(shape.vertices);
-  for (std::uint32_t v = 0; v < codes.ids.size(); ++v) codes.ids[v] = v;
-  const auto trial = internal::draco_encoded(codes, true);
-  if (!internal::draco_decoded(trial, shape, true, numbered) || !is_permutation(numbered.ids))
-    return {};
-  codes.ids.clear();
-  auto out = internal::draco_encoded(codes, true);
-  internal::DracoArrays got;
-  if (!internal::draco_decoded(out, shape, false, got) || got.indices != numbered.indices)
-    return {};
-  const std::vector<std::uint32_t>& order = numbered.ids;
-  for (std::size_t v = 0; v < order.size(); ++v)
-    if (!std::equal(&got.positions[3 * v], &got.positions[3 * v] + 3,
-                    &codes.positions[3 * order[v]]) ||
-        !std::equal(&got.normals[2 * v], &got.normals[2 * v] + 2, &codes.normals[2 * order[v]]))
-      return {};
-  mesh.positions = permuted(mesh.positions, order, 3);
-  mesh.normals = permuted(mesh.normals, order, 3);
-  mesh.texcoords = permuted(mesh.texcoords, order, 2);
-  mesh.colors = permuted(mesh.colors, order, 3);
-  mesh.indices = std::move(got.indices);
-  return out;
-}
-
-std::vector<std::byte> draco_body(PackedMesh& mesh, const internal::DracoArrays& codes,
-                                  const internal::StreamShape& shape) {
-  if (auto out = edgebreaker_body(mesh, codes, shape); !out.empty()) return out;
-  auto out = internal::draco_encoded(codes, false);
-  internal::DracoArrays got;
-  if (!internal::draco_decoded(out, shape, false, got) || got.positions != codes.positions ||
-      got.normals != codes.normals)
-    return {};
-  mesh.indices = std::move(got.indices);
-  return out;
-}
-
 // Vertices that their codes do not give to the bit, with their numbers.
 std::uint32_t put_exact(const std::vector<float>& values, const std::vector<float>& decoded,
                         std::vector<std::byte>& to) {
@@ -215,8 +132,7 @@ std::optional<StorageForm> storage_form(std::string_view text) {
   const auto name = std::find(kNames.begin(), kNames.end(), text.substr(0, colon));
   if (name == kNames.end()) return {};
   StorageForm form{static_cast<Kind>(name - kNames.begin()), 0};
-  if (form.kind == Kind::quantised) form.bits = 16;
-  if (form.kind == Kind::draco) form.bits = 14;
+  if (form.streams()) form.bits = 16;
   if (colon == text.size()) return form;
   const std::string_view digits = text.substr(colon + 1);
   const auto [end, error] =
@@ -232,10 +148,8 @@ std::string storage_name(const StorageForm& form) {
   return form.bits > 0 ? fmt::format("{}:{}", name, form.bits) : name;
 }
 
-std::uint32_t normal_bits(const StorageForm& form) {
-  if (!form.lossy()) return 0;
-  if (form.kind == Kind::quantised) return 16;  // they take as many bytes
-  return form.bits <= 11 ? 10 : form.bits <= 14 ? 12 : 14;
+std::uint32_t normal_bits(std::uint32_t bits) {
+  return bits == 0 ? 0 : bits <= 11 ? 10 : bits <= 14 ? 12 : 14;
 }
 
 std::uint32_t bits_within(const PackedMesh& mesh, std::uint32_t bits, double most) {
@@ -285,30 +199,18 @@ void snap(PackedMesh& mesh, std::uint32_t bits, std::uint32_t normals,
   mesh.error += worst;
 }
 
-void encode(PackedMesh& mesh, const StorageForm& form) {
-  assert(form.streams());
+void encode(PackedMesh& mesh) {
   const internal::StreamShape shape{mesh.vertex_count(), mesh.triangle_count(),
                                     mesh.vertex_count() <= layout::kMaxShortVertices ? 2u : 4u};
-  const internal::DracoArrays codes = codes_of(mesh);
+  const internal::StreamCodes codes = codes_of(mesh);
   layout::MeshStream& record = mesh.stream;
-  std::vector<std::byte> body;
-  record.form = static_cast<std::uint32_t>(layout::StreamForm::draco);
-  if (form.kind == Kind::draco && record.position_bits > 0 && record.normal_bits > 0)
-    body = draco_body(mesh, codes, shape);
-  if (body.empty() && form.kind != Kind::quantised) {
-    body = meshopt_body(mesh, codes);
-    record.form = static_cast<std::uint32_t>(layout::StreamForm::meshopt);
-  } else if (body.empty()) {
-    body = plain_body(mesh, codes, shape.index_size);
-    record.form = static_cast<std::uint32_t>(layout::StreamForm::plain);
-  }
-  // after the order has become the stream's
-  const internal::DracoArrays now = codes_of(mesh);
+  record.form = static_cast<std::uint32_t>(layout::StreamForm::meshopt);
+  const std::vector<std::byte> body = meshopt_body(mesh, codes);
   std::vector<float> positions = mesh.positions, normals = mesh.normals;
-  for (std::size_t i = 0; i < now.positions.size(); ++i)
-    positions[i] = internal::position_of(record.low[i % 3], record.step, now.positions[i]);
-  for (std::size_t v = 0; 2 * v < now.normals.size(); ++v)
-    internal::normal_of(now.normals[2 * v], now.normals[2 * v + 1], record.normal_bits,
+  for (std::size_t i = 0; i < codes.positions.size(); ++i)
+    positions[i] = internal::position_of(record.low[i % 3], record.step, codes.positions[i]);
+  for (std::size_t v = 0; 2 * v < codes.normals.size(); ++v)
+    internal::normal_of(codes.normals[2 * v], codes.normals[2 * v + 1], record.normal_bits,
                         &normals[3 * v]);
   std::vector<std::byte>& out = mesh.stream_bytes;
   out.clear();

@@ -14,32 +14,28 @@ namespace panwright::pan {
 // Storage form, as of `--compress`.
 struct StorageForm {
   enum class Kind {
-    plain,      // sections as they are: floats
-    lossless,   // sections compressed by WriteOptions::compress
-    quantised,  // codes of `bits`, not compressed
-    meshopt,    // meshoptimizer's codecs; floats where bits is 0
-    draco,      // Draco
+    plain,     // sections as they are: floats
+    lossless,  // sections compressed by WriteOptions::compress
+    lossy,     // the same; meshes as streams of meshoptimizer's codecs
   };
   Kind kind = Kind::plain;
   std::uint32_t bits = 0;  // of a coordinate along the longest side of a mesh; 0: floats
 
-  bool streams() const { return kind >= Kind::quantised; }
-  bool lossy() const { return bits > 0; }
+  bool streams() const { return kind == Kind::lossy; }
 };
 
 inline constexpr std::uint32_t kLeastStorageBits = 8;
 inline constexpr std::uint32_t kMostStorageBits = 24;
 
-// Parses "none", "lossless", "quantised", "quantised:14", "meshopt", "meshopt:16", "draco",
-// "draco:11". Without bits: 16 of quantised, 14 of draco. Nothing: another text.
+// Parses "none", "lossless", "lossy" (16 bits), "lossy:14". Nothing: another text.
 std::optional<StorageForm> storage_form(std::string_view text);
 std::string storage_name(const StorageForm& form);
 // Texts accepted by storage_form(), for messages.
 inline constexpr std::string_view kStorageForms =
-    "none, lossless, quantised, meshopt or draco; of the last three with 8 to 24 bits, as draco:14";
+    "none, lossless or lossy; lossy with 8 to 24 bits, as lossy:14";
 
-// Returns the bits of each of the two octahedral codes of a normal for a form.
-std::uint32_t normal_bits(const StorageForm& form);
+// Returns the bits of each of the two octahedral codes of a normal, by those of a coordinate.
+std::uint32_t normal_bits(std::uint32_t bits);
 
 // Returns the fewest bits, at least `bits`, that move no vertex of a mesh further than `most`
 // metres; 0: floats are needed.
@@ -56,10 +52,10 @@ void snap(PackedMesh& mesh, std::uint32_t bits, std::uint32_t normal_bits,
 // Snaps the normals alone.
 void snap_normals(PackedMesh& mesh, std::uint32_t normal_bits);
 
-// Makes the stream of a mesh, and replaces its arrays by the decoded ones. Triangles, and vertices
-// where Draco reorders them, come in another order; numbers stay the same, off-grid ones too.
+// Makes the stream of a mesh. Its triangles begin where the codec has them begin; numbers stay the
+// same, off-grid ones too.
 //
-// Expects: form.streams(). Cost: O(V + T). Calls on different meshes may run in parallel.
-void encode(PackedMesh& mesh, const StorageForm& form);
+// Cost: O(V + T). Calls on different meshes may run in parallel.
+void encode(PackedMesh& mesh);
 
 }  // namespace panwright::pan

@@ -36,7 +36,6 @@ COMMON = {
 MATERIAL = {
     "name": "string: as in its file",
     "brdf": "string: its BRDF models in words",
-    "laws": "string: deprecated, equal to brdf",
     "back": "string|null: the material of its back; null: the same",
     "directional_albedo": ("by cosine", [{"mu": "number: cosine of the angle to the normal", "rgb": "vec3: mean over the azimuth, at 650, 550, 450 nm",
                                         "least": "vec3: least over the azimuth", "largest": "vec3: largest over the azimuth"}]),
@@ -52,13 +51,12 @@ MATERIAL = {
 }
 
 STORAGE = ("of positions, normals and indices: --compress", {
-    "form": "string: none, lossless, quantised:16, meshopt, draco:14 …", "bytes": "integer: of their streams; 0 of none and lossless",
+    "form": "string: none, lossless, lossy:16 …", "bytes": "integer: of their streams; 0 of none and lossless",
     "position_error": "number: metres in the frame of a mesh, largest displacement of a vertex", "normal_error": "number: degrees, largest rotation of a normal",
     "meshes_with_more_bits": "integer: meshes stored with more bits, for their tolerance"})
 
 REUSED = {"reused": "integer: number from the cache", "made": "integer: number computed"}
 CACHE = ("use of the cache, if there is one", {
-    "whole": "boolean: the whole file is from the cache",
     "meshes": ("triangles for exact shapes", REUSED), "levels": ("levels of detail of meshes", REUSED), "simplified": ("meshes made coarser for the budget", REUSED),
     "foil": ("sheets and blankets", REUSED), "cleaned": ("meshes of CAD files", REUSED)})
 
@@ -140,10 +138,10 @@ COMMANDS = {
         "joints": JOINTS,
         "instances": ("of meshes", [{"node": "integer: index", "mesh": "integer: index", "material": "integer: index", "texture": "integer|null: index",
                                      "back?": "integer: index of the material of its back", "source?": "string: file:line:column"}]),
-        "budget": "object|null: the model's budget, by term and as `gives`", "need": "object|null: deprecated, equal to budget",
+        "budget": "object|null: the model's budget, by term and as `gives`",
         "materials": "object[]: name, models, parameters as schemas/material.toml names them, maps",
         "meshes": ("as stored", [{"name": "string: its own", "triangles": "integer: number of them", "vertices": "integer: number of them", "error": "number: metres, own frame",
-                                  "budget": "object|null: tolerance, ratio of error to it, reason", "need": "object|null: deprecated, equal to budget",
+                                  "budget": "object|null: tolerance, ratio of error to it, reason",
                                   "closed": "boolean: no boundary"}]),
         "textures": ("as stored", [{"name": "string: its file", "width": "integer: pixels", "height": "integer: pixels"}]),
         "frames": ("of the model", [{"name": "string: its own", "node": "integer: index", "origin": "vec3: metres, world axes", "right": "vec3: unit", "forward": "vec3: unit"}]),
@@ -185,7 +183,7 @@ COMMANDS = {
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
         "readings?": "integer: with --fit: lines of the table",
-        "fits?": ("with --fit: the best first", [{"brdf": "string: model in words", "law": "string: deprecated, equal to brdf", "rms_decades": "number: of log10(BRDF/reading)",
+        "fits?": ("with --fit: the best first", [{"brdf": "string: model in words", "rms_decades": "number: of log10(BRDF/reading)",
                                                 "max_decades": "number: largest", "rms": "number: 1/sr", "text": "string: pxn"}]),
     } | OPTIONAL(MATERIAL),
     "mli": {
@@ -217,8 +215,7 @@ COMMANDS = {
     },
     "fmt": {"files": ("in the order of the command line", [{"file": "string: as typed", "changed": "boolean: whether it is changed, or with --check would be"}])},
     "upgrade": {"files": ("in the order of the command line", [{"file": "string: as typed", "upgraded": "boolean: false: already of level 1", "paths_changed": "integer: number of them"}])},
-    "expand": {"output": "string: the text", "nodes": "integer: number of them", "shapes": "integer: number of them", "images": "string[]: textures of the text",
-               "pictures": "string[]: deprecated, equal to images"},
+    "expand": {"output": "string: the text", "nodes": "integer: number of them", "shapes": "integer: number of them", "images": "string[]: textures of the text"},
     "explain": OPTIONAL(CODE) | {"codes?": ("without a code: all", [CODE])},
     "help": {
         "commands": ("all, or the named one", [{

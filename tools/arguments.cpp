@@ -87,10 +87,6 @@ Argument& Argument::excludes(const Argument& other) {
   option_.excluded.push_back(&other.option_);
   return *this;
 }
-Argument& Argument::alias_of(const Argument& other) {
-  option_.alias_of = other.option_.name();
-  return *this;
-}
 Argument& Argument::one_of(std::initializer_list<const char*> values) {
   option_.choices.assign(values.begin(), values.end());
   option_.checks.push_back([&choices = option_.choices](std::string& text) {
@@ -232,14 +228,6 @@ Argument Arguments::flag(const char* names, bool& value, const char* help) {
   option.type.clear();
   option.take = [&value](const std::string&) { return value = true; };
   return Argument(option);
-}
-
-Argument Arguments::find(const char* name) {
-  const auto at = std::find_if(options_.begin(), options_.end(), [&](const Option& option) {
-    return std::find(option.names.begin(), option.names.end(), name) != option.names.end();
-  });
-  assert(at != options_.end());
-  return Argument(*at);
 }
 
 }  // namespace panwright::tools

@@ -28,7 +28,6 @@ struct Option {
   bool repeatable = false;
   bool may_be_empty = false;
   std::optional<std::string> bare;   // value of an option without one; see bare_value()
-  std::string alias_of;              // another spelling of this option: left out of lists
   std::vector<std::string> choices;  // all values; empty: others
   std::vector<const Option*> excluded;
   std::vector<Check> checks;                     // in order of execution
@@ -52,7 +51,6 @@ class Argument {
   Argument& may_be_empty();  // "" is a value
   Argument& one_value();     // of a list: one per occurrence
   Argument& excludes(const Argument& other);
-  Argument& alias_of(const Argument& other);  // listed in the help in its place
 
   // Sets the value of the option alone. A following word is its value unless it looks like a file:
   // has a dot or a slash.
@@ -96,9 +94,6 @@ class Arguments {
   Argument add(const char* names, double& value, const char* help);
   Argument add(const char* names, std::optional<double>& value, const char* help);
   Argument flag(const char* names, bool& value, const char* help);
-
-  // Returns an option. Expects: it exists.
-  Argument find(const char* name);
 
   // Sets values from the words of a command line after the command.
   //

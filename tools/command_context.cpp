@@ -106,10 +106,9 @@ void CommandContext::add_timings(const std::vector<workspace::Step>& steps) {
   for (const workspace::Step& step : steps) add_timing(step.name, step.seconds);
 }
 
-void CommandContext::add_work(const WorkCounts& work, bool whole) {
+void CommandContext::add_work(const WorkCounts& work) {
   Json& out = (*result_)["cache"];
-  work_ = whole ? "the whole file" : "";
-  out["whole"] = whole;
+  work_.clear();
   for (std::size_t i = 0; i < kWorks; ++i) {
     const WorkCounts::Count& count = work.of[i];
     const std::string name(work_name(static_cast<Work>(i)));

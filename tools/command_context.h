@@ -46,9 +46,8 @@ class CommandContext {
   // for commands that show a pxn text, as `check` and `compile` report them.
   void summarise_imports() { summarises_imports_ = true; }
 
-  // Adds the cache's statistics: `cache` of the result, and a line of --timings. whole: the whole
-  // file was cached.
-  void add_work(const WorkCounts& work, bool whole = false);
+  // Adds the cache's statistics: `cache` of the result, and a line of --timings.
+  void add_work(const WorkCounts& work);
 
   // Ends the current step and starts one named `name`, for --timings.
   void step(std::string name);

@@ -71,7 +71,6 @@ int run(const Options& options, const Host& host) {
   context.result()["nodes"] = scene->nodes.size();
   context.result()["shapes"] = scene->instances.size();
   context.result()["images"] = images;
-  context.result()["pictures"] = images;  // as it was called
   return context.finish();
 }
 

@@ -17,7 +17,6 @@
 #include "tools/mesh_report_page.h"
 #include "tools/print.h"
 #include "workspace/budget.h"
-#include "workspace/known_import.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -87,12 +86,6 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("N");
   declare(arguments, cad);
   declare(arguments, options.cache);
-  // the camera has no say here, so that the name that this option once had is free
-  arguments.add("--up", cad.up, "Alias of --up-axis")
-      .one_of({"auto", "y", "z"})
-      .type("AXIS")
-      .excludes(arguments.find("--up-axis"))
-      .alias_of(arguments.find("--up-axis"));
   declare(arguments, options.common);
 }
 
@@ -319,9 +312,9 @@ void write_import_template(const importers::Imported& imported, const Options& o
 }
 
 // What is said of a pan file that was written.
-void describe_written(const Options& options, const workspace::KnownImport& made,
+void describe_written(const Options& options, const compiler::Report& report,
+                      const std::optional<compiler::HiddenReport>& hidden,
                       CommandContext& context) {
-  const compiler::Report& report = made.report;
   if (report.triangles == 0 && !context.log().contains(Code::E6011))
     context.log().report_file(
         Code::E6011, options.input,
@@ -333,7 +326,7 @@ void describe_written(const Options& options, const workspace::KnownImport& made
                                : "") +
           storage_words(options.compress, report.storage));
   context.result()["output"] = options.output;
-  if (made.hidden) context.result()["removed"] = as_json(*made.hidden);
+  if (hidden) context.result()["removed"] = as_json(*hidden);
   context.result()["storage"] = storage_json(options.compress, report.storage);
   context.result()["bytes"] = report.bytes;
   context.result()["triangles"] = report.triangles;
@@ -360,23 +353,6 @@ int run(const Options& options, const Host& host) {
   open.cache = options.cache.folder();
   if (!open.budget.empty() && !workspace::budget_of_text(open.budget, log)) return context.finish();
   workspace::OpenReport found;
-  const workspace::WriteOptions write{.output = options.output,
-                                      .strip_sources = false,
-                                      .mesh_levels = options.mesh_levels,
-                                      .storage = storage_of(options.compress),
-                                      .check_size = true,
-                                      .origin = origin_of(options.open.cad)};
-  const workspace::ImportMemory memory(options.input, open, write, log);
-  // what is to be reported is found anew
-  if (extension == ".pan" && options.report.empty() && options.budget_report.empty()) {
-    const auto known = memory.recall(log, &found);
-    context.add_timings(std::exchange(found.steps, {}));
-    if (known) {
-      if (!open.cache.empty()) context.add_work({}, true);
-      describe_written(options, *known, context);
-    }
-    if (known || log.has_errors()) return context.finish();
-  }
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
   if (!open.cache.empty()) context.add_work(found.work);
@@ -395,6 +371,12 @@ int run(const Options& options, const Host& host) {
     write_import_template(*imported, options, context);
   } else {
     context.step({});
+    const workspace::WriteOptions write{.output = options.output,
+                                        .strip_sources = false,
+                                        .mesh_levels = options.mesh_levels,
+                                        .storage = storage_of(options.compress),
+                                        .check_size = true,
+                                        .origin = origin_of(options.open.cad)};
     const auto report =
         workspace::write_pan(imported->scene, open, write, log, context.job(), &found);
     context.add_timings(found.steps);
@@ -403,9 +385,7 @@ int run(const Options& options, const Host& host) {
       if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
       return context.finish();
     }
-    const workspace::KnownImport made{*report, found.hidden};
-    memory.keep(imported->scene, made, log);
-    describe_written(options, made, context);
+    describe_written(options, *report, found.hidden, context);
     if (!options.budget_report.empty())
       write_budget_report(options.budget_report, options.input, imported->scene.budget, *report,
                           context);

@@ -440,7 +440,6 @@ int run(const Options& options, const Host& host) {
   out["joints"] = joints_json(*model, target.joint_values());
   out["instances"] = instances_json(*model);
   out["budget"] = budget_json(*model);
-  out["need"] = out["budget"];  // as it was called
   out.update(tables_json(*model, matrices));
   out.update(ground_truth_json(*model, matrices));
   out["sections"] = sections_json(*model);

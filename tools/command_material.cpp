@@ -207,7 +207,6 @@ Json report_json(const DescribedMaterial& described, const materials::MaterialRe
   out["name"] = described.material.name;
   out["brdf"] = materials::brdf_in_words(described.material);
   out["back"] = described.back.empty() ? Json(nullptr) : Json(described.back);
-  out["laws"] = out["brdf"];  // as it was called
   out["verdict"] = {{"text", materials::verdict(c)},
                     {"energy_conserved", c.gain.albedo <= materials::kConserved},
                     {"reciprocal", c.reciprocity <= materials::kReciprocal},
@@ -468,7 +467,6 @@ void fit_table(const Options& options, CommandContext& context) {
   out["fits"] = Json::array();
   for (const materials::Fit& fit : fits)
     out["fits"].push_back({{"brdf", fit.brdf},
-                           {"law", fit.brdf},  // as it was called
                            {"rms_decades", fit.rms_decades},
                            {"max_decades", fit.max_decades},
                            {"rms", fit.rms},

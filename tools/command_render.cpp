@@ -29,7 +29,6 @@ struct Options {
   bool flat = false;
   std::optional<std::string> shadows;
   std::optional<std::string> sun_points;
-  bool no_shadows = false;
   // as typed: what is not given is the engine's own, or that of a record
   std::optional<std::string> shadow_side;  // texels
   std::optional<std::string> levels;
@@ -45,7 +44,6 @@ struct Options {
   std::optional<std::string> seed;
   std::optional<std::string> max_samples;  // of a pixel, with until_error
   std::optional<std::string> bounces;
-  std::optional<std::string> filter;          // "box" or "gaussian:σ" in pixels
   std::optional<std::string> limb_darkening;  // u, 0 to 1
   bool no_sun_disc = false;
 };
@@ -75,10 +73,6 @@ void declare_reference(Arguments& arguments, Options& options) {
       .group(kGroup);
   arguments.add("--seed", options.seed, "Seed of the random numbers (default 0)")
       .type("N")
-      .group(kGroup);
-  arguments
-      .add("--filter", options.filter, "Pixel filter: box (default) or gaussian:SIGMA in pixels")
-      .type("FILTER")
       .group(kGroup);
   arguments
       .add("--limb-darkening", options.limb_darkening,
@@ -137,13 +131,11 @@ void declare_shadows(Arguments& arguments, Options& options) {
            "largest number)")
       .range(2u, 256u)
       .type("N");
-  const Argument no_shadows = arguments.flag("--no-shadows", options.no_shadows, "Disable shadows");
   arguments
       .add("--shadow-side", options.shadow_side,
            "Shadow map resolution (texels), of each model or part of it (default 2048; with "
            "--samples auto 2896; imposters: five times their texels)")
       .range(16u, 16384u)
-      .excludes(no_shadows)
       .type("N");
 }
 
@@ -206,7 +198,6 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->pixel_error = options.pixel_error;
   typed->adaptive = flag(options.adaptive);
   typed->flat = flag(options.flat);
-  typed->no_shadows = flag(options.no_shadows);
   typed->shadows = options.shadows;
   typed->sun_points = options.sun_points;
   typed->shadow_side = options.shadow_side;
@@ -219,7 +210,6 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->max_samples = options.max_samples;
   typed->bounces = options.bounces;
   typed->seed = options.seed;
-  typed->filter = options.filter;
   typed->no_sun_disc = flag(options.no_sun_disc);
   typed->max_image_memory = options.max_image_bytes;
   return typed;

@@ -79,8 +79,7 @@ class Completer {
   Candidates options() const {
     Candidates out;
     for (const Option& option : arguments_.options())
-      if (!option.argument && option.alias_of.empty())
-        out.words.push_back({option.name(), option.help});
+      if (!option.argument) out.words.push_back({option.name(), option.help});
     out.words.push_back({"--help", "Show options and examples"});
     return out;
   }

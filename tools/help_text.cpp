@@ -48,7 +48,7 @@ std::string option_words(const Option& option) {
 std::vector<OptionGroup> option_groups(const Arguments& arguments) {
   std::vector<OptionGroup> groups;
   for (const Option& option : arguments.options()) {
-    if (option.argument || !option.alias_of.empty()) continue;
+    if (option.argument) continue;
     const std::string name = option.group.empty() ? "Options" : option.group;
     auto at = std::find_if(groups.begin(), groups.end(),
                            [&](const OptionGroup& group) { return group.name == name; });

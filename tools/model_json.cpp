@@ -118,8 +118,6 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
         {{"name", model.material_name(i)},
          {"diffuse_model", diffuse_word(material.diffuse_brdf)},
          {"specular_model", specular_word(material.specular_brdf)},
-         {"diffuse_law", diffuse_word(material.diffuse_brdf)},  // as it was called
-         {"specular_law", specular_word(material.specular_brdf)},
          {"diffuse_brdf", parameters_json(full.diffuse_brdf)},
          {"specular_brdf", parameters_json(full.specular_brdf)},
          {"coat", full.coat ? parameters_json(*full.coat) : Json(nullptr)},
@@ -134,7 +132,6 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
                              {"vertices", mesh.vertex_count},
                              {"error", mesh.error},
                              {"budget", mesh_budget_json(model, i)},
-                             {"need", mesh_budget_json(model, i)},  // as it was called
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
   out["textures"] = Json::array();

@@ -58,13 +58,11 @@ void declare_compress(Arguments& arguments, std::string& form) {
   arguments
       .add("--compress", form,
            "Compress the file (slower to load; refused by readers of format 1.0). Default form: "
-           "lossless. quantised, meshopt:16 or draco:14 round coordinates to that number of bits "
-           "and print the error")
+           "lossless. lossy:BITS rounds coordinates to that number of bits (8 to 24, default 16) "
+           "and prints the error")
       .type("FORM")
       .bare_value("lossless")
-      .some_of({"none", "lossless", "quantised", "meshopt", "meshopt:16", "draco:11", "draco:14",
-                "draco:16"},
-               accepts);
+      .some_of({"none", "lossless", "lossy", "lossy:11", "lossy:14"}, accepts);
 }
 
 pan::StorageForm storage_of(const std::string& form) {
@@ -74,10 +72,9 @@ pan::StorageForm storage_of(const std::string& form) {
 std::string storage_words(const std::string& form, const compiler::StorageReport& report) {
   const pan::StorageForm storage = storage_of(form);
   if (!storage.streams()) return {};
-  std::string out = fmt::format(", stored as {}", pan::storage_name(storage));
-  if (storage.lossy())
-    out += fmt::format(": vertices moved by {:.3g} m, normals by {:.3g} deg at most",
-                       report.position_error, report.normal_error / kDegree);
+  std::string out =
+      fmt::format(", stored as {}: vertices moved by {:.3g} m, normals by {:.3g} deg at most",
+                  pan::storage_name(storage), report.position_error, report.normal_error / kDegree);
   if (report.meshes_with_more_bits > 0)
     out += fmt::format("; {} with more bits, for the tolerance",
                        report.meshes_with_more_bits == 1

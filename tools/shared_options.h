@@ -36,7 +36,7 @@ void declare(Arguments& arguments, CacheOption& cache);
 // Declares --compress: a pan::StorageForm, "" without the option.
 void declare_compress(Arguments& arguments, std::string& form);
 pan::StorageForm storage_of(const std::string& form);
-// Returns "draco:14, moved by 1.2e-05 m and 0.011 deg at most"; empty: not stored as streams.
+// Returns "lossy:14, moved by 1.2e-05 m and 0.011 deg at most"; empty: not stored as streams.
 std::string storage_words(const std::string& form, const compiler::StorageReport& report);
 nlohmann::ordered_json storage_json(const std::string& form, const compiler::StorageReport& report);
 

@@ -91,7 +91,6 @@ class DrawReader {
 const char* stray_option(const ViewText& text, bool traced) {
   const auto given = [](const Text& value) { return value && *value != "false"; };
   if (traced) {
-    if (given(text.no_shadows)) return "no-shadows";
     if (text.shadows) return "shadows";
     if (text.sun_points) return "sun-points";
     if (given(text.adaptive)) return "adaptive";
@@ -103,7 +102,6 @@ const char* stray_option(const ViewText& text, bool traced) {
     return text.shadow_side ? "shadow-side" : nullptr;
   }
   if (text.until_error) return "until-error";
-  if (text.filter) return "filter";
   if (text.bounces) return "bounces";
   if (text.seed) return "seed";
   if (text.max_samples) return "max-samples";
@@ -137,23 +135,19 @@ void read_imposters(const ViewText& text, DrawReader& reader, preview::RenderOpt
 }
 
 void read_shadows(const ViewText& text, DrawReader& reader, preview::RenderOptions& gl) {
-  bool no_shadows = false;
-  reader.flag("no-shadows", text.no_shadows, no_shadows);
-  if (no_shadows && text.shadows) reader.fail("--shadows cannot be combined with --no-shadows");
-  if (text.shadows) no_shadows = *text.shadows == "off";
+  const bool off = text.shadows == "off";
   if (text.shadow_side)
     reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side.emplace());
   reader.whole("sun-points", text.sun_points, 2u, 256u, gl.sun_points);
-  if (no_shadows && text.shadow_side)
-    reader.fail("--shadow-side cannot be combined with --no-shadows");
-  if (no_shadows) gl.shadow_side = 0;
+  if (off && text.shadow_side) reader.fail("--shadow-side cannot be combined with --shadows off");
+  if (off) gl.shadow_side = 0;
   if (text.shadows == "hard")
     gl.shadows = preview::Shadows::hard;
   else if (text.shadows == "soft")
     gl.shadows = preview::Shadows::soft;
-  else if (text.shadows && text.shadows != "auto" && text.shadows != "off")
+  else if (text.shadows && text.shadows != "auto" && !off)
     reader.refuse("shadows", text.shadows, "auto, off, hard or soft");
-  if (text.sun_points && (no_shadows || gl.shadows == preview::Shadows::hard))
+  if (text.sun_points && (off || gl.shadows == preview::Shadows::hard))
     reader.fail("--sun-points needs --shadows auto or soft");
 }
 
@@ -190,23 +184,11 @@ void read_reference(const ViewText& text, DrawReader& reader, preview::Reference
   bool no_disc = false;
   reader.flag("no-sun-disc", text.no_sun_disc, no_disc);
   traced.sun_disc = !no_disc;
-  if (!text.filter || *text.filter == "box") return;
-  const std::string_view prefix = "gaussian:";
-  const auto sigma = text.filter->starts_with(prefix)
-                         ? parse_numbers(std::string_view(*text.filter).substr(prefix.size()), 1)
-                         : std::nullopt;
-  if (sigma && (*sigma)[0] > 0 && (*sigma)[0] <= kWidestPsf)
-    traced.psf_sigma = (*sigma)[0];
-  else
-    reader.refuse("filter", text.filter,
-                  fmt::format("box, or gaussian:SIGMA of up to {} pixels", kWidestPsf));
 }
 
 void read_psf(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
   const auto sigma = parse_numbers(*text.psf, 1);
-  if (text.filter)
-    reader.fail("--psf cannot be combined with --filter");
-  else if (sigma && (*sigma)[0] >= 0 && (*sigma)[0] <= kWidestPsf)
+  if (sigma && (*sigma)[0] >= 0 && (*sigma)[0] <= kWidestPsf)
     draw.gl.psf_sigma = draw.reference.psf_sigma = (*sigma)[0];
   else
     reader.refuse("psf", text.psf, fmt::format("a number from 0 to {} pixels", kWidestPsf));

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string_view>
 
-#include "base/file_cache.h"
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
@@ -277,8 +276,8 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
     return false;
   const Stopwatch watch(report, "remove hidden parts");
   hidden.compile = compile_options(options);
-  std::optional<FileCache> cache;
-  if (!options.cache.empty()) hidden.cache = &cache.emplace(options.cache / "visibility");
+  const KeptWork work(options, report);
+  hidden.cache = work.cache();
   const auto found = compiler::prune_hidden(scene, hidden, log, job);
   if (!found) return failed;
   if (report != nullptr) report->hidden = *found;

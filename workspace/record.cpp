@@ -102,7 +102,7 @@ void add_engine(const DrawOptions& draw, Json& view) {
     if (!draw.gl.specular_filter) view["specular-filter"] = "off";
     const bool shadows = draw.gl.shadow_side != 0u;
     if (!shadows)
-      view["no-shadows"] = true;
+      view["shadows"] = "off";
     else if (draw.gl.shadow_side)
       view["shadow-side"] = *draw.gl.shadow_side;
     if (shadows && draw.gl.shadows != preview::Shadows::automatic)
@@ -132,7 +132,7 @@ void add_engine(const DrawOptions& draw, Json& view) {
   }
   view["bounces"] = reference.bounces;
   view["seed"] = reference.seed;
-  if (reference.psf_sigma > 0) view["filter"] = "gaussian:" + format_double(reference.psf_sigma);
+  if (reference.psf_sigma > 0) view["psf"] = reference.psf_sigma;
   if (!reference.sun_disc) view["no-sun-disc"] = true;
   if (reference.flat) view["flat"] = true;
 }

@@ -96,7 +96,6 @@ struct ViewText {
   std::optional<std::string> adaptive;          // flag
   std::optional<std::string> flat;              // flag
   std::optional<std::string> specular_filter;   // "auto" or "off"
-  std::optional<std::string> no_shadows;        // flag
   std::optional<std::string> shadows;           // "auto", "off", "hard" or "soft"
   std::optional<std::string> sun_points;
   std::optional<std::string> shadow_side;       // texels
@@ -108,7 +107,6 @@ struct ViewText {
   std::optional<std::string> max_samples;       // of a pixel
   std::optional<std::string> bounces;           // number
   std::optional<std::string> seed;              // number
-  std::optional<std::string> filter;            // "box" or "gaussian:SIGMA"
   std::optional<std::string> no_sun_disc;       // flag
   std::optional<std::string> max_image_memory;  // bytes, as "2GB"
 

@@ -71,8 +71,6 @@ Field field_of(ViewOption option) {
       return &ViewText::flat;
     case ViewOption::specular_filter:
       return &ViewText::specular_filter;
-    case ViewOption::no_shadows:
-      return &ViewText::no_shadows;
     case ViewOption::shadows:
       return &ViewText::shadows;
     case ViewOption::sun_points:
@@ -95,8 +93,6 @@ Field field_of(ViewOption option) {
       return &ViewText::bounces;
     case ViewOption::seed:
       return &ViewText::seed;
-    case ViewOption::filter:
-      return &ViewText::filter;
     case ViewOption::no_sun_disc:
       return &ViewText::no_sun_disc;
     case ViewOption::max_image_memory:
@@ -317,18 +313,13 @@ constexpr Field kGroups[][4] = {
     {&ViewText::look_at, &ViewText::quat, &ViewText::camera_frame, nullptr},
     {&ViewText::fov, &ViewText::ifov, &ViewText::intrinsics, &ViewText::ortho},
     {&ViewText::pixel_error, &ViewText::samples, nullptr, nullptr},
-    {&ViewText::no_shadows, &ViewText::shadows, nullptr, nullptr},
-    {&ViewText::no_shadows, &ViewText::shadow_side, nullptr, nullptr},
-    {&ViewText::no_shadows, &ViewText::sun_points, nullptr, nullptr},
-    {&ViewText::psf, &ViewText::filter, nullptr, nullptr},
 };
-constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
-                           &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
-                           &ViewText::flux_error,  &ViewText::shadows,  &ViewText::sun_points,
-                           &ViewText::specular_filter};
+constexpr Field kOfGl[] = {
+    &ViewText::pixel_error, &ViewText::adaptive,   &ViewText::shadow_side,
+    &ViewText::levels,      &ViewText::imposters,  &ViewText::flux_error,
+    &ViewText::shadows,     &ViewText::sun_points, &ViewText::specular_filter};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
-                                  &ViewText::bounces,     &ViewText::seed,
-                                  &ViewText::filter,      &ViewText::no_sun_disc};
+                                  &ViewText::bounces, &ViewText::seed, &ViewText::no_sun_disc};
 
 }  // namespace
 
@@ -343,6 +334,7 @@ ViewText with_defaults(ViewText view, const ViewText& defaults) {
   if (view.samples == "auto") base.adaptive.reset();
   if (view.shadows == "hard" || view.shadows == "off") base.sun_points.reset();
   if (view.shadows == "off") base.shadow_side.reset();
+  if (base.shadows == "off" && (view.shadow_side || view.sun_points)) base.shadows.reset();
   if (view.engine && *view.engine != base.engine.value_or("gl")) {
     for (const Field field : kOfGl) (base.*field).reset();
     for (const Field field : kOfReference) (base.*field).reset();

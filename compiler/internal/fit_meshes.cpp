@@ -157,14 +157,13 @@ class Simplifier {
     return key.key();
   }
 
-  static bool write(const std::optional<Made>& made, ByteWriter& to) {
+  static void write(const std::optional<Made>& made, ByteWriter& to) {
     to.number(made.has_value());
-    if (!made) return true;
+    if (!made) return;
     geometry::write(*made->mesh, to);
     to.number(made->entry.before);
     for (const double value : {made->entry.error, made->entry.flux, made->entry.normals})
       to.real(value);
-    return true;
   }
 
   static std::optional<Made> read(ByteReader& from) {
@@ -182,7 +181,7 @@ class Simplifier {
 
   // Whether it can be made coarser is worth keeping too.
   std::optional<Made> reused_or_make(const Chosen& chosen) const {
-    auto made = *reused_or_made<std::optional<Made>>(
+    auto made = *remember<std::optional<Made>>(
         cache_, Work::simplified, [&] { return key_of(chosen); },
         [&] { return std::optional<std::optional<Made>>(std::in_place, make(chosen)); }, write,
         read);

@@ -98,7 +98,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
 geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options) {
   geometry::TessellationOptions out;
   // storage in few bits has its share of the tolerance
-  out.max_error = job.max_error * (options.storage.lossy() ? 1 - kStorageShare : 1);
+  out.max_error = job.max_error * (options.storage.streams() ? 1 - kStorageShare : 1);
   out.max_triangles = options.max_triangles;
   out.texcoords = job.textured && !job.projected();
   out.edge_segments = job.edge_segments;

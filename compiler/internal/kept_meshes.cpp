@@ -13,9 +13,18 @@ namespace {
 // About 0.1 ms; a file costs as much.
 constexpr double kLeastKeptTriangles = 1000;
 
-enum class Kept : std::uint64_t { packed, mesh };
+bool all_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
 
-Hash128 job_key(const MeshJob& job, const geometry::TessellationOptions& tessellation, Kept kept) {
+}  // namespace
+
+bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
+  return !std::holds_alternative<geometry::MeshShape>(*job.shape) &&
+         geometry::planned_triangles(*job.shape, tessellation) >= kLeastKeptTriangles;
+}
+
+Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation, Kept kept) {
   KeyHasher key;
   key.hash(job.hash);
   key.number(static_cast<std::uint64_t>(kept));
@@ -29,22 +38,7 @@ Hash128 job_key(const MeshJob& job, const geometry::TessellationOptions& tessell
   return key.key();
 }
 
-bool all_finite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
-
-}  // namespace
-
-bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
-  return !std::holds_alternative<geometry::MeshShape>(*job.shape) &&
-         geometry::planned_triangles(*job.shape, tessellation) >= kLeastKeptTriangles;
-}
-
-Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation) {
-  return job_key(job, tessellation, Kept::packed);
-}
-
-void write(const pan::PackedMesh& mesh, ByteWriter& to) {
+void write_packed(const pan::PackedMesh& mesh, ByteWriter& to) {
   for (int k = 0; k < 3; ++k) to.real(mesh.origin[k]);
   to.real(mesh.error);
   to.number(mesh.closed);
@@ -65,39 +59,15 @@ pan::PackedMesh read_packed(ByteReader& from) {
   const auto fits = [&](const std::vector<float>& values, std::size_t width) {
     return values.empty() || values.size() == width * count;
   };
-  const bool sound = std::isfinite(glm::length(mesh.origin)) && std::isfinite(mesh.error) &&
-                     count > 0 && mesh.positions.size() == 3 * count &&
-                     mesh.normals.size() == 3 * count && fits(mesh.texcoords, 2) &&
-                     fits(mesh.colors, 3) && all_finite(mesh.positions) && all_finite(mesh.normals) &&
-                     all_finite(mesh.texcoords) && all_finite(mesh.colors) && !mesh.indices.empty() &&
-                     mesh.indices.size() % 3 == 0 &&
-                     *std::max_element(mesh.indices.begin(), mesh.indices.end()) < count;
+  const bool sound =
+      std::isfinite(glm::length(mesh.origin)) && std::isfinite(mesh.error) && count > 0 &&
+      mesh.positions.size() == 3 * count && mesh.normals.size() == 3 * count &&
+      fits(mesh.texcoords, 2) && fits(mesh.colors, 3) && all_finite(mesh.positions) &&
+      all_finite(mesh.normals) && all_finite(mesh.texcoords) && all_finite(mesh.colors) &&
+      !mesh.indices.empty() && mesh.indices.size() % 3 == 0 &&
+      *std::max_element(mesh.indices.begin(), mesh.indices.end()) < count;
   if (!sound) from.fail();
   return mesh;
-}
-
-std::optional<pan::PackedMesh> kept_or_packed(
-    const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
-    const std::function<std::optional<pan::PackedMesh>()>& make) {
-  return reused_or_made<pan::PackedMesh>(
-      cache, Work::meshes, [&] { return job_key(job, tessellation, Kept::packed); }, make,
-      [](const pan::PackedMesh& mesh, ByteWriter& to) {
-        write(mesh, to);
-        return true;
-      },
-      read_packed);
-}
-
-std::optional<geometry::Mesh> kept_or_made(
-    const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
-    const std::function<std::optional<geometry::Mesh>()>& make) {
-  return reused_or_made<geometry::Mesh>(
-      cache, Work::meshes, [&] { return job_key(job, tessellation, Kept::mesh); }, make,
-      [](const geometry::Mesh& mesh, ByteWriter& to) {
-        geometry::write(mesh, to);
-        return true;
-      },
-      geometry::read_mesh);
 }
 
 }  // namespace panwright::compiler::internal

@@ -1,9 +1,6 @@
 // Cache of meshes of exact shapes between runs.
 #pragma once
 
-#include <functional>
-#include <optional>
-
 #include "base/work_cache.h"
 #include "compiler/internal/jobs.h"
 #include "geometry/mesh.h"
@@ -16,23 +13,15 @@ namespace panwright::compiler::internal {
 // as triangles.
 bool worth_keeping(const MeshJob& job, const geometry::TessellationOptions& tessellation);
 
+// Form of a cached mesh: packed and without its name, or as decals need it.
+enum class Kept : std::uint64_t { packed, mesh };
+
 // Returns the hash of all inputs of a job's mesh.
-Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation);
-
-// Returns a mesh without its name, packed by `make` or from the cache.
-//
-//   cache  null: none
-std::optional<pan::PackedMesh> kept_or_packed(
-    const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
-    const std::function<std::optional<pan::PackedMesh>()>& make);
-
-// Returns the same before packing, as decals need it.
-std::optional<geometry::Mesh> kept_or_made(
-    const WorkCache* cache, const MeshJob& job, const geometry::TessellationOptions& tessellation,
-    const std::function<std::optional<geometry::Mesh>()>& make);
+Hash128 mesh_key(const MeshJob& job, const geometry::TessellationOptions& tessellation,
+                 Kept kept = Kept::packed);
 
 // Serialisation to bytes and back. The reader fails on a mesh that pan::write() would refuse.
-void write(const pan::PackedMesh& mesh, ByteWriter& to);
+void write_packed(const pan::PackedMesh& mesh, ByteWriter& to);
 pan::PackedMesh read_packed(ByteReader& from);
 
 }  // namespace panwright::compiler::internal

@@ -78,14 +78,13 @@ Hash128 levels_key(const geometry::Mesh& mesh, const geometry::LevelOptions& opt
   return key.key();
 }
 
-bool write(const std::vector<geometry::MeshLevel>& levels, ByteWriter& to) {
+void write_levels(const std::vector<geometry::MeshLevel>& levels, ByteWriter& to) {
   to.number(levels.size());
   for (const geometry::MeshLevel& level : levels) {
     geometry::write(level.mesh, to);
     to.real(level.distance.low);
     to.real(level.distance.high);
   }
-  return true;
 }
 
 // What is used of them here.
@@ -189,9 +188,9 @@ class MeshLevels {
     options.least_error = pixels_ / 2 * nearest_pixel(chosen);
     options.shared = chosen.shared;
     const geometry::Mesh mesh = unpacked(out_.meshes[chosen.mesh]);
-    return *reused_or_made<std::vector<geometry::MeshLevel>>(
+    return *remember<std::vector<geometry::MeshLevel>>(
         cache_, Work::levels, [&] { return levels_key(mesh, options); },
-        [&] { return std::optional(geometry::mesh_levels(mesh, options, job_)); }, write,
+        [&] { return std::optional(geometry::mesh_levels(mesh, options, job_)); }, write_levels,
         read_levels);
   }
 

@@ -26,7 +26,7 @@ void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
   std::vector<Surface> surfaces;
   for (const pan::PackedMesh& mesh : out.meshes) surfaces.push_back(surface_of(mesh));
   const auto shared = shared_borders(surfaces, placed, world, Compared::all, job);
-  const std::uint32_t normals = pan::normal_bits(form);
+  const std::uint32_t normals = pan::normal_bits(form.bits);
   std::vector<std::uint32_t> bits(out.meshes.size());
   parallel_for(
       out.meshes.size(),
@@ -47,14 +47,14 @@ void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
 
 void encode_meshes(const pan::StorageForm& form, pan::Contents& out, StorageReport& report,
                    const Job& job) {
-  const std::uint32_t normals = pan::normal_bits(form);
+  const std::uint32_t normals = pan::normal_bits(form.bits);
   Phase phase(job, "encoding", out.meshes.size());
   parallel_for(
       out.meshes.size(),
       [&](std::size_t i) {
         // those of levels may be new
         if (normals > 0) pan::snap_normals(out.meshes[i], normals);
-        pan::encode(out.meshes[i], form);
+        pan::encode(out.meshes[i]);
         phase.advance();
       },
       job);

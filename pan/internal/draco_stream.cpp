@@ -1,6 +1,5 @@
 // Draco streams of codes: integers alone, so that every version of the library decodes them to the
 // same numbers.
-#include <draco/compression/encode.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
 
@@ -17,33 +16,21 @@
 namespace panwright::pan::internal {
 namespace {
 
-constexpr int kSpeed = 3;  // 0 the smallest, 10 the fastest
-
-void add_codes(draco::Mesh& mesh, draco::GeometryAttribute::Type type, std::size_t width,
-               const std::vector<std::uint32_t>& codes) {
-  const std::size_t count = codes.size() / width;
-  auto attribute = std::make_unique<draco::PointAttribute>();
-  attribute->Init(type, static_cast<std::int8_t>(width), draco::DT_INT32, false, count);
-  attribute->SetIdentityMapping();
-  for (std::size_t i = 0; i < count; ++i)
-    attribute->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)),
-                                 &codes[width * i]);
-  mesh.AddAttribute(std::move(attribute));
-}
+constexpr int kAttributes = 2;  // codes of positions, of normals
 
 // A decoder that looks at the attributes before it makes room for them.
 template <class Base>
 class Guarded : public Base {
  public:
-  Guarded(const StreamShape& shape, bool ids) : shape_(shape), attributes_(ids ? 3 : 2) {}
+  explicit Guarded(const StreamShape& shape) : shape_(shape) {}
 
  protected:
   bool DecodeAllAttributes() override {
     const draco::PointCloud& cloud = *this->point_cloud();
-    if (cloud.num_attributes() != attributes_ || cloud.num_points() != shape_.vertices ||
+    if (cloud.num_attributes() != kAttributes || cloud.num_points() != shape_.vertices ||
         this->mesh()->num_faces() != shape_.triangles)
       return false;
-    for (int i = 0; i < attributes_; ++i) {
+    for (int i = 0; i < kAttributes; ++i) {
       const draco::PointAttribute& attribute = *cloud.attribute(i);
       if (attribute.data_type() != draco::DT_INT32 || attribute.num_components() != 3 - i)
         return false;
@@ -53,10 +40,9 @@ class Guarded : public Base {
 
  private:
   StreamShape shape_;
-  int attributes_;
 };
 
-// What the head of a stream says, of the kind that encoded() writes.
+// Head of a stream.
 struct Head {
   bool edgebreaker = false;
   std::uint64_t faces = 0;
@@ -109,58 +95,35 @@ bool read_codes(const draco::Mesh& mesh, int index, std::size_t width,
 }
 
 bool decode_guarded(draco::MeshDecoder& decoder, std::span<const std::byte> bytes,
-                    const StreamShape& shape, bool ids, DracoArrays& to) {
+                    const StreamShape& shape, StreamCodes& to,
+                    std::vector<std::uint32_t>& indices) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Mesh mesh;
   if (!decoder.Decode(draco::DecoderOptions(), &buffer, &mesh).ok()) return false;
   if (mesh.num_points() != shape.vertices || mesh.num_faces() != shape.triangles ||
-      mesh.num_attributes() != (ids ? 3 : 2))
+      mesh.num_attributes() != kAttributes)
     return false;
-  to.indices.resize(3 * shape.triangles);
+  indices.resize(3 * shape.triangles);
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
-      to.indices[3 * i + k] = mesh.face(draco::FaceIndex(i))[k].value();
-  return read_codes(mesh, 0, 3, to.positions) && read_codes(mesh, 1, 2, to.normals) &&
-         (!ids || read_codes(mesh, 2, 1, to.ids));
+      indices[3 * i + k] = mesh.face(draco::FaceIndex(i))[k].value();
+  return read_codes(mesh, 0, 3, to.positions) && read_codes(mesh, 1, 2, to.normals);
 }
 
 }  // namespace
 
-std::vector<std::byte> draco_encoded(const DracoArrays& arrays, bool edgebreaker) {
-  draco::Mesh mesh;
-  const std::size_t triangles = arrays.indices.size() / 3;
-  mesh.SetNumFaces(triangles);
-  mesh.set_num_points(static_cast<std::uint32_t>(arrays.positions.size() / 3));
-  for (std::size_t i = 0; i < triangles; ++i) {
-    draco::Mesh::Face face;
-    for (std::size_t k = 0; k < 3; ++k) face[k] = arrays.indices[3 * i + k];
-    mesh.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)), face);
-  }
-  add_codes(mesh, draco::GeometryAttribute::POSITION, 3, arrays.positions);
-  add_codes(mesh, draco::GeometryAttribute::GENERIC, 2, arrays.normals);
-  if (!arrays.ids.empty()) add_codes(mesh, draco::GeometryAttribute::GENERIC, 1, arrays.ids);
-  draco::Encoder encoder;
-  encoder.SetSpeedOptions(kSpeed, kSpeed);
-  encoder.SetEncodingMethod(edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING
-                                        : draco::MESH_SEQUENTIAL_ENCODING);
-  draco::EncoderBuffer buffer;
-  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) return {};
-  const auto* data = reinterpret_cast<const std::byte*>(buffer.data());
-  return {data, data + buffer.size()};
-}
-
-bool draco_decoded(std::span<const std::byte> bytes, const StreamShape& shape, bool ids,
-                   DracoArrays& to) {
+bool draco_decoded(std::span<const std::byte> bytes, const StreamShape& shape, StreamCodes& to,
+                   std::vector<std::uint32_t>& indices) {
   const auto head = head_of(bytes);
   if (!head || head->faces != shape.triangles || head->points > shape.vertices) return false;
   try {
     if (head->edgebreaker) {
-      Guarded<draco::MeshEdgebreakerDecoder> decoder(shape, ids);
-      return decode_guarded(decoder, bytes, shape, ids, to);
+      Guarded<draco::MeshEdgebreakerDecoder> decoder(shape);
+      return decode_guarded(decoder, bytes, shape, to, indices);
     }
-    Guarded<draco::MeshSequentialDecoder> decoder(shape, ids);
-    return decode_guarded(decoder, bytes, shape, ids, to);
+    Guarded<draco::MeshSequentialDecoder> decoder(shape);
+    return decode_guarded(decoder, bytes, shape, to, indices);
   } catch (const std::bad_alloc&) {
     return false;
   } catch (const std::length_error&) {

@@ -146,19 +146,20 @@ bool decode_meshopt(const layout::MeshStream& record, const StreamShape& shape, 
 
 bool decode_draco(const layout::MeshStream& record, const StreamShape& shape, Parts& parts,
                   const StreamTarget& to) {
-  DracoArrays arrays;
+  StreamCodes codes;
+  std::vector<std::uint32_t> indices;
   if (record.position_bits == 0 || record.normal_bits == 0 ||
-      !draco_decoded(parts.rest(), shape, false, arrays) ||
-      !positions_from(record, arrays.positions.data(), 3, shape.vertices, to.positions) ||
-      !normals_from(record.normal_bits, arrays.normals.data(), shape.vertices, to.normals))
+      !draco_decoded(parts.rest(), shape, codes, indices) ||
+      !positions_from(record, codes.positions.data(), 3, shape.vertices, to.positions) ||
+      !normals_from(record.normal_bits, codes.normals.data(), shape.vertices, to.normals))
     return false;
   if (shape.index_size == 4) {
-    std::memcpy(to.indices, arrays.indices.data(), arrays.indices.size() * 4);
+    std::memcpy(to.indices, indices.data(), indices.size() * 4);
     return true;
   }
-  for (std::size_t i = 0; i < arrays.indices.size(); ++i) {
-    const auto index = static_cast<std::uint16_t>(arrays.indices[i]);
-    if (index != arrays.indices[i]) return false;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const auto index = static_cast<std::uint16_t>(indices[i]);
+    if (index != indices[i]) return false;
     std::memcpy(to.indices + 2 * i, &index, 2);
   }
   return true;

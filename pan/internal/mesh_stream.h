@@ -45,19 +45,15 @@ struct StreamTarget {
 bool decode(const layout::MeshStream& record, const StreamShape& shape,
             std::span<const std::byte> stream, const StreamTarget& to);
 
-// ---- Draco
-
-struct DracoArrays {
-  std::vector<std::uint32_t> positions;  // 3*V codes
-  std::vector<std::uint32_t> normals;    // 2*V codes
-  std::vector<std::uint32_t> ids;        // V, or empty
-  std::vector<std::uint32_t> indices;    // 3*T
+struct StreamCodes {
+  std::vector<std::uint32_t> positions;  // 3*V; empty: floats
+  std::vector<std::uint32_t> normals;    // 2*V; empty: floats
 };
 
-// Encodes a stream; Edgebreaker reorders triangles and vertices. Nothing: the library refuses.
-std::vector<std::byte> draco_encoded(const DracoArrays& arrays, bool edgebreaker);
-// False: damaged, or of another shape.
-bool draco_decoded(std::span<const std::byte> bytes, const StreamShape& shape, bool ids,
-                   DracoArrays& to);
+// Decodes a Draco stream, which older programs wrote. False: damaged, or of another shape.
+//
+//   indices  3*T
+bool draco_decoded(std::span<const std::byte> bytes, const StreamShape& shape, StreamCodes& to,
+                   std::vector<std::uint32_t>& indices);
 
 }  // namespace panwright::pan::internal

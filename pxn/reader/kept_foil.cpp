@@ -224,7 +224,7 @@ std::optional<MadeFoil> kept_or_made(const WorkCache* cache, const FoilSheet& fo
     return hasher.key();
   };
   const auto roomy = [&](const MadeFoil& made) { return made.meshes.vertices <= kRoomy * room; };
-  return reused_or_made<MadeFoil>(
+  return remember<MadeFoil>(
       cache, Work::foil, key, make,
       [&](const MadeFoil& made, ByteWriter& to) {
         return roomy(made) && write(made, foil.places, to);
@@ -300,29 +300,24 @@ namespace {
 
 // A blanket that was kept; nothing: there is none that is whole.
 std::optional<WovenFoil> kept(const WorkCache& cache, const WovenFrom& from, const Hash128& key) {
-  const auto bytes = cache.find(Work::foil, key);
-  if (!bytes) return std::nullopt;
-  ByteReader reader(*bytes);
-  WovenFoil found = read_woven(reader);
-  if (!reader.at_end()) return std::nullopt;
-  if (!from.shared) return found;
-  const auto more = cache.find(Work::foil, reach_key(key));
-  if (!more) return std::nullopt;
-  ByteReader reach(*more);
-  reach.list(found.tops);
-  reach.list(found.roots);
-  if (!reach.at_end() || found.tops.size() != found.roots.size()) return std::nullopt;
+  auto found = cache.recall<WovenFoil>(Work::foil, key, read_woven);
+  if (!found || !from.shared) return found;
+  const auto reach = cache.recall<bool>(Work::foil, reach_key(key), [&](ByteReader& reader) {
+    reader.list(found->tops);
+    reader.list(found->roots);
+    if (found->tops.size() != found->roots.size()) reader.fail();
+    return true;
+  });
+  if (!reach) found.reset();
   return found;
 }
 
 void keep(const WorkCache& cache, const WovenFoil& woven, const Hash128& key) {
-  ByteWriter writer;
-  write(woven, writer);
-  cache.keep(Work::foil, key, writer.bytes());
-  ByteWriter reach;
-  reach.list(woven.tops);
-  reach.list(woven.roots);
-  cache.keep(Work::foil, reach_key(key), reach.bytes());
+  cache.store(Work::foil, key, woven, [](const WovenFoil& all, ByteWriter& to) { write(all, to); });
+  cache.store(Work::foil, reach_key(key), woven, [](const WovenFoil& all, ByteWriter& to) {
+    to.list(all.tops);
+    to.list(all.roots);
+  });
 }
 
 }  // namespace
@@ -335,12 +330,7 @@ std::optional<WovenFoil> kept_or_woven(const WorkCache* cache, const WovenFrom& 
     return static_cast<double>(woven.triangles) <= kRoomy * from.room;
   };
   // a blanket that asks no further than this sees the same if all is the same as far as this
-  std::optional<Asked> known;
-  if (const auto bytes = cache->find(Work::foil, made_of)) {
-    ByteReader reader(*bytes);
-    const Asked asked = read_asked(reader);
-    if (reader.at_end()) known = asked;
-  }
+  const auto known = cache->recall<Asked>(Work::foil, made_of, read_asked);
   if (known)
     if (auto found = kept(*cache, from, woven_key(from, made_of, *known)); found && roomy(*found)) {
       cache->count(Work::foil, true);
@@ -351,11 +341,9 @@ std::optional<WovenFoil> kept_or_woven(const WorkCache* cache, const WovenFrom& 
   if (!made || !roomy(*made)) return made;
   Asked most = made->asked;
   if (known) most = {std::max(most.parts, known->parts), std::max(most.corners, known->corners)};
-  if (!known || most.parts > known->parts || most.corners > known->corners) {
-    ByteWriter writer;
-    write(most, writer);
-    cache->keep(Work::foil, made_of, writer.bytes());
-  }
+  if (!known || most.parts > known->parts || most.corners > known->corners)
+    cache->store(Work::foil, made_of, most,
+                 [](const Asked& asked, ByteWriter& to) { write(asked, to); });
   keep(*cache, *made, woven_key(from, made_of, most));
   return made;
 }

@@ -38,7 +38,6 @@ enum class ViewOption : std::uint8_t {
   adaptive,
   flat,
   specular_filter,
-  no_shadows,
   shadows,
   sun_points,
   shadow_side,
@@ -50,7 +49,6 @@ enum class ViewOption : std::uint8_t {
   max_samples,
   bounces,
   seed,
-  filter,
   no_sun_disc,
   max_image_memory,
 };
@@ -95,7 +93,6 @@ inline constexpr ViewMember kViewMembers[] = {
     {"adaptive", kViewFlag, 0, "true or false"},
     {"flat", kViewFlag, 0, "true or false"},
     {"specular-filter", kViewText, 0, "auto or off"},
-    {"no-shadows", kViewFlag, 0, "true or false"},
     {"shadows", kViewText, 0, "auto, off, hard or soft"},
     {"sun-points", kViewNumber | kViewText, 0, "a whole number from 2 to 256"},
     {"shadow-side", kViewNumber | kViewText, 0, "a whole number from 16 to 16384"},
@@ -107,7 +104,6 @@ inline constexpr ViewMember kViewMembers[] = {
     {"max-samples", kViewNumber | kViewText, 0, "a whole number from 32 to 1073741824"},
     {"bounces", kViewNumber | kViewText, 0, "a whole number from 0 to 1000"},
     {"seed", kViewNumber | kViewText, 0, "a whole number from 0 on"},
-    {"filter", kViewText, 0, "\"box\" or \"gaussian:SIGMA\""},
     {"no-sun-disc", kViewFlag, 0, "true or false"},
     {"max-image-memory", kViewNumber | kViewText, 0, "bytes, as \"2GB\""},
 };

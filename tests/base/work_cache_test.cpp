@@ -28,7 +28,7 @@ class WorkCaches : public testing::Test {
 
   // The square of a number, and how often it was worked out.
   std::uint64_t square(const WorkCache* cache, std::uint64_t number, bool worth = true) {
-    return *reused_or_made<std::uint64_t>(
+    return *remember<std::uint64_t>(
         cache, Work::meshes,
         [&] {
           KeyHasher key;
@@ -159,16 +159,13 @@ TEST_F(WorkCaches, ThreadsAndCachesShareAFolder) {
     threads.emplace_back([this] {
       const WorkCache cache(folder);
       for (std::uint64_t i = 0; i < 50; ++i) {
-        const auto result = reused_or_made<std::uint64_t>(
+        const auto result = remember<std::uint64_t>(
             &cache, Work::simplified,
             [&] {
               return Hash128{i, 1};
             },
             [&] { return std::optional(i + 1); },
-            [](std::uint64_t r, ByteWriter& to) {
-              to.number(r);
-              return true;
-            },
+            [](std::uint64_t r, ByteWriter& to) { to.number(r); },
             [](ByteReader& from) { return from.number(); });
         EXPECT_EQ(result, i + 1);
       }

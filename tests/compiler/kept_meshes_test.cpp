@@ -249,7 +249,7 @@ TEST(MeshBytes, UnsoundMeshesAreRefused) {
   const pan::PackedMesh good = pan::packed(*waves(3, 0), "");
   const auto reads = [](const pan::PackedMesh& mesh) {
     ByteWriter to;
-    internal::write(mesh, to);
+    internal::write_packed(mesh, to);
     ByteReader from(to.bytes());
     const pan::PackedMesh back = internal::read_packed(from);
     return from.at_end() && back.positions == mesh.positions && back.indices == mesh.indices;
@@ -268,7 +268,7 @@ TEST(MeshBytes, UnsoundMeshesAreRefused) {
   refused("number", [](auto& m) { m.positions[3] = NAN; });
   refused("origin", [](auto& m) { m.origin.y = HUGE_VAL; });
   ByteWriter to;
-  internal::write(good, to);
+  internal::write_packed(good, to);
   for (std::size_t size = 0; size < to.bytes().size(); ++size) {
     ByteReader from(to.bytes().first(size));
     internal::read_packed(from);

@@ -86,7 +86,7 @@ TEST(ExampleImages, LambertSpheresHaveTheirPhaseCurve) {
     const std::string sun = std::to_string(std::sin(a)) + " " + std::to_string(-std::cos(a)) + " 0";
     const Picture image = drawn(
         "calibration/spheres.pxn", {kWidth, kHeight},
-        {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples", "4", "--no-shadows"});
+        {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples", "4", "--shadows", "off"});
     for (int i = 0; i < 4; ++i) {
       // a window about the sphere
       const double x = kWidth / 2.0 + (i - 1.5) * 1.2 / kPixel;

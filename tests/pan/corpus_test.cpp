@@ -17,11 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path kOld = PANWRIGHT_SOURCE_DIR "/tests/pan/data/1.0";
-
-std::vector<fs::path> old_files() {
+std::vector<fs::path> old_files(const std::string& format = "1.0") {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(kOld))
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(PANWRIGHT_SOURCE_DIR "/tests/pan/data") / format))
     if (entry.path().extension() == ".pan") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -49,7 +48,46 @@ layout::SectionKind kind_named(const std::string& old_name) {
   return layout::SectionKind::build;
 }
 
-TEST(Corpus, NoFileIsLost) { EXPECT_EQ(old_files().size(), 9u); }
+TEST(Corpus, NoFileIsLost) {
+  EXPECT_EQ(old_files().size(), 9u);
+  EXPECT_EQ(old_files("1.1").size(), 9u);
+}
+
+void expect_held(const Model& model, const json& sections) {
+  EXPECT_GE(sections.size(), 20u);
+  for (const auto& [name, section] : sections.items()) {
+    const auto kind = kind_named(name);
+    const auto bytes = model.section(kind);
+    ASSERT_TRUE(model.entry(kind)) << name;
+    EXPECT_EQ(model.entry(kind)->count, section["count"].get<std::uint64_t>()) << name;
+    // the records of later formats are longer; what they had is at their beginning
+    const std::uint64_t had = section["count"] == 0 ? 0
+                                                    : section["bytes"].get<std::uint64_t>() /
+                                                          section["count"].get<std::uint64_t>();
+    const std::uint64_t have = layout::kSections[static_cast<std::uint32_t>(kind) - 1].stride;
+    ASSERT_GE(have, had) << name;
+    std::vector<std::byte> old;
+    for (std::uint64_t i = 0; i < model.entry(kind)->count; ++i)
+      old.insert(old.end(), &bytes[i * have], &bytes[i * have] + had);
+    EXPECT_EQ(fnv1a64(old), section["fnv1a64"].get<std::string>()) << name;
+  }
+}
+
+// Compressed sections, and mesh streams of every form.
+TEST(Corpus, CompressedFilesHoldWhatTheyHeld) {
+  std::set<std::uint32_t> forms;
+  for (const fs::path& file : old_files("1.1")) {
+    SCOPED_TRACE(file.filename().string());
+    DiagnosticLog log;
+    const auto model = Model::load(file, log);
+    ASSERT_TRUE(model) << to_text(log);
+    EXPECT_EQ(log.entries().size(), 0u);
+    EXPECT_EQ(model->header().minor, 1);
+    expect_held(*model, told(file)["sections"]);
+    for (const layout::MeshStream& stream : model->mesh_streams()) forms.insert(stream.form);
+  }
+  EXPECT_EQ(forms.size(), 3u);
+}
 
 TEST(Corpus, FilesHoldWhatTheyHeld) {
   for (const fs::path& file : old_files()) {
@@ -60,24 +98,7 @@ TEST(Corpus, FilesHoldWhatTheyHeld) {
     EXPECT_EQ(log.entries().size(), 0u);
     EXPECT_EQ(model->header().minor, 0);
     EXPECT_FALSE(model->compressed());
-    const json sections = told(file)["sections"];
-    EXPECT_GE(sections.size(), 20u);
-    for (const auto& [name, section] : sections.items()) {
-      const auto kind = kind_named(name);
-      const auto bytes = model->section(kind);
-      ASSERT_TRUE(model->entry(kind)) << name;
-      EXPECT_EQ(model->entry(kind)->count, section["count"].get<std::uint64_t>()) << name;
-      // the records of later formats are longer; what they had is at their beginning
-      const std::uint64_t had = section["count"] == 0 ? 0
-                                                      : section["bytes"].get<std::uint64_t>() /
-                                                            section["count"].get<std::uint64_t>();
-      const std::uint64_t have = layout::kSections[static_cast<std::uint32_t>(kind) - 1].stride;
-      ASSERT_GE(have, had) << name;
-      std::vector<std::byte> old;
-      for (std::uint64_t i = 0; i < model->entry(kind)->count; ++i)
-        old.insert(old.end(), &bytes[i * have], &bytes[i * have] + had);
-      EXPECT_EQ(fnv1a64(old), section["fnv1a64"].get<std::string>()) << name;
-    }
+    expect_held(*model, told(file)["sections"]);
   }
 }
 

@@ -210,7 +210,7 @@ TEST(Import, what_decides_a_model_is_in_its_identity) {
                                                       {"--units", "mm"},
                                                       {"--keep-hidden"},
                                                       {"--no-weld"},
-                                                      {"--up", "z"},
+                                                      {"--up-axis", "z"},
                                                       {"--recentre"},
                                                       {"--crease-normals"},
                                                       {"--primitives", "9"}};

@@ -117,10 +117,11 @@ TEST_F(Views, AreNamedWhereTheFluxOfAnImposterIsUncertain) {
 // all.
 TEST_F(Views, AnImageIsMadeAgain) {
   const std::vector<std::string> engines[] = {
-      {"--engine", "reference", "--samples", "2", "--seed", "9", "--filter", "gaussian:0.7",
+      {"--engine", "reference", "--samples", "2", "--seed", "9", "--psf", "0.7",
        "--limb-darkening", "0.6"},
       {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
+      {"--engine", "gl", "--shadows", "off"},
       {"--engine", "gl", "--shadows", "soft", "--sun-points", "9"},
       {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows",
        "hard", "--specular-filter", "off"}};

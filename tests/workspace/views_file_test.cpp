@@ -136,7 +136,7 @@ TEST(ReadViews, TakesEveryOption) {
       "define": {"span": "2m", "n": 3}, "targets": {"b": "b.pan"}, "samples": 4, "adaptive": true,
       "shadow-side": 512, "flat": false, "limb-darkening": 0.6, "max-image-memory": "2GB",
       "imposters": 32, "flux-error": "0.1%", "psf": 0.5},
-     {"output": "b.exr", "engine": "reference", "seed": 18446744073709551615, "filter": "box",
+     {"output": "b.exr", "engine": "reference", "seed": 18446744073709551615, "psf": 0,
       "no_sun_disc": true, "until-error": 0.01, "max-samples": 64, "bounces": 0},
      {"output": "c.exr", "imposters": "off", "shadows": "soft", "sun-points": 128,
       "specular-filter": "off"},
@@ -193,8 +193,8 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("bounces": 1)", "view 1 ('x'): bounces requires engine reference"},
       {R"("pixel-error": 1, "samples": "auto")", "view 1 ('x'): pixel-error is '1', expected"},
       {R"("engine": "reference", "bounces": 1.5)", "bounces is '1.5', expected a whole number"},
-      {R"("shadow-side": 512, "no-shadows": true)", "cannot be combined"},
-      {R"("shadows": "soft", "no-shadows": true)", "cannot be combined"},
+      {R"("shadow-side": 512, "shadows": "off")", "cannot be combined"},
+      {R"("shadows": "off", "sun-points": 8)", "sun-points needs shadows auto or soft"},
       {R"("shadows": "blurred")", "shadows is 'blurred', expected auto, off, hard or soft"},
       {R"("shadows": "hard", "sun-points": 8)", "sun-points needs shadows auto or soft"},
       {R"("sun-points": 1)", "sun-points is '1', expected a whole number from 2 to 256"},
@@ -204,7 +204,7 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("specular-filter": "off", "engine": "reference")", "specular-filter requires engine gl"},
       {R"("flux-error": 2)", "flux-error is '2', expected a share"},
       {R"("psf": -1)", "psf is '-1', expected a number from 0 to 64"},
-      {R"("psf": 1, "filter": "box", "engine": "reference")", "cannot be combined"},
+      {R"("psf": 65, "engine": "reference")", "psf is '65', expected a number from 0 to 64"},
       {R"("max-image-memory": "much")", "expected a number of bytes"},
   };
   for (const auto& [members, words] : cases) {
@@ -224,7 +224,7 @@ TEST(ReadViews, AViewReplacesTheEngineOfTheDefaults) {
   ViewText defaults;
   defaults.engine = "reference";
   defaults.bounces = "2";
-  defaults.filter = "box";
+  defaults.seed = "3";
   defaults.defines = {{"a", "1"}, {"b", "2"}};
   DiagnosticLog log;
   const auto views = read(R"([{"engine": "gl", "define": {"a": 5}, "output": "a.png"},
@@ -232,11 +232,28 @@ TEST(ReadViews, AViewReplacesTheEngineOfTheDefaults) {
                           log, defaults);
   ASSERT_TRUE(views);
   EXPECT_FALSE((*views)[0].bounces);
+  EXPECT_FALSE((*views)[0].seed);
   using Pair = std::pair<std::string, std::string>;
   EXPECT_THAT((*views)[0].defines, testing::UnorderedElementsAre(Pair("a", "5"), Pair("b", "2")));
   EXPECT_EQ((*views)[1].bounces, "2");
+  EXPECT_EQ((*views)[1].seed, "3");
   EXPECT_TRUE(draw_options((*views)[0], preview::ContextKind::automatic, log)) << to_text(log);
   EXPECT_TRUE(draw_options((*views)[1], preview::ContextKind::automatic, log)) << to_text(log);
+}
+
+TEST(ReadViews, AViewReplacesShadowsThatAreOff) {
+  ViewText defaults;
+  defaults.shadows = "off";
+  DiagnosticLog log;
+  const auto views = read(R"([{"shadow-side": 64, "output": "a.png"},
+                              {"sun-points": 3, "output": "b.png"}, {"output": "c.png"}])",
+                          log, defaults);
+  ASSERT_TRUE(views) << to_text(log);
+  for (const ViewText& view : *views)
+    EXPECT_TRUE(draw_options(view, preview::ContextKind::automatic, log)) << to_text(log);
+  EXPECT_FALSE((*views)[0].shadows);
+  EXPECT_FALSE((*views)[1].shadows);
+  EXPECT_EQ((*views)[2].shadows, "off");
 }
 
 // Every mutation is accepted, or refused with exit code 2 and a message of our own.
@@ -244,7 +261,7 @@ TEST(ReadViews, MutationsAreRefusedInOurOwnWords) {
   const std::string valid[] = {
       R"([{"name": "far", "camera": [0, -5, 1.5], "fov": 20, "sun": "1 0 0", "output": "a.png"},
  {"look_at": "0 0 1", "outputs": ["b.npy", "b.npz"], "samples": 4, "adaptive": true}])",
-      R"([{"engine": "reference", "bounces": 1, "seed": 7, "filter": "gaussian:0.7",
+      R"([{"engine": "reference", "bounces": 1, "seed": 7, "psf": "0.7",
   "pose": {"m": [0, 0, 5, 1, 0, 0, 0]}, "define": {"span": "2.4m"}, "output": "c.exr"}])",
   };
   const std::string alphabet = "[]{}\",:' \\\n\t0e-+.x\x01\x7f\xc3\xff/";
