@@ -131,8 +131,8 @@ void time_runs(Context& context, const Subject& subject, DiagnosticLog& log) {
                               variants[i].setting, size, size, frames);
     row.speed_unit = "frames/s";
     set_rate(row, timings[i], frames);
-    row.error = complete[i] ? largest_difference(world, views[i].back(), *device, last, log)
-                            : INFINITY;
+    row.error =
+        complete[i] ? largest_difference(world, views[i].back(), *device, last, log) : INFINITY;
     row.error_unit = "largest difference";
     row.reference = "the last view by itself";
     row.must_error = 1e-300;  // the same bits

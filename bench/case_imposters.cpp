@@ -1,5 +1,5 @@
-// Targets of any size: flux, flicker and photocentre beside the time of a frame, by imposters and by
-// samples; a spacecraft from 1,000 km to where it fills the image.
+// Targets of any size: flux, flicker and photocentre beside the time of a frame, by imposters and
+// by samples; a spacecraft from 1,000 km to where it fills the image.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Way {
   const char* name;
   unsigned samples;
   preview::Imposters imposters;
-  int offsets;  // that are drawn
+  int offsets;           // that are drawn
   bool cropped = false;  // to the target's own pixels
 };
 constexpr Way kWays[] = {{"imposter", 0, preview::Imposters::automatic, 200},
@@ -38,7 +38,8 @@ constexpr Way kWays[] = {{"imposter", 0, preview::Imposters::automatic, 200},
                          {"16x16, cropped", 16, preview::Imposters::off, 40, true},
                          {"64x64, cropped", 64, preview::Imposters::off, 40, true}};
 
-// Software takes seconds where hardware takes milliseconds: fewer shifts and times of what is full of samples.
+// Software takes seconds where hardware takes milliseconds: fewer shifts and times of what is full
+// of samples.
 struct Effort {
   int offsets;
   int runs;
@@ -186,8 +187,9 @@ Target cropped(const Target& target, double radius) {
 
 // Frames of a camera that turns by a third of a pixel each: what the flux does.
 template <class Turn>
-void add_drift(Context& context, preview::Renderer& renderer, const Target& target, const std::string& setting,
-               const preview::RenderOptions& options, const Turn& turn, DiagnosticLog& log) {
+void add_drift(Context& context, preview::Renderer& renderer, const Target& target,
+               const std::string& setting, const preview::RenderOptions& options, const Turn& turn,
+               DiagnosticLog& log) {
   const int frames = context.quick() ? 5 : 100;
   double sum = 0, squares = 0;
   for (int i = 0; i < frames; ++i) {
@@ -212,8 +214,8 @@ void add_drift(Context& context, preview::Renderer& renderer, const Target& targ
 }
 
 void add_rows(Context& context, const std::string& case_name, const std::string& setting,
-              const Spread& spread, double flux, double flicker, double centre, const std::string& reference,
-              double reference_error) {
+              const Spread& spread, double flux, double flicker, double centre,
+              const std::string& reference, double reference_error) {
   const auto add = [&](const char* what, double error, const char* unit, double must) {
     Row row{.case_name = case_name,
             .setting = setting + what,
@@ -238,8 +240,7 @@ Target sphere_target(const world::ModelPtr& model, double radius, DiagnosticLog&
   target.camera.focal = Vec2(radius * kRange);
   target.camera.principal = Vec2(kSide / 2.0);
   target.camera.position = {0, -kRange, 0};
-  target.camera.world_from_camera =
-      *world::looking_at(target.camera.position, Vec3(0), {}, log);
+  target.camera.world_from_camera = *world::looking_at(target.camera.position, Vec3(0), {}, log);
   world::Sun sun = target.world.sun();
   sun.direction = {std::sin(kPhase), -std::cos(kPhase), 0};
   target.world.set_sun(sun);
@@ -294,9 +295,9 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
   const BoxImage across(false);
   const auto full_image = time_of_full_image(context, renderer, model, log);
   if (!full_image) return context.note("a sphere that fills the image could not be drawn");
-  const std::vector<double> radii = context.quick()
-                                        ? std::vector{0.3, 4.0}
-                                        : std::vector{0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 16.0, 30.0, 100.0};
+  const std::vector<double> radii =
+      context.quick() ? std::vector{0.3, 4.0}
+                      : std::vector{0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 16.0, 30.0, 100.0};
   for (const double radius : radii) {
     Target target = sphere_target(model, radius, log);
     target.flux = oracles::lambert_sphere_intensity(kPhase) * radius * radius;
@@ -312,7 +313,8 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
       const bool own = way.imposters != preview::Imposters::off;
       if (context.quick() && !own && way.samples != 8) continue;
       if (way.cropped && radius > 4) continue;
-      if (way.samples == 16 && !way.cropped && radius > 4 && effort_of(context, way, own).runs < 5) continue;
+      if (way.samples == 16 && !way.cropped && radius > 4 && effort_of(context, way, own).runs < 5)
+        continue;
       const Effort effort = effort_of(context, way, own);
       const Target seen = way.cropped ? cropped(target, radius) : target;
       const auto spread = spread_of(renderer, seen, options_of(way), effort, box, log);
@@ -332,15 +334,18 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
       options.psf_sigma = 0.5;
       const auto blurred = spread_of(renderer, target, options, effort, truth, log);
       if (blurred)
-        add_rows(context, "imposters", fmt::format("Lambert sphere r={}px imposter, PSF 0.5px", radius),
-                 *blurred, 5e-4, 1e-5, 5e-3, "closed form", 4e-5);
+        add_rows(context, "imposters",
+                 fmt::format("Lambert sphere r={}px imposter, PSF 0.5px", radius), *blurred, 5e-4,
+                 1e-5, 5e-3, "closed form", 4e-5);
     }
     if (radius >= 0.3 && radius <= 4)
-      add_drift(context, renderer, target, fmt::format("Lambert sphere r={}px imposter", radius), options_of(kWays[0]),
-                [](const world::Camera& camera, double angle) {
-                  return camera.world_from_camera * glm::angleAxis(angle, Vec3(0, 1, 0));
-                },
-                log);
+      add_drift(
+          context, renderer, target, fmt::format("Lambert sphere r={}px imposter", radius),
+          options_of(kWays[0]),
+          [](const world::Camera& camera, double angle) {
+            return camera.world_from_camera * glm::angleAxis(angle, Vec3(0, 1, 0));
+          },
+          log);
   }
 }
 
@@ -349,7 +354,8 @@ void run_glossy(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
   materials::Material glossy;
   glossy.weights = {0, 1, 0};
   glossy.specular = Vec3(1);
-  glossy.specular_brdf = materials::with_slopes(materials::SpecularModel::cook_torrance, Vec2(0.02));
+  glossy.specular_brdf =
+      materials::with_slopes(materials::SpecularModel::cook_torrance, Vec2(0.02));
   materials::fit(glossy);
   const auto model = compiled_model(sphere_scene({200, 400}, glossy), log);
   if (!model) return context.note("the glossy sphere could not be compiled");
@@ -361,8 +367,8 @@ void run_glossy(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
       const bool own = way.imposters != preview::Imposters::off;
       if (way.cropped || (!own && way.samples != 8)) continue;
       const auto middle = [](const world::Camera& camera) { return camera.principal; };
-      const auto spread = spread_of(renderer, target, options_of(way), {context.quick() ? 4 : 40, 5},
-                                    middle, log);
+      const auto spread =
+          spread_of(renderer, target, options_of(way), {context.quick() ? 4 : 40, 5}, middle, log);
       if (!spread) return context.note("a glossy sphere could not be drawn");
       Row row{.case_name = "imposters",
               .setting = fmt::format("Cook-Torrance 0.02 sphere r={}px {}", radius, way.name),
@@ -422,9 +428,8 @@ double flux_of(preview::Renderer& renderer, const Target& target, double diagona
 }
 
 void run_spacecraft(Context& context, preview::Renderer& renderer, DiagnosticLog& log) {
-  const std::vector<double> sizes = context.quick()
-                                        ? std::vector{3.0}
-                                        : std::vector{0.1, 1.0, 3.0, 10.0, 30.0, 60.0, 200.0};
+  const std::vector<double> sizes =
+      context.quick() ? std::vector{3.0} : std::vector{0.1, 1.0, 3.0, 10.0, 30.0, 60.0, 200.0};
   auto target = spacecraft_target(context, 1e4, 1, log);
   if (!target) return context.note("the servicer cannot be read: its rows are missing");
   const Vec2 focal = target->camera.focal;

@@ -125,8 +125,8 @@ void run_side(Context& context, std::array<support::ModelRenderer, 2>& renderers
   }
 }
 
-// Scanned ground: pixels that are dark by themselves, among lit ones, where a ray to the Sun is free; and the same of
-// pixels that are lit among dark ones.
+// Scanned ground: pixels that are dark by themselves, among lit ones, where a ray to the Sun is
+// free; and the same of pixels that are lit among dark ones.
 void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, DiagnosticLog& log) {
   const std::filesystem::path file = context.source("../shared/data/small-bodies/67P-CG.obj");
   if (file.empty()) return context.note("67P-CG.obj is not at hand");
@@ -146,7 +146,8 @@ void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, Di
     const std::uint32_t pixels = context.quick() ? 128 : 384;
     world::set_field_of_view(view.camera, pixels, pixels, 24 * kDegree);
     const double around = 2.4 * i;
-    view.camera.position = middle + 2.4 * size * glm::normalize(Vec3(std::cos(around), std::sin(around), 0.3));
+    view.camera.position =
+        middle + 2.4 * size * glm::normalize(Vec3(std::cos(around), std::sin(around), 0.3));
     const auto turn = world::looking_at(view.camera.position, middle, {}, log);
     if (turn) view.camera.world_from_camera = *turn;
     // phase angles from 20 to 140 degrees
@@ -158,14 +159,17 @@ void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, Di
     const auto without = renderer.render(view, options, log);
     if (!image || !without) return context.note("67P could not be drawn");
     const support::SunRays rays(**model, view);
-    const auto is_lit = [&](std::size_t p) { return image->radiance[3 * p + 1] > 0.5f * without->radiance[3 * p + 1]; };
+    const auto is_lit = [&](std::size_t p) {
+      return image->radiance[3 * p + 1] > 0.5f * without->radiance[3 * p + 1];
+    };
     for (std::uint32_t y = 1; y + 1 < pixels; ++y)
       for (std::uint32_t x = 1; x + 1 < pixels; ++x) {
         const std::size_t p = std::size_t{y} * pixels + x;
         int neighbours = 0, lit_ones = 0;
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) {
-            const std::size_t q = p + static_cast<std::size_t>(dy) * pixels + static_cast<std::size_t>(dx);
+            const std::size_t q =
+                p + static_cast<std::size_t>(dy) * pixels + static_cast<std::size_t>(dx);
             if (q == p || !(without->radiance[3 * q + 1] > 0)) continue;
             ++neighbours;
             lit_ones += is_lit(q);
@@ -178,7 +182,8 @@ void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, Di
         if (!point || rays.lit(point->start) == is_lit(p)) continue;
         (is_lit(p) ? bright : dark) += 1;
       }
-    if (i == 0) timing = timed([&] { static_cast<void>(renderer.render(view, {}, log)); }, context.runs());
+    if (i == 0)
+      timing = timed([&] { static_cast<void>(renderer.render(view, {}, log)); }, context.runs());
   }
   Row row{.case_name = "shadows",
           .setting = fmt::format("67P, {} views, phase 20 to 140 deg, {} lit pixels", suns, lit),
@@ -212,7 +217,8 @@ void run(Context& context) {
   run_ground(context, *gl, log);
 }
 
-const bool kAdded = add_case({"shadows", "Sun shadows of the servicer and of scanned ground against rays", run});
+const bool kAdded =
+    add_case({"shadows", "Sun shadows of the servicer and of scanned ground against rays", run});
 
 }  // namespace
 

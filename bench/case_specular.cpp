@@ -34,16 +34,19 @@ struct Paint {
   const char* pxn;
 };
 constexpr Paint kPaints[] = {
-    {"Cook-Torrance 0.02", "<cook> 1 0.02 1 1 </cook><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
+    {"Cook-Torrance 0.02",
+     "<cook> 1 0.02 1 1 </cook><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
     {"GGX 0.06", "<ggx> 0.06 </ggx><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
-    {"Beckmann 0.1", "<beckmann> 0.1 </beckmann><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
+    {"Beckmann 0.1",
+     "<beckmann> 0.1 </beckmann><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
     {"GGX 0.05 x 0.2", "<ggx> 0.05 0.2 </ggx><specular>1 1 1</specular><reflect>0 1 0</reflect>"},
     {"coat 0.02 over Lambert", "<coat n=\"1.5\" slope=\"0.02\"/><diffuse>0.3 0.3 0.3</diffuse>"},
 };
 
 double flux_of(const preview::Image& image) {
   double sum = 0;
-  for (std::size_t i = 1; i < image.radiance.size(); i += 3) sum += static_cast<double>(image.radiance[i]);
+  for (std::size_t i = 1; i < image.radiance.size(); i += 3)
+    sum += static_cast<double>(image.radiance[i]);
   return sum;
 }
 
@@ -71,11 +74,13 @@ struct Subject {
   world::Camera camera;
 };
 
-std::optional<Subject> subject_of(Context& context, const Shape& shape, const Paint& paint, DiagnosticLog& log) {
-  const auto path = write_scratch(
-      context, "specular.pxn",
-      fmt::format("<pangu_model ver=\"1\"><material name=\"m\">{}</material><node material=\"m\">{}</node></pangu_model>",
-                  paint.pxn, shape.pxn));
+std::optional<Subject> subject_of(Context& context, const Shape& shape, const Paint& paint,
+                                  DiagnosticLog& log) {
+  const auto path =
+      write_scratch(context, "specular.pxn",
+                    fmt::format("<pangu_model ver=\"1\"><material name=\"m\">{}</material><node "
+                                "material=\"m\">{}</node></pangu_model>",
+                                paint.pxn, shape.pxn));
   const auto model = workspace::open(path, {}, log);
   if (!model) return std::nullopt;
   Subject subject;
@@ -103,10 +108,11 @@ preview::RenderOptions options_of(unsigned samples, bool filter) {
   return options;
 }
 
-void run_shape(Context& context, preview::Renderer& renderer, const Shape& shape, const Paint& paint,
-               DiagnosticLog& log) {
+void run_shape(Context& context, preview::Renderer& renderer, const Shape& shape,
+               const Paint& paint, DiagnosticLog& log) {
   auto subject = subject_of(context, shape, paint, log);
-  if (!subject) return context.note(fmt::format("{} of {} could not be compiled", shape.name, paint.name));
+  if (!subject)
+    return context.note(fmt::format("{} of {} could not be compiled", shape.name, paint.name));
   const std::vector<double> radii =
       context.quick() ? std::vector{2.0} : std::vector{0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
   const int offsets = context.quick() ? 4 : 12;
@@ -115,7 +121,10 @@ void run_shape(Context& context, preview::Renderer& renderer, const Shape& shape
     unsigned samples;
     bool filter;
   };
-  constexpr Way kWays[] = {{"points", 1, false}, {"filtered", 1, true}, {"4x4 points", 4, false}, {"4x4 filtered", 4, true}};
+  constexpr Way kWays[] = {{"points", 1, false},
+                           {"filtered", 1, true},
+                           {"4x4 points", 4, false},
+                           {"4x4 filtered", 4, true}};
   for (const double radius : radii) {
     set_radius(*subject, shape, radius);
     std::array<Errors, std::size(kWays)> errors;
@@ -124,11 +133,12 @@ void run_shape(Context& context, preview::Renderer& renderer, const Shape& shape
     for (int i = 0; i < offsets; ++i) {
       subject->camera.principal =
           Vec2(subject->camera.width / 2.0) + Vec2(offset(random), offset(random));
-      const auto truth = renderer.render(subject->world, subject->camera, options_of(radius < 8 ? 64 : 32, false), log);
+      const auto truth = renderer.render(subject->world, subject->camera,
+                                         options_of(radius < 8 ? 64 : 32, false), log);
       if (!truth) return context.note("a highlight could not be drawn");
       for (std::size_t w = 0; w < std::size(kWays); ++w) {
-        const auto image =
-            renderer.render(subject->world, subject->camera, options_of(kWays[w].samples, kWays[w].filter), log);
+        const auto image = renderer.render(subject->world, subject->camera,
+                                           options_of(kWays[w].samples, kWays[w].filter), log);
         if (!image) return context.note("a highlight could not be drawn");
         const double off = flux_of(*image) / flux_of(*truth) - 1;
         const double each = apart(*image, *truth);
@@ -141,13 +151,15 @@ void run_shape(Context& context, preview::Renderer& renderer, const Shape& shape
     for (const Way& way : kWays)
       variants.push_back({way.name, [&] {
                             static_cast<void>(renderer.render(subject->world, subject->camera,
-                                                              options_of(way.samples, way.filter), log));
+                                                              options_of(way.samples, way.filter),
+                                                              log));
                           }});
     const std::vector<Timing> timings = interleaved(variants, 5);
     for (std::size_t w = 0; w < std::size(kWays); ++w) {
       const auto add = [&](const char* what, double error, const char* unit) {
         Row row{.case_name = "specular",
-                .setting = fmt::format("{} {} r={}px {}{}", paint.name, shape.name, radius, kWays[w].name, what),
+                .setting = fmt::format("{} {} r={}px {}{}", paint.name, shape.name, radius,
+                                       kWays[w].name, what),
                 .speed_unit = "ms/frame",
                 .error = error,
                 .error_unit = unit,
@@ -178,7 +190,8 @@ void run(Context& context) {
     if (one.severity() == Severity::error) context.note(one.message);
 }
 
-const bool kAdded = add_case({"specular", "narrow highlights on curved surfaces, averaged or at points", run});
+const bool kAdded =
+    add_case({"specular", "narrow highlights on curved surfaces, averaged or at points", run});
 
 }  // namespace
 

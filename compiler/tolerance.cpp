@@ -14,7 +14,8 @@ double clamped_cosine(const Vec2& a, const Vec2& b) {
 }
 
 // Of walls whose radius changes along the axis: light along them leaves slivers that it does not
-// leave on a cylinder, with up to twice the relative error (measured, tests/compiler/tolerance_test.cpp).
+// leave on a cylinder, with up to twice the relative error (measured,
+// tests/compiler/tolerance_test.cpp).
 constexpr double kSlanted = 0.5;
 
 struct CurvatureOf {

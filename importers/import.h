@@ -59,7 +59,7 @@ struct Options {
       30 * kDegree;  // radians, for meshes whose file gives neither normals nor a crease angle
   double deflection =
       0;  // STEP: metres, largest distance of triangles from surfaces; 0: 1e-4 of the size
-  bool textures = true;   // textures are read
+  bool textures = true;          // textures are read
   std::optional<Format> assume;  // for a file without a telling header
 };
 

@@ -195,8 +195,7 @@ HalfSpace own_space(const Material& material, const f64::SurfaceFields& s) {
     return {slope, slope, false};
   }
   if (material.specular_model() == SpecularModel::mirror) {
-    const double slope =
-        f64::microfacet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha);
+    const double slope = f64::microfacet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha);
     return {slope, slope, true};
   }
   return space_of(microfacets_of(material));
@@ -318,7 +317,8 @@ Gain largest_albedo(const Material& material, std::span<const double> mus, int o
   Gain gain;
   for (const double mu : mus)
     for (std::size_t i = 0; i < azimuths; ++i) {
-      const double found = max_component(albedo(material, direction(mu, kAzimuths[i]), order, Vec3(1)));
+      const double found =
+          max_component(albedo(material, direction(mu, kAzimuths[i]), order, Vec3(1)));
       if (found > gain.albedo) gain = {found, mu};
     }
   return gain;

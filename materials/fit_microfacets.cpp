@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kMicrofacetTerms = 7;
 constexpr std::size_t kMicrofacetNodes = 32;
-constexpr int kFittedAzimuths = 8;     // of microfacets that are anisotropic
-constexpr double kLeast = 1e-6;  // cosine used for grazing
+constexpr int kFittedAzimuths = 8;  // of microfacets that are anisotropic
+constexpr double kLeast = 1e-6;     // cosine used for grazing
 // where the loss has its bend: the b of albedo_deficit_polynomial; negative ones are tried as well
 constexpr std::array kBends{2e-3, 6e-3, 0.016, 0.035, 0.07, 0.1, 0.15,
                             0.2,  0.3,  0.5,   0.8,   1.5,  3.0, 10.0};
@@ -51,12 +51,14 @@ double dot(const Terms& a, const Terms& b) {
 }
 
 // Least squares; the normal equations of Chebyshev's polynomials are well conditioned.
-Terms solved(const std::array<Terms, kMicrofacetNodes>& rows, const std::array<double, kMicrofacetNodes>& values,
+Terms solved(const std::array<Terms, kMicrofacetNodes>& rows,
+             const std::array<double, kMicrofacetNodes>& values,
              const std::array<double, kMicrofacetNodes>& weights) {
   std::array<std::array<double, kMicrofacetTerms + 1>, kMicrofacetTerms> a{};
   for (std::size_t i = 0; i < kMicrofacetNodes; ++i)
     for (std::size_t r = 0; r < kMicrofacetTerms; ++r) {
-      for (std::size_t c = 0; c < kMicrofacetTerms; ++c) a[r][c] += weights[i] * rows[i][r] * rows[i][c];
+      for (std::size_t c = 0; c < kMicrofacetTerms; ++c)
+        a[r][c] += weights[i] * rows[i][r] * rows[i][c];
       a[r][kMicrofacetTerms] += weights[i] * rows[i][r] * values[i];
     }
   // Cholesky's order needs no pivots
@@ -77,8 +79,8 @@ struct Minimax {
 };
 
 // C. L. Lawson's iteration: weights grow where the error is large.
-Minimax minimax(const std::array<double, kMicrofacetNodes>& cosines, const std::array<double, kMicrofacetNodes>& values,
-                double bend) {
+Minimax minimax(const std::array<double, kMicrofacetNodes>& cosines,
+                const std::array<double, kMicrofacetNodes>& values, double bend) {
   std::array<Terms, kMicrofacetNodes> rows;
   for (std::size_t i = 0; i < kMicrofacetNodes; ++i) rows[i] = chebyshev(warped(cosines[i], bend));
   std::array<double, kMicrofacetNodes> weights;
@@ -96,7 +98,8 @@ Minimax minimax(const std::array<double, kMicrofacetNodes>& cosines, const std::
     }
     if (largest < best.error) best = {terms, largest};
     if (!(sum > 1e-14)) break;
-    for (std::size_t i = 0; i < kMicrofacetNodes; ++i) weights[i] = weights[i] * errors[i] / sum + 1e-9;
+    for (std::size_t i = 0; i < kMicrofacetNodes; ++i)
+      weights[i] = weights[i] * errors[i] / sum + 1e-9;
   }
   return best;
 }
@@ -143,7 +146,8 @@ Loss fitted(int azimuths, Value value) {
   std::array<double, kMicrofacetNodes> values{};
   std::array<double, kMicrofacetNodes> spread{};  // of the azimuths about their mean
   for (std::size_t i = 0; i < kMicrofacetNodes; ++i) {
-    const double root = 0.5 - 0.5 * det::cos(kPi * (static_cast<double>(i) + 0.5) / kMicrofacetNodes);
+    const double root =
+        0.5 - 0.5 * det::cos(kPi * (static_cast<double>(i) + 0.5) / kMicrofacetNodes);
     const double mu = std::max(root * root, kLeast);
     const double sine = std::sqrt((1 - mu) * (1 + mu));
     cosines[i] = mu;

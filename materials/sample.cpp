@@ -411,8 +411,8 @@ DiscLobes Scattering::disc_lobes(const Vec3& to_sun, double radius, const Vec3& 
     const Vec3 peak = f64::place_of_peak(place, slopes, step_x, step_y, determinant);
     const Vec3 axis = f64::narrow_axis(f64::slope_form(step_x, step_y));
     const double narrow = 1 / std::sqrt(std::max(axis.z, 1e-30));
-    found.all[static_cast<std::size_t>(found.count++)] = {
-        Vec2(peak), Vec2(axis), narrow, 1 / (narrow * std::fabs(determinant))};
+    found.all[static_cast<std::size_t>(found.count++)] = {Vec2(peak), Vec2(axis), narrow,
+                                                          1 / (narrow * std::fabs(determinant))};
   };
   const Parts::Below in = parts_->below(s, v, normal);
   if (c.microfacets > 0 && !parts_->retro()) {

@@ -158,7 +158,7 @@ struct Finest {
   // cells: across the levels that will be asked for
   Finest(const Sheet& sheet, double crease_angle, std::span<const std::uint32_t> cells)
       : Finest(sheet, flat_mesh(sheet, crease_angle).mesh, cells) {}
-  double facets;  // the variance of their slopes, both axes together
+  double facets;      // the variance of their slopes, both axes together
   TiltSpread spread;  // of the slopes that it is shaded with
   SlopeDensity density;
   std::vector<double> wanted;

@@ -20,8 +20,8 @@ namespace {
 
 using geometry::Triangle;
 
-constexpr std::size_t kLeastTriangles = 2000;          // of a level: a sample of slopes
-constexpr double kPays = 0.6;                          // of the triangles of the one before
+constexpr std::size_t kLeastTriangles = 2000;                // of a level: a sample of slopes
+constexpr double kPays = 0.6;                                // of the triangles of the one before
 constexpr double kMostSpreadOff = 0.03, kMostMirror = 0.05;  // of TiltSpread
 
 struct Wrapper {

@@ -86,7 +86,7 @@ struct RenderOptions {
   bool levels = true;
   // Replaces the pixel footprint of the image: metres, ≥ 0.
   std::optional<double> level_pixel;
-  bool flat = false;            // shade by the triangles' own normals
+  bool flat = false;  // shade by the triangles' own normals
   // For N > 0 without `adaptive`, except imposters: averages a lobe over the turn of a curved
   // surface's normals between samples, if that exceeds the lobe's width (docs/sampling.md).
   bool specular_filter = true;
@@ -98,9 +98,9 @@ struct RenderOptions {
   // 2 to 256. Upper bound of automatic ones: by pixel_error, half as many if no penumbra is wider
   // than two pixels
   unsigned sun_points = 64;
-  bool ground_truth = false;    // also depth, range, normal (without bumps) and ids, at the
-                                // pixels' centres
-  std::uint32_t tile_side = 2048;         // samples drawn at once, a side; ≥ samples
+  bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
+                                   // pixels' centres
+  std::uint32_t tile_side = 2048;  // samples drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
   // of shadow maps, 8 a texel, and four times that if the Sun has several points: 16 maps of 2048.
   // Targets wide relative to their visible part have several; beyond the limit visible targets

@@ -142,7 +142,8 @@ class Finder {
 };
 
 // What `find` finds in a text.
-Result<std::vector<EditableMaterial>> found_in(const std::string& name, std::string_view bytes, DiagnosticLog& log,
+Result<std::vector<EditableMaterial>> found_in(const std::string& name, std::string_view bytes,
+                                               DiagnosticLog& log,
                                                std::vector<EditableMaterial> (Finder::*find)()) {
   if (bytes.size() >= 0xffffffffu) {
     log.report_file(Code::E0104, name, "the file has 4 GiB or more");
@@ -172,8 +173,8 @@ Result<std::vector<EditableMaterial>> editable_materials(const std::string& name
   return found_in(name, bytes, log, &Finder::materials);
 }
 
-Result<std::vector<EditableMaterial>> editable_foils(const std::string& name, std::string_view bytes,
-                                                     DiagnosticLog& log) {
+Result<std::vector<EditableMaterial>> editable_foils(const std::string& name,
+                                                     std::string_view bytes, DiagnosticLog& log) {
   return found_in(name, bytes, log, &Finder::foils);
 }
 

@@ -25,7 +25,7 @@ struct EditableNumber {
   // range in the language, without a unit
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  bool above = false;     // low itself is not allowed
+  bool above = false;  // low itself is not allowed
   bool integer = false;
   std::uint32_t begin = 0;  // bytes of the text, without the unit
   std::uint32_t end = 0;
@@ -53,8 +53,8 @@ Result<std::vector<EditableMaterial>> editable_materials(const std::string& name
 // The same for sheets of foil: the numbers of <mli> except its placement, of its settings and of
 // its operations, in order; the second <crease> is named "crease 2". name: that of the sheet, else
 // "foil", "foil 2" …
-Result<std::vector<EditableMaterial>> editable_foils(const std::string& name, std::string_view bytes,
-                                                     DiagnosticLog& log);
+Result<std::vector<EditableMaterial>> editable_foils(const std::string& name,
+                                                     std::string_view bytes, DiagnosticLog& log);
 
 // Returns the text with another number, rounded to six digits: nothing else differs.
 //

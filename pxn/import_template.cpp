@@ -6,9 +6,9 @@
 #include <set>
 
 #include "base/text.h"
+#include "pxn/material_guess.h"
 #include "pxn/reader/pattern.h"
 #include "pxn/reader/presets.h"
-#include "pxn/material_guess.h"
 #include "pxn/text/reference.h"
 
 namespace panwright::pxn {

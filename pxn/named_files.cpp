@@ -19,7 +19,8 @@ bool looks_like_a_file(std::string_view name) {
     return false;
   for (const char c : name.substr(point + 1))
     if (!is_ascii_letter(c) && !(c >= '0' && c <= '9')) return false;
-  return name.find('\n') == name.npos && (is_ascii_letter(name[point + 1]) || is_ascii_letter(name.back()));
+  return name.find('\n') == name.npos &&
+         (is_ascii_letter(name[point + 1]) || is_ascii_letter(name.back()));
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.common);
 }
 
-void check_one(const std::string& path, const workspace::OpenOptions& read,
-               CommandContext& context, std::set<std::filesystem::path>& files) {
+void check_one(const std::string& path, const workspace::OpenOptions& read, CommandContext& context,
+               std::set<std::filesystem::path>& files) {
   DiagnosticLog& log = context.log();
   const std::string extension = workspace::extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
@@ -74,7 +74,8 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
 }
 
 // One round over all files. files: what they consist of, more and more of it
-int check_all(const Options& options, const Host& host, std::set<std::filesystem::path>& files, bool& cancelled) {
+int check_all(const Options& options, const Host& host, std::set<std::filesystem::path>& files,
+              bool& cancelled) {
   CommandContext context("check", options.common, host);
   auto read = options.read.opening(context.log());
   if (!read) return context.finish();
@@ -95,7 +96,8 @@ int watch(const Options& options, const Host& host) {
     const int code = check_all(options, host, files, cancelled);
     if (cancelled) return code;
     for (const std::filesystem::path& file : files)
-      if (std::none_of(known.begin(), known.end(), [&](const auto& stamp) { return stamp.path == file; }))
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const auto& stamp) { return stamp.path == file; }))
         known.push_back(workspace::stamp_of(file));
     print("watching {}\n", counted(known.size(), "file"));
     std::fflush(stdout);

@@ -159,7 +159,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_compile
 
 Command compile_command() {
-  return command("compile", "Compile a pxn model into a pan file", command_compile::declare_all, command_compile::run);
+  return command("compile", "Compile a pxn model into a pan file", command_compile::declare_all,
+                 command_compile::run);
 }
 
 Command converter_command(const std::string& name) {

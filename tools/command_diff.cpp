@@ -99,7 +99,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_diff
 
 Command diff_command() {
-  return command("diff", "Compare two models; exit code 1 when they differ", command_diff::declare_all, command_diff::run);
+  return command("diff", "Compare two models; exit code 1 when they differ",
+                 command_diff::declare_all, command_diff::run);
 }
 
 }  // namespace panwright::tools

@@ -69,7 +69,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_export
 
 Command export_command() {
-  return command("export", "Write a model as a glTF file", command_export::declare_all, command_export::run);
+  return command("export", "Write a model as a glTF file", command_export::declare_all,
+                 command_export::run);
 }
 
 }  // namespace panwright::tools

@@ -79,7 +79,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace help_command_parts
 
 Command help_command() {
-  return command("help", "List the commands, or the options of one", help_command_parts::declare_all, help_command_parts::run);
+  return command("help", "List the commands, or the options of one",
+                 help_command_parts::declare_all, help_command_parts::run);
 }
 
 }  // namespace panwright::tools

@@ -57,7 +57,8 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   std::error_code error;
-  if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
+  if (fs::exists(folder, error) &&
+      !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
     log.report_file(Code::E0103, folder.string(), "it already exists and is not an empty folder");
     return context.finish();
   }

@@ -35,7 +35,7 @@ struct Options {
   std::optional<std::string> imposters;
   std::optional<std::string> flux_error;  // share
   std::optional<std::string> specular_filter;
-  std::optional<std::string> psf;         // pixels
+  std::optional<std::string> psf;  // pixels
   bool explain = false;
   std::optional<std::string> max_image_bytes;
 

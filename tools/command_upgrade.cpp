@@ -82,7 +82,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_upgrade
 
 Command upgrade_command() {
-  return command("upgrade", "Rewrite pxn files of level 0 in level 1", command_upgrade::declare_all, command_upgrade::run);
+  return command("upgrade", "Rewrite pxn files of level 0 in level 1", command_upgrade::declare_all,
+                 command_upgrade::run);
 }
 
 }  // namespace panwright::tools

@@ -68,8 +68,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_version
 
 Command version_command() {
-  return command("version", "Print the version; with --json, how it was built too", command_version::declare_all,
-                 command_version::run);
+  return command("version", "Print the version; with --json, how it was built too",
+                 command_version::declare_all, command_version::run);
 }
 
 }  // namespace panwright::tools

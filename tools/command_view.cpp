@@ -44,7 +44,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .one_value();
   arguments
       .add("--script", options.script,
-           "JSON list of actions and screenshots to run in the window (docs/studio-scripts.md); the window "
+           "JSON list of actions and screenshots to run in the window (docs/studio-scripts.md); "
+           "the window "
            "closes after the last one")
       .type("FILE.json");
   arguments.add("--size", options.size, "Window size in pixels (default 1280x720)").type("WxH");
@@ -80,9 +81,9 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   std::vector<std::string> words{kProgram, "--gl", options.gl};
-  for (const auto& [option, value] : {std::pair{"--script", &options.script},
-                                      std::pair{"--size", &options.size},
-                                      std::pair{"--scale", &options.scale}})
+  for (const auto& [option, value] :
+       {std::pair{"--script", &options.script}, std::pair{"--size", &options.size},
+        std::pair{"--scale", &options.scale}})
     if (!value->empty()) words.insert(words.end(), {option, *value});
   for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
   if (options.common.json) words.push_back("--json");

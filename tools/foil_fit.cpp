@@ -189,8 +189,9 @@ void print_fit(const mli::Fit& fit, const mli::FitTarget& target, const std::str
                                   value_text(row, row.fitted.mean))
                     : fmt::format("fitted {}", value_text(row, row.fitted.mean)),
           value_text(row, row.checked.mean), value_text(row, error),
-          row.asked ? fmt::format(" ({:+.1f} %)", rounded_percent(row.checked.mean / *row.asked - 1))
-                    : std::string(),
+          row.asked
+              ? fmt::format(" ({:+.1f} %)", rounded_percent(row.checked.mean / *row.asked - 1))
+              : std::string(),
           100 * row.checked.deviation / row.checked.mean);
   }
   print("\n{}", text);

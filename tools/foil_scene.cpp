@@ -58,8 +58,8 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  workspace::add_shape(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)), Vec3(0),
-            Quat(1, 0, 0, 0), 0);
+  workspace::add_shape(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)),
+                       Vec3(0), Quat(1, 0, 0, 0), 0);
   if (light == workspace::SampleLight::sun) return scene;
   const Vec2 size = sides(sheet);
   const double unit = std::max(size.x, size.y);
@@ -72,7 +72,7 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
     const auto number = static_cast<std::int32_t>(scene.materials.size());
     scene.materials.push_back(std::move(lamp));
     workspace::add_shape(scene, glow.name, geometry::Plane{unit * glow.width, unit * glow.height},
-              unit * glow.place, facing(-glow.place), number);
+                         unit * glow.place, facing(-glow.place), number);
   }
   return scene;
 }

@@ -162,7 +162,8 @@ scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight li
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  add_shape(scene, "sphere", geometry::Sphere{.radius = kSide / 2, .counts = {}}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
+  add_shape(scene, "sphere", geometry::Sphere{.radius = kSide / 2, .counts = {}}, {-kPitch, 0, 0},
+            Quat(1, 0, 0, 0), 0);
   // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's
   // glint misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);

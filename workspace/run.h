@@ -30,11 +30,11 @@ struct Written {
   std::string unit;                       // of radiance: "1/sr" or "W/(m^2 sr)"
   std::vector<std::string> more_outputs;  // further files of it
   Engine engine = Engine::gl;
-  unsigned samples = 0;       // requested N×N; 0: auto
-  double ev = 0;              // stops, of a PNG
-  bool orthographic = false;  // the camera
-  double seconds = 0;         // spent on drawing it
-  std::string record;         // JSON of record_text()
+  unsigned samples = 0;              // requested N×N; 0: auto
+  double ev = 0;                     // stops, of a PNG
+  bool orthographic = false;         // the camera
+  double seconds = 0;                // spent on drawing it
+  std::string record;                // JSON of record_text()
   std::vector<std::string> targets;  // of the world, by name
 
   std::optional<Measured> measured;                 // only by the reference

@@ -89,14 +89,14 @@ struct ViewText {
   std::vector<std::pair<std::string, std::string>> defines;  // parameters: name and value
 
   // engine; flags are "true" or "false"
-  std::optional<std::string> limb_darkening;    // 0 to 1
-  std::optional<std::string> engine;            // "gl" or "reference"
-  std::optional<std::string> samples;           // "auto" or N
-  std::optional<std::string> pixel_error;       // share
-  std::optional<std::string> adaptive;          // flag
-  std::optional<std::string> flat;              // flag
-  std::optional<std::string> specular_filter;   // "auto" or "off"
-  std::optional<std::string> shadows;           // "auto", "off", "hard" or "soft"
+  std::optional<std::string> limb_darkening;   // 0 to 1
+  std::optional<std::string> engine;           // "gl" or "reference"
+  std::optional<std::string> samples;          // "auto" or N
+  std::optional<std::string> pixel_error;      // share
+  std::optional<std::string> adaptive;         // flag
+  std::optional<std::string> flat;             // flag
+  std::optional<std::string> specular_filter;  // "auto" or "off"
+  std::optional<std::string> shadows;          // "auto", "off", "hard" or "soft"
   std::optional<std::string> sun_points;
   std::optional<std::string> shadow_side;       // texels
   std::optional<std::string> levels;            // "auto", "off" or metres

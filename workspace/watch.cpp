@@ -42,7 +42,8 @@ void wait_until_still(std::vector<FileStamp>& known) {
   }
 }
 
-void add_inputs(const pan::Model& model, const std::filesystem::path& path, std::set<std::filesystem::path>& files) {
+void add_inputs(const pan::Model& model, const std::filesystem::path& path,
+                std::set<std::filesystem::path>& files) {
   for (const auto& input : model.inputs())
     files.insert(path.parent_path() / std::string(model.string(input.path)));
 }

@@ -28,7 +28,8 @@ bool have_changed(std::vector<FileStamp>& known);
 void wait_until_still(std::vector<FileStamp>& known);  // the second half of it
 
 // Adds the inputs of a model besides the file `path`; and the files of diagnostics.
-void add_inputs(const pan::Model& model, const std::filesystem::path& path, std::set<std::filesystem::path>& files);
+void add_inputs(const pan::Model& model, const std::filesystem::path& path,
+                std::set<std::filesystem::path>& files);
 void add_sources(const DiagnosticLog& log, std::set<std::filesystem::path>& files);
 
 }  // namespace panwright::workspace

@@ -56,7 +56,7 @@ double cones_apart(const Vec3& axis, const Vec3& v, const Vec3& target) {
 }
 
 Aimed turn(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction,
-            bool aimed) {
+           bool aimed) {
   const pan::Model& model = *world[index].model();
   assert(can_aim(model, joint));
   const auto values = world[index].joint_values();

@@ -34,8 +34,8 @@ using ModelPtr = std::shared_ptr<const pan::Model>;
 inline constexpr double kSunSineAtOneAu = 695700e3 / 149597870700.0;
 
 struct Sun {
-  Vec3 direction{0, 0, 1};  // world, from the origin to the Sun, any non-zero length
-  double distance = 1;      // AU, > 0; sets the disc's angular size, not the irradiance
+  Vec3 direction{0, 0, 1};         // world, from the origin to the Sun, any non-zero length
+  double distance = 1;             // AU, > 0; sets the disc's angular size, not the irradiance
   std::optional<Vec3> irradiance;  // W/m² per band on a plane that faces it; none: 1, radiance in
                                    // 1/sr
   double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1

@@ -156,7 +156,7 @@ std::vector<JobEdges> edges_of_jobs(const std::vector<MeshJob>& jobs) {
 }
 
 std::vector<EdgeMeeting> meetings_of(const std::vector<Mat4>& world, const scene::Scene& scene,
-                                 const Plan& plan, const std::vector<JobEdges>& jobs) {
+                                     const Plan& plan, const std::vector<JobEdges>& jobs) {
   std::vector<WorldCircularEdge> circular_edges;
   std::vector<std::uint32_t> instance_of;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {

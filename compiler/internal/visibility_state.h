@@ -95,8 +95,8 @@ class VisibilityState {
   std::vector<State> parts_;                          // P
   std::vector<char> exposed_;                         // of the world: faces a visible side
   std::vector<char> near_exposed_;  // of the world: rays hit such a triangle, to a few
-  std::vector<char> side_seen_;                       // two for each of the world
-  std::vector<char> side_exposed_;                    // the same: faces a visible side
+  std::vector<char> side_seen_;     // two for each of the world
+  std::vector<char> side_exposed_;  // the same: faces a visible side
   bool keep_exposed_ = false;
   bool capped_ = false;
   std::uint64_t max_rays_ = 0;

@@ -14,11 +14,11 @@ namespace panwright::geometry {
 namespace {
 
 constexpr double kUlps = 32 * std::numeric_limits<double>::epsilon();
-constexpr std::size_t kDistanceBlock = 4096;    // triangles
-constexpr std::size_t kWave = 16;       // blocks that start from one bound
-constexpr double kSearches = 1024;      // of a block, and more for each triangle
-constexpr double kWorthCutting = 0.25;  // of an edge
-constexpr int kHalvings = 36;           // of an edge, to find a change on it
+constexpr std::size_t kDistanceBlock = 4096;  // triangles
+constexpr std::size_t kWave = 16;             // blocks that start from one bound
+constexpr double kSearches = 1024;            // of a block, and more for each triangle
+constexpr double kWorthCutting = 0.25;        // of an edge
+constexpr int kHalvings = 36;                 // of an edge, to find a change on it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct CornerPoint {

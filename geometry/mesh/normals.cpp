@@ -21,9 +21,9 @@ namespace panwright::geometry {
 namespace {
 
 constexpr int kChainLimit = 16;
-constexpr std::size_t kNormalChunk = 1u << 13;   // triangles or vertices that a thread takes at once
-constexpr std::size_t kParts = 8;          // of the vertices
-constexpr std::size_t kRecent = 1u << 12;  // facets that a thread keeps
+constexpr std::size_t kNormalChunk = 1u << 13;  // triangles or vertices that a thread takes at once
+constexpr std::size_t kParts = 8;               // of the vertices
+constexpr std::size_t kRecent = 1u << 12;       // facets that a thread keeps
 
 // What a corner adds to the normal of its vertex.
 struct Corner {

@@ -18,7 +18,6 @@ namespace {
 
 using internal::maximum;
 
-
 Vec3 stored(const Vec3& p, const Vec3& origin) {
   const Vec3 d = p - origin;
   return {static_cast<double>(static_cast<float>(d.x)),

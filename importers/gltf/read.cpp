@@ -59,7 +59,8 @@ void convert_element(const Plan& plan, const std::byte* from, double* to) {
 template <class Body>
 void in_blocks(std::size_t count, const Body& body) {
   const std::size_t blocks = (count + kReadBlock - 1) / kReadBlock;
-  parallel_for(blocks, [&](std::size_t b) { body(b * kReadBlock, std::min(count, (b + 1) * kReadBlock)); });
+  parallel_for(blocks,
+               [&](std::size_t b) { body(b * kReadBlock, std::min(count, (b + 1) * kReadBlock)); });
 }
 
 // Numbers that are not finite become 0. Returns how many elements had one.

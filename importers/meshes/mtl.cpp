@@ -123,7 +123,8 @@ class MtlReader {
     }
     for (const auto& [name, what] : kLostMaps)
       if (key == name) return lose(std::string(what));
-    if (std::find(std::begin(kIgnoredStatements), std::end(kIgnoredStatements), key) == std::end(kIgnoredStatements))
+    if (std::find(std::begin(kIgnoredStatements), std::end(kIgnoredStatements), key) ==
+        std::end(kIgnoredStatements))
       lose(fmt::format("{}", in_quotes(word)));
   }
 

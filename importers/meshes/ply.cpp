@@ -8,8 +8,8 @@
 #include "base/srgb.h"
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
-#include "importers/meshes/ply_values.h"
 #include "importers/internal/reader_context.h"
+#include "importers/meshes/ply_values.h"
 #include "importers/meshes/readers.h"
 
 // note: no reader of Debian's is used. OpenMesh's and assimp's round doubles to single precision;

@@ -175,8 +175,8 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         device_.programs.classes();
         const bool one =
             model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
-        device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one, shadows,
-                                 shading.wide && is_far(scene.world.sun()));
+        device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one,
+                                 shadows, shading.wide && is_far(scene.world.sun()));
         if (shadows)
           for (const bool instanced : {false, true})
             device_.programs.shadow(item.variant.cutout, instanced);
@@ -313,9 +313,11 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     const std::uint32_t index = visible.items[target.drawn[k]];
     const DrawItem& item = item_at(k);
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
-    const bool other_program = !last || item.variant != last->variant || instanced != were_instanced;
+    const bool other_program =
+        !last || item.variant != last->variant || instanced != were_instanced;
     if (other_program) gl_.UseProgram(program(scene, model, item.variant, pass, instanced));
-    if (pass == Pass::geometry && scene.specular_filter && item.variant.curved && (other_program || item.material != last->material))
+    if (pass == Pass::geometry && scene.specular_filter && item.variant.curved &&
+        (other_program || item.material != last->material))
       gl_.Uniform2f(kLobeLocation, static_cast<float>(item.lobe), disc_width(scene));
     if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
@@ -432,8 +434,8 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     for (const TileTarget::ShadingClass& one : target.classes) {
       if (one.one_material) model.gpu.bind_one_material(one.material);
       const ShadingModel& shading = model.brdf_models.all[one.brdf_model];
-      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one.one_material,
-                                              scene.shadows != nullptr,
+      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter),
+                                              one.one_material, scene.shadows != nullptr,
                                               shading.wide && is_far(scene.world.sun())));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);

@@ -11,8 +11,8 @@
 #include "preview/frame/shadow.h"
 #include "preview/frame/target_states.h"
 #include "preview/frame/visible_set.h"
-#include "preview/model/device_impl.h"
 #include "preview/gl/gl_objects.h"
+#include "preview/model/device_impl.h"
 
 namespace panwright::preview {
 
@@ -82,8 +82,8 @@ class Passes {
   GLuint screen() const { return screen_.id(); }
 
  private:
-  GLuint program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant, Pass pass,
-                 bool instanced);
+  GLuint program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
+                 Pass pass, bool instanced);
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;

@@ -44,9 +44,9 @@ class ErrorPredictor {
 float least_error_above(std::span<const float> errors, double budget);
 
 // Allocation of further samples to pixels. The error of N×N samples is assumed to fall with N^1.4
-// (measured: docs/accuracy/sampling.md) and their cost grows with N². The fewest samples for a sum of
-// squares are N proportional to the error to the power of 1 / 2.4, in steps of `sides`. Levels for
-// few pixels are skipped, as a draw costs more than it saves.
+// (measured: docs/accuracy/sampling.md) and their cost grows with N². The fewest samples for a sum
+// of squares are N proportional to the error to the power of 1 / 2.4, in steps of `sides`. Levels
+// for few pixels are skipped, as a draw costs more than it saves.
 class Allocation {
  public:
   // errors: of each pixel, with its present samples; levels: into sides, which ascend. Pixels of

@@ -375,8 +375,9 @@ bool Sampling::look_at_corners(const Frame& frame) {
   corners_.coverage.assign(corners_.pixels(), 0.0f);
   world::Camera shifted = frame.scene.camera;
   shifted.principal += Vec2(0.5);
-  const FrameScene scene{frame.scene.world, shifted, frame.scene.states, frame.scene.visible,
-                         frame.scene.shadows, frame.scene.pixel, frame.scene.specular_filter};
+  const FrameScene scene{
+      frame.scene.world,   shifted,           frame.scene.states,         frame.scene.visible,
+      frame.scene.shadows, frame.scene.pixel, frame.scene.specular_filter};
   Frame other{scene,     frame.options, frame.formats, corners_,  frame.job,
               frame.log, frame.width,   frame.height,  frame.part};
   if (!one_sample_each(other, corners_, corner_patternless_)) return false;

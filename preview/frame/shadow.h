@@ -10,7 +10,6 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "preview/context.h"
-#include "preview/model/draw_list.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
 #include "preview/frame/shadow_tiles.h"
@@ -18,6 +17,7 @@
 #include "preview/frame/target_states.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/gl/programs.h"
+#include "preview/model/draw_list.h"
 
 namespace panwright::preview {
 
@@ -64,7 +64,7 @@ class ShadowMaps {
   // Expects: targets in view.
   // Reports: W5012. Fails: E0001; E5003; E5001 when the driver refuses a shader.
   struct Limits {
-    unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
+    unsigned side = 2048;       // texels of a map or a cell of one, > 4; the context may have less
     unsigned soft_side = 2048;  // the same if the Sun has more than 8 points
     std::uint64_t bytes = 0;
     SunDisc disc;
@@ -119,7 +119,7 @@ class ShadowMaps {
   };
   // Layout of a map.
   struct Layout {
-    LightSpace bare;  // fitted to the receivers
+    LightSpace bare;      // fitted to the receivers
     LightSpace whole;     // the same, or wider for several points of the Sun
     unsigned points = 1;  // of the Sun's disc
     double penumbra = 0;  // the widest possible, pixels

@@ -59,8 +59,7 @@ EglLibrary opened_egl() {
   find("eglMakeCurrent", egl.make_current);
   if (!egl.reason.empty()) return egl;
   const auto extension = [&](const char* name, auto& function) {
-    function =
-        reinterpret_cast<std::remove_reference_t<decltype(function)>>(egl.get_proc(name));
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(egl.get_proc(name));
   };
   extension("eglGetPlatformDisplayEXT", egl.platform_display);
   extension("eglQueryDevicesEXT", egl.query_devices);
@@ -107,7 +106,7 @@ class EglContext final : public Context {
     if (!egl().bind_api(EGL_OPENGL_API)) return "it has no OpenGL";
     for (const std::size_t first : {std::size_t{0}, std::size_t{2}}) {
       handle_ = egl().create_context(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
-                                         kAttributes.data() + first);
+                                     kAttributes.data() + first);
       if (handle_ != EGL_NO_CONTEXT) break;
     }
     if (handle_ == EGL_NO_CONTEXT) return "it gives no OpenGL 4.5 core context";

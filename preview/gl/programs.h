@@ -72,13 +72,13 @@ struct alignas(16) ViewBlock {
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];  // x: item + 1; y, z: samples left of and above the tile; w: 1 for shadows
-                        // of the flat triangles
-  float diffuse[4];     // RGB; parts a side for averaging cells
-  float repeat[4];      // of maps: x, y, and their signs
-  float cells[4];       // their count along u and v, their gaps
-  float gap_color[4];   // RGB, fingers
-  float finger_color[4];           // RGB, their width
+  std::uint32_t id[4];    // x: item + 1; y, z: samples left of and above the tile; w: 1 for shadows
+                          // of the flat triangles
+  float diffuse[4];       // RGB; parts a side for averaging cells
+  float repeat[4];        // of maps: x, y, and their signs
+  float cells[4];         // their count along u and v, their gaps
+  float gap_color[4];     // RGB, fingers
+  float finger_color[4];  // RGB, their width
   float sun_from_mesh[12];         // rows of 4, as in LightSpace
   float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
   float normal_offset[4];  // x: normal offset of a point before lighting, mesh frame; others:
@@ -99,8 +99,7 @@ class Programs {
   // Each requests a program on first use without waiting; settle() waits.
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
-  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
-                  bool instanced);
+  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced);
   // point_sun: its disc is not resolved
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, bool point_sun);

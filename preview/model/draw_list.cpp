@@ -22,8 +22,8 @@ bool is_brushed(const pan::layout::Material& material) {
   return materials::is_anisotropic(pan::material_from(material, {}));
 }
 
-// The squared slope of a material's narrowest lobe; none: it has none that is narrower than normals may
-// turn from sample to sample (geometry.frag).
+// The squared slope of a material's narrowest lobe; none: it has none that is narrower than normals
+// may turn from sample to sample (geometry.frag).
 std::optional<double> narrow_lobe(const materials::Material& material) {
   constexpr double kWidest = 0.25;
   const double alpha =
@@ -86,8 +86,8 @@ class Shapes {
 };
 
 // What is drawn of an instance: its own mesh and material, or those of a level; of its back alone.
-DrawItem item_of(const pan::Model& model, Shapes& shapes, std::uint32_t index, std::uint32_t mesh_index,
-                 std::uint32_t material_index, bool back) {
+DrawItem item_of(const pan::Model& model, Shapes& shapes, std::uint32_t index,
+                 std::uint32_t mesh_index, std::uint32_t material_index, bool back) {
   namespace layout = pan::layout;
   const layout::Instance& instance = model.instances()[index];
   const layout::Mesh& mesh = model.meshes()[mesh_index];
@@ -203,7 +203,8 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
       const auto material = [&](std::uint32_t front) {
         return back < 0 ? front : static_cast<std::uint32_t>(back);
       };
-      list.push_back(item_of(model, shapes, i, instance.mesh, material(instance.material), back >= 0));
+      list.push_back(
+          item_of(model, shapes, i, instance.mesh, material(instance.material), back >= 0));
       for (const pan::layout::Level& level : model.levels(i)) {
         list.back().next_detail = level.detail;
         list.push_back(item_of(model, shapes, i, level.mesh, material(level.material), back >= 0));

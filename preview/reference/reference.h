@@ -29,8 +29,8 @@ struct ReferenceOptions {
   std::uint32_t bounces = 3;
   bool sun_disc = true;  // false: a point at infinity, no penumbra
   double psf_sigma =
-      0;  // pixels: the image is convolved with this Gaussian before pixels average it
-  bool flat = false;     // shade by the triangles' own normals
+      0;              // pixels: the image is convolved with this Gaussian before pixels average it
+  bool flat = false;  // shade by the triangles' own normals
   bool ground_truth = false;              // also the ground truth layers of the image
   std::uint64_t max_bytes = 12ull << 30;  // of the image and its sums in memory
 };

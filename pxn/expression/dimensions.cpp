@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/text.h"
-#include "pxn/expression/units.h"
 #include "pxn/expression/program.h"
+#include "pxn/expression/units.h"
 
 namespace panwright::pxn {
 
@@ -28,7 +28,8 @@ struct Part {
   std::uint32_t first = 0;  // its steps
   std::uint32_t last = 0;   // past them
   std::optional<double> literal;
-  std::vector<std::uint32_t> terms;  // operands that are names: those of a bare sum, or the only one
+  std::vector<std::uint32_t>
+      terms;  // operands that are names: those of a bare sum, or the only one
   int pi = 0;
   bool ratio = false;
   bool angular = false;  // of unknown: angles are in it

@@ -5,15 +5,15 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "pxn/text/characters.h"
 #include "pxn/expression/units.h"
+#include "pxn/text/characters.h"
 
 namespace panwright::pxn {
 
 namespace {
 
 constexpr std::string_view kBinaryOperators[] = {"<=", ">=", "!=", "==", "&&", "||", "<",
-                                        ">",  "+",  "-",  "*",  "/",  "^"};
+                                                 ">",  "+",  "-",  "*",  "/",  "^"};
 // + - * / ^ may have no finite result
 constexpr std::size_t kFirstArithmetic = 8;
 constexpr std::string_view kOperatorChars = "+-*/^<>=!&|";

@@ -1,8 +1,8 @@
 // Assembly of parts into a scene: includes expanded, appearances inherited, nodes named.
 #pragma once
 
-#include "pxn/reader/loader.h"
 #include "pxn/pxn.h"
+#include "pxn/reader/loader.h"
 #include "pxn/text/reporter.h"
 #include "scene/scene.h"
 

@@ -10,10 +10,10 @@
 #include "base/text.h"
 #include "importers/clean.h"
 #include "importers/palette.h"
+#include "pxn/import_template.h"
 #include "pxn/reader/loader.h"
 #include "pxn/reader/pattern.h"
 #include "pxn/reader/shapes.h"
-#include "pxn/import_template.h"
 
 namespace panwright::pxn {
 

@@ -19,12 +19,12 @@ namespace attribute = schemas::attribute;
 
 namespace {
 
-constexpr double kAlong = 0.08715574274765817;       // sin 5°: of a written axis
+constexpr double kAlong = 0.08715574274765817;            // sin 5°: of a written axis
 constexpr double kSameDirection = 0.0087265354983739345;  // sin 0.5°: one direction
-constexpr double kRival = 0.5;                       // of the first one's area: as good
-constexpr std::size_t kMostNamed = 3;                // of lines in a message
-constexpr std::uint32_t kSegments = 64;              // of exact shapes
-constexpr double kFine = 2e-3;                       // of their size: error of exact shapes
+constexpr double kRival = 0.5;                            // of the first one's area: as good
+constexpr std::size_t kMostNamed = 3;                     // of lines in a message
+constexpr std::uint32_t kSegments = 64;                   // of exact shapes
+constexpr double kFine = 2e-3;                            // of their size: error of exact shapes
 
 // A mesh whose round edges stand on an exact shape; nothing where it cannot be made.
 std::optional<geometry::Mesh> mesh_of(const geometry::Shape& shape, const DiagnosticLog& log) {

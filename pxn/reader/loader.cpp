@@ -9,9 +9,9 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "pxn/named_files.h"
 #include "pxn/reader/material_reader.h"
 #include "pxn/reader/shapes.h"
-#include "pxn/named_files.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {

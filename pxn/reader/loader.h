@@ -14,11 +14,11 @@
 #include "base/hash.h"
 #include "materials/spectra.h"
 #include "mli/trim.h"
+#include "pxn/expression/values.h"
+#include "pxn/pxn.h"
 #include "pxn/reader/files.h"
 #include "pxn/reader/joint_axis.h"
 #include "pxn/reader/part.h"
-#include "pxn/expression/values.h"
-#include "pxn/pxn.h"
 #include "pxn/text/reporter.h"
 #include "scene/scene.h"
 

@@ -15,11 +15,11 @@
 
 #include "materials/material.h"
 #include "mli/recipe.h"
-#include "pxn/reader/files.h"
-#include "pxn/reader/imported_model.h"
 #include "pxn/expression/scope.h"
 #include "pxn/expression/values.h"
 #include "pxn/materials.h"
+#include "pxn/reader/files.h"
+#include "pxn/reader/imported_model.h"
 #include "pxn/text/xml.h"
 #include "scene/scene.h"
 
@@ -62,10 +62,10 @@ struct BackMaterial {
 struct NodeProperties {
   std::string name;  // as written; empty: from the kind
   std::optional<scene::Transform> transform;
-  std::int32_t material = -1;       // index into Loader::materials
+  std::int32_t material = -1;        // index into Loader::materials
   std::optional<BackMaterial> back;  // none: the material's
-  std::optional<double> tolerance;  // metres
-  std::string_view foil;            // of mli::presets(), over all faces; empty: none
+  std::optional<double> tolerance;   // metres
+  std::string_view foil;             // of mli::presets(), over all faces; empty: none
 };
 
 struct PartFrame {

@@ -1,8 +1,8 @@
 // Reading with files from any source.
 #pragma once
 
-#include "pxn/reader/files.h"
 #include "pxn/pxn.h"
+#include "pxn/reader/files.h"
 
 namespace panwright::pxn {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "pxn/reader/loader.h"
 #include "pxn/expression/formula.h"
+#include "pxn/reader/loader.h"
 
 namespace panwright::pxn {
 

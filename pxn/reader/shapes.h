@@ -11,8 +11,8 @@
 #include "geometry/tessellate/shape.h"
 #include "mli/form.h"
 #include "mli/trim.h"
-#include "pxn/reader/part.h"
 #include "pxn/expression/values.h"
+#include "pxn/reader/part.h"
 #include "pxn/text/reporter.h"
 #include "scene/scene.h"
 

@@ -207,8 +207,8 @@ inline Assembly bolts_in_holes(std::uint32_t side, std::uint32_t n, std::uint32_
   return builder.done();
 }
 
-// A box with a round hole in its top, and a round tank in it. A facet of the tank is visible if some
-// point of the hole lies above its plane: the tank is convex, and nothing else occludes.
+// A box with a round hole in its top, and a round tank in it. A facet of the tank is visible if
+// some point of the hole lies above its plane: the tank is convex, and nothing else occludes.
 inline Assembly tank_in_a_bus(std::uint32_t n, double hole) {
   Builder builder("tank in a bus");
   constexpr double kHalf = 0.5;

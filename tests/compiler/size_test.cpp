@@ -66,9 +66,11 @@ TEST(Size, ThatNoSpacecraftHasIsAWarning) {
   EXPECT_EQ(said_of(scene_of({0.05})), "");
   EXPECT_EQ(said_of(scene_of({200})), "");
   EXPECT_EQ(said_of(scene_of({340.5})),
-            "W2022 the model is 340 m large, more than any spacecraft; read as millimetres it is 340 mm, as inches 8.65 m");
+            "W2022 the model is 340 m large, more than any spacecraft; read as millimetres it is "
+            "340 mm, as inches 8.65 m");
   EXPECT_EQ(said_of(scene_of({0.005, 0.034})),
-            "W2022 the model is 34 mm large, less than any spacecraft; read as metres it is 34 m, as inches 864 mm");
+            "W2022 the model is 34 mm large, less than any spacecraft; read as metres it is 34 m, "
+            "as inches 864 mm");
   // only where it is asked for
   DiagnosticLog log;
   EXPECT_TRUE(compiled(scene_of({340.5}), {}, log));

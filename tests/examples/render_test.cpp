@@ -84,9 +84,9 @@ TEST(ExampleImages, LambertSpheresHaveTheirPhaseCurve) {
   for (const double phase : {0.0, 40.0, 90.0}) {
     const double a = phase * kPi / 180;
     const std::string sun = std::to_string(std::sin(a)) + " " + std::to_string(-std::cos(a)) + " 0";
-    const Picture image = drawn(
-        "calibration/spheres.pxn", {kWidth, kHeight},
-        {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples", "4", "--shadows", "off"});
+    const Picture image = drawn("calibration/spheres.pxn", {kWidth, kHeight},
+                                {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples",
+                                 "4", "--shadows", "off"});
     for (int i = 0; i < 4; ++i) {
       // a window about the sphere
       const double x = kWidth / 2.0 + (i - 1.5) * 1.2 / kPixel;

@@ -79,7 +79,7 @@ TEST(Joint, TurnsAsTheExponentialOfItsAxis) {
     worst_inverse = std::max(worst_inverse, difference(m * back, Mat4(1)));
     worst_det = std::max(worst_det, std::fabs(glm::determinant(Mat3(m)) - 1));
   }
-  EXPECT_LE(worst, 2e-15);          // measured 6e-16: of the axis's length among others
+  EXPECT_LE(worst, 2e-15);            // measured 6e-16: of the axis's length among others
   EXPECT_LE(worst_inverse, 2.5e-15);  // measured 7e-16, with clang 2.2e-15
   EXPECT_LE(worst_det, 2.5e-15);      // measured 7e-16, with clang 2.2e-15
 }

@@ -62,7 +62,7 @@ TEST(Subdiv, ACornerOfTheCubeConverges) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
       if (const double d = glm::length(mesh.positions[i] - Vec3(0.5)); d < nearest) {
         nearest = d;
-      
+
         EXPECT_LT(d < 0.01 ? glm::length(mesh.normals[i] - Vec3(std::sqrt(1.0 / 3))) : 0, 1e-12);
       }
     EXPECT_LT(nearest, 1e-14);
@@ -104,7 +104,7 @@ TEST(Subdiv, RegularGridsAreBicubicSplines) {
     }
     EXPECT_GE(found, ((n - 2u) << levels) * ((m - 2u) << levels));
     EXPECT_LT(position, 1e-12);
-    EXPECT_LT(normal, 1e-12);  
+    EXPECT_LT(normal, 1e-12);
   }
 }
 
@@ -135,7 +135,6 @@ TEST(Subdiv, NormalsAndLimitsAreThoseOfTheRefinedRing) {
       if (ring.normals.empty()) continue;
       std::size_t found = 0;
       for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      
         if (glm::length(mesh.positions[i] - ring.limit) > 1e-12) continue;
         ++found;
         if (ring.corner) continue;
@@ -242,7 +241,7 @@ TEST(Subdiv, RigidMotionsMoveTheMesh) {
         normal = std::max(normal, glm::length(rotation * here.normals[v] - there.normals[v]));
       }
       EXPECT_LT(position, 1e-12) << name;
-      EXPECT_LT(normal, 1e-12) << name;  
+      EXPECT_LT(normal, 1e-12) << name;
     }
   }
 }

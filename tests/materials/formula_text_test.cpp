@@ -85,8 +85,8 @@ TEST(FormulaText, EveryValueIsPrecise) {
   const auto returned = all_behind(text, "return ", ";");
   EXPECT_GT(returned.size(), 40u);
   for (const std::string& value : returned)
-    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Real(1e-30)", "Vec3(Real(0))",
-                                      "Vec3(Real(1))"));
+    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Real(1e-30)",
+                                      "Vec3(Real(0))", "Vec3(Real(1))"));
 }
 
 }  // namespace

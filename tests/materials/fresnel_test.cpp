@@ -150,7 +150,8 @@ TEST(Fresnel, Conductors) {
         EXPECT_NEAR(f64::fresnel_conductor(std::cos(80 * kDegree), n, k), row.f80[c], 6e-7);
       }
       double mean = 0;
-      for (const auto& [x, w] : gauss(64)) mean += w * 4 * x * x * x * f64::fresnel_conductor(x * x, n, k);
+      for (const auto& [x, w] : gauss(64))
+        mean += w * 4 * x * x * x * f64::fresnel_conductor(x * x, n, k);
       EXPECT_NEAR(mean, row.mean[c], 6e-7);
     }
 }

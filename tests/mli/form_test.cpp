@@ -261,7 +261,8 @@ TEST(Form, SizesThatCannotBe) {
     EXPECT_TRUE(log.contains(Code::E7001));
     return log.entries().empty() ? std::string() : log.entries()[0].message;
   };
-  EXPECT_THAT(said(Tube{0.3, 0.5, 0}), HasSubstr("expected at least 1.88496 by 0.5 m for this form"));
+  EXPECT_THAT(said(Tube{0.3, 0.5, 0}),
+              HasSubstr("expected at least 1.88496 by 0.5 m for this form"));
   EXPECT_THAT(said(Tube{-1, 0.5, 0}), HasSubstr("radius is -1"));
   EXPECT_THAT(said(Tube{0.1, 0, 0.75}), HasSubstr("length is -0.5"));
   EXPECT_THAT(said(Tube{0.1, 0.5, std::nan("")}), HasSubstr("flange is nan"));

@@ -50,8 +50,7 @@ Image texels_of(const Imposter& imposter, const Inside& inside) {
                           (static_cast<double>(j) + 0.5) * imposter.down;
       const auto value = static_cast<float>(inside(centre));
       image.coverage[j * image.width + i] = value;
-      for (std::size_t k = 0; k < 3; ++k)
-        image.radiance[3 * (j * image.width + i) + k] = 2 * value;
+      for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * (j * image.width + i) + k] = 2 * value;
     }
   return image;
 }
@@ -110,8 +109,8 @@ TEST(TexelAreas, EachPixelHasTheAreaInCommon) {
     const ImposterPatch patch = patch_of(imposter, texels, nullptr, {}, 0, 32, 32);
     std::vector<double> expected(patch.light.size() / 4, 0);
     constexpr int kPoints = 2000;
-    const double area = std::fabs(imposter.along.x * imposter.down.y -
-                                  imposter.along.y * imposter.down.x);
+    const double area =
+        std::fabs(imposter.along.x * imposter.down.y - imposter.along.y * imposter.down.x);
     for (int a = 0; a < kPoints; ++a)
       for (int b = 0; b < kPoints; ++b) {
         const Vec2 at = imposter.origin + (i + (a + 0.5) / kPoints) * imposter.along +
@@ -137,8 +136,8 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
     const double r = 3 + 0.01 * run;
     const Vec2 centre(16.3, 15.8);
     const Imposter imposter = imposter_at(camera, centre, Vec2(8), 128);
-    const Image disc = texels_of(
-        imposter, [&](const Vec2& p) { return glm::length(p - centre) < r ? 1 : 0; });
+    const Image disc =
+        texels_of(imposter, [&](const Vec2& p) { return glm::length(p - centre) < r ? 1 : 0; });
     const ImposterPatch patch = patch_of(imposter, disc, nullptr, {}, 0, 32, 32);
     const double error = sum_of(patch) / (kPi * r * r) - 1;
     squares += error * error / kRuns;
@@ -151,8 +150,9 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
     const Image plate = texels_of(imposter, [&](const Vec2& p) {
       return std::fabs(p.x - centre.x) < half && std::fabs(p.y - centre.y) < half ? 1 : 0;
     });
-    plates = std::max(
-        plates, std::fabs(sum_of(patch_of(imposter, plate, nullptr, {}, 0, 32, 32)) / (4 * half * half) - 1));
+    plates = std::max(plates, std::fabs(sum_of(patch_of(imposter, plate, nullptr, {}, 0, 32, 32)) /
+                                            (4 * half * half) -
+                                        1));
   }
   // measured: 3.7e-4 where 7.6e-4 are estimated, of radii of 50 texels (1.3e-3 where they stand
   // about a corner of texels); plates 8e-4
@@ -168,8 +168,8 @@ TEST(TexelAreas, ShiftsOfPixelsChangeNothing) {
     camera.principal += Vec2(0.017 * run, -0.031 * run);
     const Vec2 centre = camera.principal + Vec2(1.3, -2.2);
     const Imposter imposter = imposter_at(camera, centre, Vec2(0.9), 128);
-    const Image disc = texels_of(
-        imposter, [&](const Vec2& p) { return glm::length(p - centre) < 0.4 ? 1 : 0; });
+    const Image disc =
+        texels_of(imposter, [&](const Vec2& p) { return glm::length(p - centre) < 0.4 ? 1 : 0; });
     const ImposterPatch patch = patch_of(imposter, disc, nullptr, {}, 0, 32, 32);
     if (run == 0) first = sum_of(patch);
     EXPECT_NEAR(sum_of(patch), first, 1e-4 * first);
@@ -184,8 +184,8 @@ TEST(TexelAreas, PsfIsTheIntegralOverPixels) {
     for (int run = 0; run < 10; ++run) {
       const Vec2 at(30 + offset(random), 30 + offset(random));
       const Imposter imposter = imposter_at(camera_of(60), at, Vec2(0.01), 64);
-      const Image dot = texels_of(
-          imposter, [&](const Vec2& p) { return glm::length(p - at) < 4e-3 ? 1 : 0; });
+      const Image dot =
+          texels_of(imposter, [&](const Vec2& p) { return glm::length(p - at) < 4e-3 ? 1 : 0; });
       const ImposterPatch patch = patch_of(imposter, dot, nullptr, {}, sigma, 60, 60);
       const double flux = sum_of(patch_of(imposter, dot, nullptr, {}, 0, 60, 60));
       EXPECT_NEAR(sum_of(patch), flux, 1e-8 * flux);
@@ -255,7 +255,8 @@ TEST(TexelAreas, FinerOnesComeFirst) {
   const world::Camera camera = camera_of();
   const Imposter large = imposter_at(camera, Vec2(16, 16), Vec2(16), 80);
   const Imposter inside = imposter_at(camera, Vec2(15.1, 17.7), Vec2(1, 0.7), 64);
-  const Imposter beyond = imposter_at(camera, Vec2(16, 16) + 8.0 * large.along / glm::length(large.along), Vec2(2, 1), 64);
+  const Imposter beyond = imposter_at(
+      camera, Vec2(16, 16) + 8.0 * large.along / glm::length(large.along), Vec2(2, 1), 64);
   const std::vector<PlaneRect> finer{inside.rect, beyond.rect, inside.rect};
   const Image full = texels_of(large, [](const Vec2&) { return 1; });
   EXPECT_NEAR(sum_of(patch_of(large, full, nullptr, finer, 0, 32, 32)), 16 * 16 - 0.7 - 1, 1e-9);

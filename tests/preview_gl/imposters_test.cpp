@@ -35,9 +35,9 @@ Sums measured(const Image& image) {
     const double light = image.radiance[3 * i];
     sums.flux += light;
     sums.coverage += static_cast<double>(image.coverage[i]);
-    sums.centre += light * (Vec2(static_cast<double>(i % image.width),
-                                 static_cast<double>(i / image.width)) +
-                            0.5);
+    sums.centre +=
+        light *
+        (Vec2(static_cast<double>(i % image.width), static_cast<double>(i / image.width)) + 0.5);
   }
   if (sums.flux > 0) sums.centre /= sums.flux;
   return sums;
@@ -95,8 +95,8 @@ TEST(Imposters, SpheresOfAnySize) {
       low = std::min(low, sums.flux);
       high = std::max(high, sums.flux);
       if (radius > 2) {
-        const Vec2 centre = view.camera.principal +
-                            Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
+        const Vec2 centre =
+            view.camera.principal + Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
         // pixels' own error is below 1e-3 there
         EXPECT_NEAR(sums.centre.x, centre.x, 0.02);
         EXPECT_NEAR(sums.centre.y, centre.y, 0.02);
@@ -120,8 +120,8 @@ TEST(Imposters, PsfShowsWhereTheyAre) {
     for (int run = 0; run < 8; ++run) {
       view.camera.principal = Vec2(16 + offset(random), 16 + offset(random));
       const Sums sums = measured(studio.draw(world, view.camera, options));
-      const Vec2 centre = view.camera.principal +
-                          Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
+      const Vec2 centre =
+          view.camera.principal + Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
       EXPECT_NEAR(sums.centre.x, centre.x, 5e-3) << radius;
       EXPECT_NEAR(sums.centre.y, centre.y, 5e-3) << radius;
       const double expected = oracles::lambert_sphere_intensity(kPhase) * radius * radius;
@@ -249,8 +249,7 @@ TEST(Imposters, DiscsThatOverlap) {
     View view = looking_from(Vec3(0, 0, 1), 1e6, 1e-3, 32);
     for (const double radius : {0.2, 2.0}) {
       view.camera.focal = Vec2(radius * 1e6);
-      const double lens =
-          2 * std::acos(apart / 2) - 0.5 * apart * std::sqrt(4 - apart * apart);
+      const double lens = 2 * std::acos(apart / 2) - 0.5 * apart * std::sqrt(4 - apart * apart);
       const double expected = (2 * kPi - lens) * radius * radius;
       const Sums sums = measured(studio.draw(world, view.camera, automatic()));
       EXPECT_NEAR(sums.coverage, expected, 1e-3 * expected) << apart << ' ' << radius;
@@ -280,10 +279,8 @@ TEST(Imposters, BeforeAndBehindLargeOnes) {
     const Sums sums = measured(image);
     EXPECT_NEAR(sums.coverage, 96.0 * 96, 0.01);
     const double area = std::pow(2e3 / (2e3 - 50), 2);
-    const double ball_flux =
-        area * oracles::lambert_sphere_intensity(std::atan(0.2));
-    const double expected =
-        z < 0 ? 96 * 96 * wall : (96 * 96 - kPi * area) * wall + ball_flux;
+    const double ball_flux = area * oracles::lambert_sphere_intensity(std::atan(0.2));
+    const double expected = z < 0 ? 96 * 96 * wall : (96 * 96 - kPi * area) * wall + ball_flux;
     EXPECT_NEAR(sums.flux, expected, 1e-4 * wall * 96 * 96) << z;
     for (std::size_t i = 0; z < 0 && i < image.pixels(); ++i)
       ASSERT_NEAR(image.radiance[3 * i], wall, 1e-5) << i;
@@ -379,8 +376,8 @@ TEST(Imposters, Anywhere) {
         off.camera.world_from_camera * Quat(std::cos(turned / 2), 0, -std::sin(turned / 2), 0);
     const Sums sums = measured(studio.draw(world_of(ball(), off), off.camera, automatic()));
     // off the axis a pixel sees less: 1/cos³
-    const double stretched = 1e-6 * oracles::lambert_sphere_intensity(kPhase) /
-                             std::pow(std::cos(turned), 3);
+    const double stretched =
+        1e-6 * oracles::lambert_sphere_intensity(kPhase) / std::pow(std::cos(turned), 3);
     EXPECT_NEAR(sums.flux, stretched, 1e-3 * stretched);
   }
   {
@@ -390,8 +387,8 @@ TEST(Imposters, Anywhere) {
     const Sums before = measured(studio.draw(world, distant.camera, automatic()));
     const Vec3 was = distant.camera.position;
     distant.camera.position += distant.camera.world_from_camera * Vec3(1e-4, 0, 0);
-    const double moved = glm::dot(distant.camera.position - was,
-                                  distant.camera.world_from_camera * Vec3(1, 0, 0));
+    const double moved =
+        glm::dot(distant.camera.position - was, distant.camera.world_from_camera * Vec3(1, 0, 0));
     const Sums after = measured(studio.draw(world, distant.camera, automatic()));
     EXPECT_NEAR(after.centre.x - before.centre.x, -3 * moved, 1e-3);
   }
@@ -411,7 +408,8 @@ TEST(Imposters, HardCases) {
     for (int i = 0; i < 100; ++i) {
       ASSERT_TRUE(world.add("t" + std::to_string(i), ball(), log));
       const Vec3 at(4.0 * (i % 10) - 18, 4.0 * (i / 10) - 18, 0);
-      world.set_pose(static_cast<std::size_t>(i), {view.camera.world_from_camera * at, Quat(1, 0, 0, 0)});
+      world.set_pose(static_cast<std::size_t>(i),
+                     {view.camera.world_from_camera * at, Quat(1, 0, 0, 0)});
     }
     RenderOptions options = automatic();
     options.shadow_side = 0;

@@ -87,7 +87,8 @@ TEST(RoughnessMap, ConstantIsAScaledMaterial) {
       peak = std::max(peak, b.radiance[i]);
     }
     printf("code %d: worst difference %.1e of peak %.2e\n", code, worst / peak, double(peak));
-    // at the limb, where a normal's turn widens the lobe, its square is rounded twice; an H100: 1e-7
+    // at the limb, where a normal's turn widens the lobe, its square is rounded twice; an H100:
+    // 1e-7
     EXPECT_LE(worst, 3e-7 * double(peak));
   }
 }

@@ -11,7 +11,8 @@ namespace {
 using namespace testing_support;
 
 // A meter of crumpled sheet with cells of 10 mm and slopes of 0.25 RMS. Its valleys lie lower than
-// what texels of 4 to 16 mm hold of them; shadows that these throw are few, and the sum of light stays.
+// what texels of 4 to 16 mm hold of them; shadows that these throw are few, and the sum of light
+// stays.
 TEST(Shadows, ReliefFinerThanTexelsKeepsItsLight) {
   std::mt19937 random(5);
   std::normal_distribution<double> height(0, 0.0023);

@@ -1,5 +1,5 @@
-// Narrow highlights on curved surfaces at one sample a pixel. Oracles: closed forms of spheres and rods, many
-// samples at points.
+// Narrow highlights on curved surfaces at one sample a pixel. Oracles: closed forms of spheres and
+// rods, many samples at points.
 #include <random>
 
 #include "models.h"
@@ -33,7 +33,8 @@ double sum_of(const Image& image) {
 }
 
 // The RMS of the flux over its expected value less 1, at several places of the grid of pixels.
-double flux_error(const pan::Model& model, View view, double expected, const RenderOptions& options, int runs = 24) {
+double flux_error(const pan::Model& model, View view, double expected, const RenderOptions& options,
+                  int runs = 24) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> offset(-0.5, 0.5);
   support::ModelRenderer renderer(shared_device(), model);
@@ -58,8 +59,8 @@ View view_of(double radius, std::uint32_t size, double phase) {
   return view;
 }
 
-// A sphere that mirrors all has a quarter of its radius squared in flux, whatever its lobe, while that is narrow.
-// Measured: 4 px 1.4e-2 (points 0.99), 8 px 1.1e-2 (1.1), 16 px 1.0e-2 (0.55)
+// A sphere that mirrors all has a quarter of its radius squared in flux, whatever its lobe, while
+// that is narrow. Measured: 4 px 1.4e-2 (points 0.99), 8 px 1.1e-2 (1.1), 16 px 1.0e-2 (0.55)
 TEST(SpecularFilter, SpheresKeepTheirFlux) {
   const pan::Model model =
       model_of(single(sphere(100, 200), glossy(materials::SpecularModel::cook_torrance, 0.02)));
@@ -67,22 +68,28 @@ TEST(SpecularFilter, SpheresKeepTheirFlux) {
     const auto size = static_cast<std::uint32_t>(2.5 * radius + 4);
     // the lobe's own: 1 + 2e-4 of the flux of a mirror
     const double expected = 0.25005 * radius * radius;
-    EXPECT_LE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(true)), 0.02) << radius;
-    EXPECT_GE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(false)), 0.3) << radius;
+    EXPECT_LE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(true)),
+              0.02)
+        << radius;
+    EXPECT_GE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(false)),
+              0.3)
+        << radius;
   }
 }
 
-// Rods along rows of pixels, the worst turn, and aslant, before the Sun at several phases. Where normals are n(p) about
-// the rod's axis, the mirrored light of a metre of it is r/(4 m sqrt(pi)) (1 + m^2/2): the integral of Beckmann's
-// D/4 over p, D's slopes m small beside the rod's turn.
+// Rods along rows of pixels, the worst turn, and aslant, before the Sun at several phases. Where
+// normals are n(p) about the rod's axis, the mirrored light of a metre of it is r/(4 m sqrt(pi)) (1
+// + m^2/2): the integral of Beckmann's D/4 over p, D's slopes m small beside the rod's turn.
 TEST(SpecularFilter, RodsKeepTheirFlux) {
   DiagnosticLog log;
   constexpr double kLength = 40;
-  const auto mesh = geometry::tessellated(geometry::Cylinder{.radius = 1, .height = kLength, .caps = geometry::Caps::none},
-                                          {.max_error = 1e-4}, {}, log);
+  const auto mesh = geometry::tessellated(
+      geometry::Cylinder{.radius = 1, .height = kLength, .caps = geometry::Caps::none},
+      {.max_error = 1e-4}, {}, log);
   ASSERT_TRUE(mesh) << to_text(log);
   for (const double slope : {0.01, 0.04}) {
-    const pan::Model model = model_of(single(*mesh, glossy(materials::SpecularModel::cook_torrance, slope)));
+    const pan::Model model =
+        model_of(single(*mesh, glossy(materials::SpecularModel::cook_torrance, slope)));
     for (const double turn : {0.0, 37.0}) {
       double worst = 0;
       for (const double phase : {0.0, 45.0, 80.0})
@@ -91,7 +98,8 @@ TEST(SpecularFilter, RodsKeepTheirFlux) {
           // its axis z in the image plane, turned from a row; the Sun in the plane across it
           view.camera.position = Vec3(0, -1e6, 0);
           const Vec3 up(std::cos(turn * kDegree), 0, std::sin(turn * kDegree));
-          view.camera.world_from_camera = *world::looking_at(view.camera.position, Vec3(0), up, log);
+          view.camera.world_from_camera =
+              *world::looking_at(view.camera.position, Vec3(0), up, log);
           view.to_sun = Vec3(std::sin(phase * kDegree), -std::cos(phase * kDegree), 0);
           view.sun_distance = 1000;
           const double expected =
@@ -113,15 +121,18 @@ TEST(SpecularFilter, LeavesAloneWhatSamplesResolve) {
     double slope;
   } cases[] = {{ball, 0.1}, {ball, 0.3}, {box(Vec3(1)), 0.01}, {plate(1, 1), 0.001}};
   for (const auto& one : cases) {
-    const pan::Model model = model_of(single(one.mesh, glossy(materials::SpecularModel::ggx, one.slope)));
-    // 40 pixels a radius: the limb apart, where they turn faster, and where a lobe of 0.1 is at no more than 60 degrees
+    const pan::Model model =
+        model_of(single(one.mesh, glossy(materials::SpecularModel::ggx, one.slope)));
+    // 40 pixels a radius: the limb apart, where they turn faster, and where a lobe of 0.1 is at no
+    // more than 60 degrees
     const View view = looking_from(Vec3(1, -0.8, 0.6), 50, 0.04, 128, 0.2);
     const Image with = rendered(model, view, one_sample(true));
     const Image without = rendered(model, view, one_sample(false));
     double worst = 0;
     double peak = 0;
     for (std::size_t i = 0; i < with.radiance.size(); ++i) {
-      worst = std::max(worst, std::fabs(static_cast<double>(with.radiance[i]) - without.radiance[i]));
+      worst =
+          std::max(worst, std::fabs(static_cast<double>(with.radiance[i]) - without.radiance[i]));
       peak = std::max(peak, static_cast<double>(without.radiance[i]));
     }
     EXPECT_LE(worst, one.slope == 0.1 ? 1e-6 * peak : 0.0) << one.slope;
@@ -166,10 +177,11 @@ TEST(SpecularFilter, EveryLobe) {
   }
 }
 
-// At large phase angles highlights are near the limb, beyond which nothing is lost. Measured: 140 degrees 0.025 (points 0.086), 160
-// degrees 0.38 (0.56)
+// At large phase angles highlights are near the limb, beyond which nothing is lost. Measured: 140
+// degrees 0.025 (points 0.086), 160 degrees 0.38 (0.56)
 TEST(SpecularFilter, LimbsKeepTheirFlux) {
-  const pan::Model model = model_of(single(sphere(200, 400), glossy(materials::SpecularModel::ggx, 0.06)));
+  const pan::Model model =
+      model_of(single(sphere(200, 400), glossy(materials::SpecularModel::ggx, 0.06)));
   for (const double phase : {140.0, 160.0}) {
     const View view = view_of(30, 80, phase * kDegree);
     RenderOptions many = one_sample(false);
@@ -184,7 +196,8 @@ TEST(SpecularFilter, LimbsKeepTheirFlux) {
 
 // What goes by its errors takes points: the same bits with and without.
 TEST(SpecularFilter, NotWhereErrorsDecide) {
-  const pan::Model model = model_of(single(sphere(60, 80), glossy(materials::SpecularModel::cook_torrance, 0.02)));
+  const pan::Model model =
+      model_of(single(sphere(60, 80), glossy(materials::SpecularModel::cook_torrance, 0.02)));
   View view = view_of(6, 20, 50 * kDegree);
   for (const int way : {0, 1, 2}) {
     const auto options = [&](bool filter) {
@@ -195,11 +208,14 @@ TEST(SpecularFilter, NotWhereErrorsDecide) {
       out.specular_filter = filter;
       return out;
     };
-    EXPECT_EQ(rendered(model, view, options(true)).radiance, rendered(model, view, options(false)).radiance) << way;
+    EXPECT_EQ(rendered(model, view, options(true)).radiance,
+              rendered(model, view, options(false)).radiance)
+        << way;
   }
 }
 
-// Mirrored, stretched and tiny, and normals that vanish within triangles: no NaN, and as much light as points show.
+// Mirrored, stretched and tiny, and normals that vanish within triangles: no NaN, and as much light
+// as points show.
 TEST(SpecularFilter, OddPlaces) {
   for (const Vec3& scale : {Vec3(-1, 1, 1), Vec3(1, 0.7, 1.5), Vec3(1e-6), Vec3(-1e6, 1e6, 1e6)}) {
     pan::Contents contents =
@@ -211,10 +227,13 @@ TEST(SpecularFilter, OddPlaces) {
     RenderOptions many = one_sample(false);
     many.samples = 64;
     const double expected = sum_of(rendered(model, view, many));
-    // stretched, the curvature changes within the step of a sample. Measured: 0.20 (points 2.2), others 0.02 (1.5)
+    // stretched, the curvature changes within the step of a sample. Measured: 0.20 (points 2.2),
+    // others 0.02 (1.5)
     const double bound = scale.y == 0.7 ? 0.3 : 0.04;
-    EXPECT_LE(flux_error(model, view, expected, one_sample(true), 8), bound) << scale.x << ' ' << scale.y;
-    EXPECT_GE(flux_error(model, view, expected, one_sample(false), 8), 0.5) << scale.x << ' ' << scale.y;
+    EXPECT_LE(flux_error(model, view, expected, one_sample(true), 8), bound)
+        << scale.x << ' ' << scale.y;
+    EXPECT_GE(flux_error(model, view, expected, one_sample(false), 8), 0.5)
+        << scale.x << ' ' << scale.y;
   }
   // opposite normals at the corners of a triangle, which vanish between them
   geometry::Mesh broken = sphere(20, 40);

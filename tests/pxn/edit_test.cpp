@@ -88,10 +88,12 @@ TEST(Edit, AThousandChangesLeaveAllElse) {
 TEST(Edit, UnsavedTextsStandInForFiles) {
   const support::TemporaryFolder folder;
   const std::string part =
-      "<pangu_model ver=\"1\"><material name=\"m\"><diffuse> 0.1 0.2 0.3 </diffuse></material></pangu_model>";
+      "<pangu_model ver=\"1\"><material name=\"m\"><diffuse> 0.1 0.2 0.3 "
+      "</diffuse></material></pangu_model>";
   const std::string included = folder.write("part.pxn", part);
-  const std::string top = folder.write(
-      "top.pxn", "<pangu_model ver=\"1\"><include file=\"part.pxn\"/><sphere radius=\"1\" material=\"m\"/></pangu_model>");
+  const std::string top = folder.write("top.pxn",
+                                       "<pangu_model ver=\"1\"><include file=\"part.pxn\"/><sphere "
+                                       "radius=\"1\" material=\"m\"/></pangu_model>");
   DiagnosticLog log;
   const auto found = editable_materials(included, part, log);
   ASSERT_TRUE(found && (*found)[0].numbers.size() == 3);
@@ -118,10 +120,14 @@ TEST(Edit, UnsavedTextsStandInForFiles) {
 
 TEST(Edit, FoilsByTheirOperations) {
   const std::string text =
-      "<pangu_model ver=\"1\"><mli name=\"door\" type=\"flat\" seed=\"7\" translate=\"1 2 3\"><mli_settings> <width> 0.5m </width>"
-      " <xgrid> 20 </xgrid> </mli_settings><mli_operations> <crease density=\"300\" depth=\"2mm\" length=\"{1mm*9}\"/>"
-      "<smooth> 4 </smooth><crease density=\"50\" depth=\"1mm\" length=\"9mm\"/></mli_operations></mli>"
-      "<mli type=\"flat\"><mli_operations preset=\"crinkled\"/></mli><mli type=\"flat\"><mli_operations preset=\"smooth\"/></mli>"
+      "<pangu_model ver=\"1\"><mli name=\"door\" type=\"flat\" seed=\"7\" translate=\"1 2 "
+      "3\"><mli_settings> <width> 0.5m </width>"
+      " <xgrid> 20 </xgrid> </mli_settings><mli_operations> <crease density=\"300\" depth=\"2mm\" "
+      "length=\"{1mm*9}\"/>"
+      "<smooth> 4 </smooth><crease density=\"50\" depth=\"1mm\" "
+      "length=\"9mm\"/></mli_operations></mli>"
+      "<mli type=\"flat\"><mli_operations preset=\"crinkled\"/></mli><mli "
+      "type=\"flat\"><mli_operations preset=\"smooth\"/></mli>"
       "</pangu_model>";
   DiagnosticLog log;
   const auto found = editable_foils("a.pxn", text, log);
@@ -133,10 +139,12 @@ TEST(Edit, FoilsByTheirOperations) {
   EXPECT_TRUE((*found)[1].numbers.empty());
   std::vector<std::string> names;
   for (const EditableNumber& number : (*found)[0].numbers)
-    names.push_back(number.element + " " + number.attribute + "=" + text.substr(number.begin, number.end - number.begin) +
-                    number.unit);
-  EXPECT_THAT(names, ::testing::ElementsAre("mli seed=7", "width =0.5m", "xgrid =20", "crease density=300", "crease depth=2mm",
-                                            "smooth =4", "crease 2 density=50", "crease 2 depth=1mm", "crease 2 length=9mm"));
+    names.push_back(number.element + " " + number.attribute + "=" +
+                    text.substr(number.begin, number.end - number.begin) + number.unit);
+  EXPECT_THAT(names,
+              ::testing::ElementsAre("mli seed=7", "width =0.5m", "xgrid =20", "crease density=300",
+                                     "crease depth=2mm", "smooth =4", "crease 2 density=50",
+                                     "crease 2 depth=1mm", "crease 2 length=9mm"));
   EXPECT_EQ(with_number(text, (*found)[0].numbers[7], 2.5), [&] {
     std::string other = text;
     return other.replace(other.find("depth=\"1mm") + 7, 1, "2.5");
@@ -163,7 +171,8 @@ TEST(Edit, NoNumbersWhereNoneStand) {
   for (const EditableNumber& each : (*found)[0].numbers)
     places.push_back(each.element + " " + each.attribute + each.unit);
   EXPECT_THAT(places, testing::ElementsAre("specular shine", "oren deg"));
-  for (const char* bad : {"", "<a>", "<pangu_model ver='1'><material", "\xff\xfe", "<pangu_model ver='9'/>"})
+  for (const char* bad :
+       {"", "<a>", "<pangu_model ver='1'><material", "\xff\xfe", "<pangu_model ver='9'/>"})
     EXPECT_FALSE(editable_materials("a.pxn", bad, log)) << bad;
 }
 

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pxn/reader/pattern.h"
 #include "pxn/import_template.h"
 #include "pxn/materials.h"
 #include "pxn/pxn.h"
+#include "pxn/reader/pattern.h"
 
 namespace panwright::pxn::import_test {
 namespace {

@@ -10,8 +10,8 @@
 
 namespace panwright::support {
 
-// Every kind of record but backs: three nodes, a tetrahedron and a coloured, textured square, two materials,
-// a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
+// Every kind of record but backs: three nodes, a tetrahedron and a coloured, textured square, two
+// materials, a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
 // Returns the problems found by check() in a file with these contents; "" if valid.

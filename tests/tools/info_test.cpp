@@ -67,7 +67,10 @@ TEST_F(Info, SaysHowLargeAModelIs) {
        {std::vector<std::string>{"info", meters}, {"check", meters}, {"compile", meters}}) {
     const auto outcome = panwright(words);
     EXPECT_EQ(outcome.code, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("the model is 340 m large, more than any spacecraft; read as millimetres it is 340 mm"))
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr(
+            "the model is 340 m large, more than any spacecraft; read as millimetres it is 340 mm"))
         << words[0];
     EXPECT_THAT(outcome.err, HasSubstr("[W2022]"));
   }

@@ -319,7 +319,9 @@ TEST(Program, LocalesChangeNothing) {
 // A text that is checked again whenever it or what it includes changes.
 TEST(Program, WatchesWhatItChecks) {
   const TemporaryFolder folder;
-  const auto text = [](const std::string& body) { return "<pangu_model ver=\"1\">" + body + "</pangu_model>\n"; };
+  const auto text = [](const std::string& body) {
+    return "<pangu_model ver=\"1\">" + body + "</pangu_model>\n";
+  };
   folder.write("part.pxn", text("<sphere radius=\"1\"/>"));
   const std::string whole = folder.write("whole.pxn", text("<include file=\"part.pxn\"/>"));
   std::thread editor([&] {
@@ -329,10 +331,13 @@ TEST(Program, WatchesWhatItChecks) {
     wait();
     folder.write("part.pxn", text("<sphere radius=\"2\"/>"));
   });
-  const Outcome done = support::run_and_signal({PANWRIGHT_BIN_DIR "/panwright", "check", "--watch", whole}, SIGINT, 5'000'000);
+  const Outcome done = support::run_and_signal(
+      {PANWRIGHT_BIN_DIR "/panwright", "check", "--watch", whole}, SIGINT, 5'000'000);
   editor.join();
   EXPECT_EQ(done.code, 0) << done.err;
-  EXPECT_THAT(done.out, testing::ContainsRegex("ok, 2 x 2 x 2 m.*\nwatching 2 files\n(.*\n)*watching 2 files\n(.*\n)*.*ok, 4 x 4 x 4 m.*\nwatching 2 files\n$"));
+  EXPECT_THAT(done.out,
+              testing::ContainsRegex("ok, 2 x 2 x 2 m.*\nwatching 2 files\n(.*\n)*watching 2 "
+                                     "files\n(.*\n)*.*ok, 4 x 4 x 4 m.*\nwatching 2 files\n$"));
   EXPECT_THAT(done.err, HasSubstr("E1101"));
   EXPECT_EQ(panwright({"check", "--watch", "--json", whole}).code, 2);
 }

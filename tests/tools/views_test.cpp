@@ -106,7 +106,8 @@ TEST_F(Views, AreNamedWhereTheFluxOfAnImposterIsUncertain) {
     if (done.err.find("[E5007]") != std::string::npos) return;  // without OpenGL
     ASSERT_EQ(done.code, 0) << done.err;
     if (shiny) {
-      EXPECT_THAT(done.err, HasSubstr("2 views, the worst view 0: the estimated flux error of an imposter"));
+      EXPECT_THAT(done.err,
+                  HasSubstr("2 views, the worst view 0: the estimated flux error of an imposter"));
     } else {
       EXPECT_THAT(done.err, Not(HasSubstr("[W5008]")));
     }
@@ -117,8 +118,8 @@ TEST_F(Views, AreNamedWhereTheFluxOfAnImposterIsUncertain) {
 // all.
 TEST_F(Views, AnImageIsMadeAgain) {
   const std::vector<std::string> engines[] = {
-      {"--engine", "reference", "--samples", "2", "--seed", "9", "--psf", "0.7",
-       "--limb-darkening", "0.6"},
+      {"--engine", "reference", "--samples", "2", "--seed", "9", "--psf", "0.7", "--limb-darkening",
+       "0.6"},
       {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
       {"--engine", "gl", "--shadows", "off"},

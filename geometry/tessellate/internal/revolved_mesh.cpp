@@ -37,7 +37,8 @@ class RevolvedBuilder {
     if (texcoords_) mesh_.texcoords.resize(vertices_);
     mesh_.triangles.resize(triangles_);
     mesh_.closed = shape_.closed;
-    const std::size_t rows = std::max<std::size_t>(1, kRevolvedTask / (std::size_t{layout_.segments} + 1));
+    const std::size_t rows =
+        std::max<std::size_t>(1, kRevolvedTask / (std::size_t{layout_.segments} + 1));
     const std::size_t tasks = (rings_.size() + rows - 1) / rows;
     parallel_for(tasks, [&](std::size_t task) {
       const std::size_t end = std::min(rings_.size(), (task + 1) * rows);

@@ -16,7 +16,8 @@ constexpr int kNewton = 40;
 
 class StaggeredBuilder {
  public:
-  StaggeredBuilder(const Staggered& plan, const StaggeredPlace& place, const Steps& around, bool texcoords)
+  StaggeredBuilder(const Staggered& plan, const StaggeredPlace& place, const Steps& around,
+                   bool texcoords)
       : place_(place), texcoords_(texcoords) {
     const Vec3& r = place.radii;
     round_ = r.x == r.y && r.y == r.z;

@@ -38,7 +38,7 @@ struct ListProblem {
   Code code;  // E6002, E6107, E6113, W6114
   List list = List::none;
   std::size_t item = 0;  // of the list: the first invalid one; texcoords, points: of whole vectors
-  std::string message;  // one lower-case sentence
+  std::string message;   // one lower-case sentence
 };
 using ListProblems = std::vector<ListProblem>;
 

@@ -37,8 +37,8 @@ struct Lit {
   bool reaches(const Vec3& to_light) const { return !scene.any({target, {point.start, to_light}}); }
 };
 
-// The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe sees
-// it; none elsewhere
+// The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
+// sees it; none elsewhere
 Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
               const std::optional<DiscPlaces>& places, RayCounts& counts) {
   const Sun& sun = lit.sun;

@@ -58,7 +58,8 @@ TEST(MjcfInclude, ProblemsAreSaidInTheirFile) {
   EXPECT_EQ(broken->scene().instances.size(), 2u) << "the text before is read";
   const auto foreign = with("\n<robot/>");
   EXPECT_THAT(foreign->text(), HasSubstr("other.xml:2:2"));
-  EXPECT_THAT(foreign->text(), HasSubstr("unexpected element 'robot', expected mujoco or mujocoinclude"));
+  EXPECT_THAT(foreign->text(),
+              HasSubstr("unexpected element 'robot', expected mujoco or mujocoinclude"));
   EXPECT_THAT(with("")->text(), testing::AnyOf(HasSubstr("not well-formed"), HasSubstr("empty")));
   // each comes once, so that files which include each other end
   const auto twice = with("<mujocoinclude><include file='other.xml'/></mujocoinclude>",
