@@ -160,7 +160,7 @@ TEST(JointAxis, WhatCannotBeIsSaidAtItsPlace) {
   };
   EXPECT_THAT(summary("nodes='flap' axis='auto'"),
               HasSubstr("3:54 E1233 joint 'j' has no axis: there is no cylinder, cone, torus or "
-                        "circular hole in what 'flap' fits"));
+                        "circular hole in the nodes that 'flap' matches"));
   EXPECT_THAT(summary("nodes='flap' origin='auto'"), HasSubstr("3:56 E1233"));
   EXPECT_THAT(summary("nodes='flap' axis_from='ball'"), HasSubstr("E1233"));
   EXPECT_THAT(summary("nodes='flap' axis_from='bal'"),
