@@ -98,9 +98,9 @@ TEST(Import, hidden_parts_are_searched_once) {
   const std::string here = "PANWRIGHT_CACHE=" + cache;
   const std::string without = run("PANWRIGHT_CACHE=off", false, false);
   EXPECT_EQ(run(here, true, false), without);
-  EXPECT_EQ(entries(cache + "/visibility"), 0u);
+  EXPECT_EQ(entries(cache + "/work"), 0u);
   EXPECT_EQ(run(here, false, false), without);
-  EXPECT_EQ(entries(cache + "/visibility"), 1u);
+  EXPECT_EQ(entries(cache + "/work"), 1u);
   EXPECT_EQ(run(here, false, true), without);
   EXPECT_EQ(run(here, true, false), without);
   // what else opens the file finds it too, and another reading of the file is another model
@@ -109,9 +109,9 @@ TEST(Import, hidden_parts_are_searched_once) {
       panwright({"export", kRelay, "--units", "mm", "-o", folder / "a.glb"}, "panwright", {here})
           .code,
       0);
-  EXPECT_EQ(entries(cache + "/visibility"), 1u);
+  EXPECT_EQ(entries(cache + "/work"), 1u);
   EXPECT_EQ(panwright({"info", kRelay, "--units", "cm"}, "panwright", {here}).code, 0);
-  EXPECT_EQ(entries(cache + "/visibility"), 2u);
+  EXPECT_EQ(entries(cache + "/work"), 2u);
   // where it cannot be kept
   EXPECT_EQ(run("PANWRIGHT_CACHE=/proc/none", false, false), without);
   EXPECT_EQ(run("PANWRIGHT_CACHE=" + kRelay, false, false), without);
@@ -122,9 +122,9 @@ TEST(Import, hidden_parts_are_searched_once) {
   };
   fs::create_directory(folder / "home");
   own({"XDG_CACHE_HOME=" + folder / "xdg", "HOME=" + folder / "home"});
-  EXPECT_EQ(entries(folder / "xdg/panwright/visibility"), 1u);
+  EXPECT_EQ(entries(folder / "xdg/panwright/work"), 1u);
   own({"XDG_CACHE_HOME=relative", "HOME=" + folder / "home"});
-  EXPECT_EQ(entries(folder / "home/.cache/panwright/visibility"), 1u);
+  EXPECT_EQ(entries(folder / "home/.cache/panwright/work"), 1u);
   own({"XDG_CACHE_HOME=", "HOME=" + folder / "nowhere"});
   EXPECT_FALSE(fs::exists(folder / "nowhere"));
 }
