@@ -21,6 +21,10 @@ AngleRange range_of(const Joint& joint) {
   return {joint.lower[0], joint.upper[0]};
 }
 
+[[maybe_unused]] bool turns(const Joint& joint) {
+  return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous;
+}
+
 // That of q + 2πn that lies in the range, nearest to `now`; none: no such.
 bool place(double q, const AngleRange& range, double now, double& out) {
   if (range.lower == -HUGE_VAL && range.upper == HUGE_VAL) {
