@@ -132,12 +132,12 @@ Plane seen(const Plane& in, Size size, const Sensitivity& s, double ppd) {
 
 // ---- one image
 
-struct Picture {
+struct PreparedImage {
   std::vector<Vec3> lab;  // filtered, with Hunt's adjustment
   Plane edges, points;    // strengths of features
 };
 
-Picture prepared(const std::vector<float>& rgb, Size size, double ppd) {
+PreparedImage prepared(const std::vector<float>& rgb, Size size, double ppd) {
   const std::size_t count = rgb.size() / 3;
   std::array<Plane, 3> planes;
   for (Plane& plane : planes) plane.resize(count);
@@ -152,7 +152,7 @@ Picture prepared(const std::vector<float>& rgb, Size size, double ppd) {
   planes[0] = seen(planes[0], size, kAchromatic, ppd);
   planes[1] = seen(planes[1], size, kRedGreen, ppd);
   planes[2] = seen(planes[2], size, kBlueYellow, ppd);
-  Picture out;
+  PreparedImage out;
   for (std::size_t i = 0; i < count; ++i)
     out.lab.push_back(hunt(lab_from_rgb(
         glm::clamp(rgb_from_ycxcz({planes[0][i], planes[1][i], planes[2][i]}), 0.0, 1.0))));
@@ -186,8 +186,8 @@ double mean_flip(const std::vector<float>& reference, const std::vector<float>& 
                  std::uint32_t width, std::uint32_t height, double pixels_per_degree) {
   constexpr double kColorPower = 0.7, kFeaturePower = 0.5, kKnee = 0.4, kAtKnee = 0.95;
   const Size size{static_cast<int>(width), static_cast<int>(height)};
-  const Picture a = prepared(reference, size, pixels_per_degree);
-  const Picture b = prepared(test, size, pixels_per_degree);
+  const PreparedImage a = prepared(reference, size, pixels_per_degree);
+  const PreparedImage b = prepared(test, size, pixels_per_degree);
   const double most = std::pow(
       hyab(hunt(lab_from_rgb(Vec3(0, 1, 0))), hunt(lab_from_rgb(Vec3(0, 0, 1)))), kColorPower);
   double sum = 0;

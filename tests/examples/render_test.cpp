@@ -17,7 +17,7 @@ namespace {
 const std::string kExamples = PANWRIGHT_SOURCE_DIR "/examples/";
 
 // Radiance per unit irradiance, in 1/sr.
-struct Picture {
+struct DrawnImage {
   std::size_t width = 0;
   std::size_t height = 0;
   std::vector<float> rgb;
@@ -25,8 +25,8 @@ struct Picture {
 };
 
 // An image of an example; `options` as on the command line.
-Picture drawn(const std::string& model, const std::array<std::size_t, 2>& size,
-              std::vector<std::string> options) {
+DrawnImage drawn(const std::string& model, const std::array<std::size_t, 2>& size,
+                 std::vector<std::string> options) {
   const support::TemporaryFolder folder;
   const std::string output = folder / "picture.npy";
   options.insert(options.begin(),
@@ -35,7 +35,7 @@ Picture drawn(const std::string& model, const std::array<std::size_t, 2>& size,
   const support::Outcome outcome = support::run(options);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
-  Picture image{size[0], size[1], std::vector<float>(3 * size[0] * size[1])};
+  DrawnImage image{size[0], size[1], std::vector<float>(3 * size[0] * size[1])};
   const std::string bytes = support::contents(output);
   const std::size_t wanted = image.rgb.size() * sizeof(float);
   EXPECT_GT(bytes.size(), wanted);
@@ -50,7 +50,7 @@ TEST(ExampleImages, ShowSomething) {
       {"cubesat/cubesat.pxn", "0.6 -0.6 0.4"}, {"calibration/board.pxn", "0.3 -1.2 0.2"},
       {"calibration/plates.pxn", "0 -1.2 0"},  {"calibration/spheres.pxn", "0 -12 0"}};
   for (const auto& view : views) {
-    const Picture image =
+    const DrawnImage image =
         drawn(view[0], {96, 96}, {"--camera", view[1], "--fov", "40", "--sun", "1 -0.7 0.6"});
     std::size_t lit = 0;
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) lit += image.rgb[i] > 0;
@@ -61,8 +61,8 @@ TEST(ExampleImages, ShowSomething) {
 
 // Under a Sun at the plates' normal, radiance is the albedo over pi.
 TEST(ExampleImages, StepWedgeShowsItsAlbedos) {
-  const Picture image = drawn("calibration/plates.pxn", {320, 160},
-                              {"--camera", "0 -2 0", "--ortho", "0.8", "--sun", "0 -1 0"});
+  const DrawnImage image = drawn("calibration/plates.pxn", {320, 160},
+                                 {"--camera", "0 -2 0", "--ortho", "0.8", "--sun", "0 -1 0"});
   for (int i = 0; i < 10; ++i) {
     const double x = (i % 5 - 2) * 0.12;
     const double z = (0.5 - i / 5) * 0.12;
@@ -84,9 +84,9 @@ TEST(ExampleImages, LambertSpheresHaveTheirPhaseCurve) {
   for (const double phase : {0.0, 40.0, 90.0}) {
     const double a = phase * kPi / 180;
     const std::string sun = std::to_string(std::sin(a)) + " " + std::to_string(-std::cos(a)) + " 0";
-    const Picture image = drawn("calibration/spheres.pxn", {kWidth, kHeight},
-                                {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples",
-                                 "4", "--shadows", "off"});
+    const DrawnImage image = drawn("calibration/spheres.pxn", {kWidth, kHeight},
+                                   {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun,
+                                    "--samples", "4", "--shadows", "off"});
     for (int i = 0; i < 4; ++i) {
       // a window about the sphere
       const double x = kWidth / 2.0 + (i - 1.5) * 1.2 / kPixel;
