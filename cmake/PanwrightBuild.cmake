@@ -131,13 +131,14 @@ function(panwright_library name)
   set_property(GLOBAL APPEND PROPERTY PANWRIGHT_LIBRARIES panwright_${name})
 endfunction()
 
-# panwright_test(name SOURCES ... LINK ... LABELS ... [SHARDS n] [TIMEOUT s] [OPTIMISED] [PARALLEL] [SLOW_SANITIZED ...]): one
-# program, one ctest entry, or n that share its tests (name.1, name.2, ...). OPTIMISED: the test itself computes much.
+# panwright_test(name SOURCES ... LINK ... LABELS ... [SHARDS n] [TIMEOUT s] [OPTIMISED] [PARALLEL]
+# [NIGHTLY ...] [SLOW_SANITIZED ...]): one program, one ctest entry, or n that share its tests (name.1, name.2, ...).
+# NIGHTLY: slow tests that run in an entry of their own, name_nightly, in scripts/nightly alone. OPTIMISED: the test itself computes much.
 # PARALLEL: of the preset tsan too. SLOW_SANITIZED: tests that take long under AddressSanitizer and run
 # code that others run too; they are left out there unless PANWRIGHT_SLOW_SANITIZED is set (scripts/nightly).
 # The label untrusted: code that reads bytes of files, which scripts/test runs under AddressSanitizer.
 function(panwright_test name)
-  cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;SLOW_SANITIZED" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;NIGHTLY;SLOW_SANITIZED" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   set_target_properties(${name}_tests PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
@@ -155,12 +156,13 @@ function(panwright_test name)
   set(environment
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0"
     "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
+  set(slow ${ARG_NIGHTLY})
   if(PANWRIGHT_SLOW_SANITIZED)
     set(ARG_TIMEOUT 5000)
-  elseif(ARG_SLOW_SANITIZED AND PANWRIGHT_SANITIZE MATCHES "address")
-    string(REPLACE ";" ":" slow "${ARG_SLOW_SANITIZED}")
-    list(APPEND environment "GTEST_FILTER=-${slow}")
+  elseif(PANWRIGHT_SANITIZE MATCHES "address")
+    list(APPEND slow ${ARG_SLOW_SANITIZED})
   endif()
+  string(REPLACE ";" ":" slow "${slow}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 1500)
   endif()
@@ -181,11 +183,17 @@ function(panwright_test name)
   set(index 0)
   foreach(entry ${entries})
     add_test(NAME ${entry} COMMAND ${name}_tests)
-    set(sharded ${environment})
+    set(sharded ${environment} "GTEST_FILTER=-${slow}")
     if(ARG_SHARDS)
       list(APPEND sharded GTEST_TOTAL_SHARDS=${ARG_SHARDS} GTEST_SHARD_INDEX=${index})
       math(EXPR index "${index} + 1")
     endif()
     set_tests_properties(${entry} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${sharded}")
   endforeach()
+  if(ARG_NIGHTLY)
+    string(REPLACE ";" ":" cases "${ARG_NIGHTLY}")
+    add_test(NAME ${name}_nightly COMMAND ${name}_tests)
+    set_tests_properties(${name}_nightly PROPERTIES LABELS "${ARG_LABELS};nightly" TIMEOUT ${ARG_TIMEOUT}
+      ENVIRONMENT "${environment};GTEST_FILTER=${cases}")
+  endif()
 endfunction()

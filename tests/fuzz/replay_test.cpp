@@ -1,4 +1,4 @@
-// Runs the fuzz targets over their corpus and over every pxn file of the tests, in every build.
+// Runs the fuzz targets over their corpus and over every pxn file of the tests and examples, in every build.
 
 #include <gtest/gtest.h>
 
@@ -17,6 +17,7 @@ void replay(const std::filesystem::path& folder, void (*target)(std::span<const 
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
+    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets") continue;
     SCOPED_TRACE(entry.path().string());
     DiagnosticLog log;
     const auto bytes = read_file(entry.path(), 1 << 26, log);
@@ -30,6 +31,7 @@ void replay(const std::filesystem::path& folder, void (*target)(std::span<const 
 TEST(Replay, PxnCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pxn", fuzz::pxn); }
 TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz::pxn); }
 TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
+TEST(Replay, Blankets) { replay(PANWRIGHT_SOURCE_DIR "/examples/blankets", fuzz::pxn); }
 TEST(Replay, RoundtripCorpus) {
   replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/roundtrip",
          [](std::span<const std::byte> bytes) { fuzz::roundtrip(bytes); });

@@ -47,20 +47,28 @@ TEST(Diagnostics, EachBadFileGivesTheCodeOfItsName) {
   EXPECT_GT(files, 60u);
 }
 
-TEST(Diagnostics, GoodFilesDeserveNone) {
-  for (const fs::path& folder : {kGood, fs::path(PANWRIGHT_SOURCE_DIR "/examples")})
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.path().extension() != ".pxn") continue;
-      const Reading r = read_path(entry.path().string());
-      EXPECT_TRUE(r.scene);
-      EXPECT_FALSE(r.log.has_errors()) << entry.path() << r.summary();
-      // the meaning of hapke is our reading, which is said each time
-      if (entry.path().filename() == "figure6b.pxn") continue;
-      // what is left out of CAD files and what cleaning does to them is said each time
-      if (entry.path().parent_path().filename() == "cad") continue;
-      EXPECT_EQ(r.summary(), "") << entry.path();
-    }
+// Of the folder blankets only where it is asked for: it takes most of the time.
+void expect_no_diagnostics(const fs::path& folder) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".pxn") continue;
+    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets") continue;
+    const Reading r = read_path(entry.path().string());
+    EXPECT_TRUE(r.scene);
+    EXPECT_FALSE(r.log.has_errors()) << entry.path() << r.summary();
+    // the meaning of hapke is our reading, which is said each time
+    if (entry.path().filename() == "figure6b.pxn") continue;
+    // what is left out of CAD files and what cleaning does to them is said each time
+    if (entry.path().parent_path().filename() == "cad") continue;
+    EXPECT_EQ(r.summary(), "") << entry.path();
+  }
 }
+
+TEST(Diagnostics, GoodFilesDeserveNone) {
+  expect_no_diagnostics(kGood);
+  expect_no_diagnostics(PANWRIGHT_SOURCE_DIR "/examples");
+}
+
+TEST(Diagnostics, BlanketsDeserveNone) { expect_no_diagnostics(PANWRIGHT_SOURCE_DIR "/examples/blankets"); }
 
 TEST(Diagnostics, PlacesAndWords) {
   const std::map<std::string, std::string> expected = {
