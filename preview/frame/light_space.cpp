@@ -3,6 +3,7 @@
 
 #include "base/axis_box.h"
 #include "preview/frame/light_space.h"
+#include "preview/frame/projection.h"
 
 namespace panwright::preview {
 namespace {
