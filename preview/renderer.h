@@ -29,7 +29,7 @@ struct ImposterReport {
 // Sampling of an image.
 struct SamplingReport {
   double samples = 0;  // points a pixel, the mean over the image
-  // Remaining error, as estimated from the samples; 0 for a given N.
+  // Remaining error, as estimated from the samples; 0 for a given N in every pixel.
   double rmse = 0;  // RMS over the target's pixels, relative to the RMS of their radiance
   double flux = 0;  // relative, of the sum of all pixels
   // Error of shadow edges, pixels: 99 of 100 are nearer; 0 without shadow maps.

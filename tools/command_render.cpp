@@ -23,6 +23,7 @@ struct Options {
   std::string views;  // JSON file of many views; "-": JSON Lines on standard input
   std::string again;  // image whose record is followed
   std::string gl = "auto";
+  std::optional<std::string> quality;      // "draft", "standard" or "exact"
   std::optional<std::string> samples;      // "auto" or N; none: the engine's own
   std::optional<std::string> pixel_error;  // "1%" or a fraction; none: the engine's own
   bool adaptive = false;
@@ -104,6 +105,13 @@ void declare_images(Arguments& arguments, Options& options) {
       .add("--again", options.again,
            "Repeat an image from its record (.png, .exr, .npz); other options override the record")
       .type("IMAGE");
+  arguments
+      .add("--quality", options.quality,
+           "Preset: draft (--samples 4 --adaptive --shadows hard --flux-error 1%), standard "
+           "(default), "
+           "exact (--pixel-error 1% --sun-points 64 --flux-error 0.01%); options given beside it "
+           "replace its parts")
+      .type("draft|standard|exact");
   arguments
       .add("--samples", options.samples,
            "Samples per pixel: auto (default: as needed by --pixel-error), or N x N with N from 1 "
@@ -194,6 +202,7 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->targets = options.targets;
   typed->limb_darkening = options.limb_darkening;
   typed->engine = options.engine;
+  typed->quality = options.quality;
   typed->samples = options.samples;
   typed->pixel_error = options.pixel_error;
   typed->adaptive = flag(options.adaptive);

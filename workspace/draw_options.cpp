@@ -91,6 +91,7 @@ class DrawReader {
 const char* stray_option(const ViewText& text, bool traced) {
   const auto given = [](const Text& value) { return value && *value != "false"; };
   if (traced) {
+    if (text.quality) return "quality";
     if (text.shadows) return "shadows";
     if (text.sun_points) return "sun-points";
     if (given(text.adaptive)) return "adaptive";
@@ -106,6 +107,29 @@ const char* stray_option(const ViewText& text, bool traced) {
   if (text.seed) return "seed";
   if (text.max_samples) return "max-samples";
   return given(text.no_sun_disc) ? "no-sun-disc" : nullptr;
+}
+
+// The options of a quality, where none is given.
+ViewText with_quality(ViewText text, DrawReader& reader) {
+  if (!text.quality || *text.quality == "standard") return text;
+  const auto fill = [](Text& option, const char* value) {
+    if (!option) option = value;
+  };
+  const bool free = !text.samples && !text.pixel_error;
+  if (*text.quality == "draft") {
+    fill(text.samples, text.pixel_error ? "auto" : "4");
+    if (text.samples != "auto") fill(text.adaptive, "true");
+    if (!text.sun_points) fill(text.shadows, "hard");
+    fill(text.flux_error, "1%");
+  } else if (*text.quality == "exact") {
+    if (free && text.adaptive != "true") fill(text.pixel_error, "1%");
+    if (!text.shadows || text.shadows == "auto" || text.shadows == "soft")
+      fill(text.sun_points, "64");
+    fill(text.flux_error, "0.01%");
+  } else {
+    reader.refuse("quality", text.quality, "draft, standard or exact");
+  }
+  return text;
 }
 
 // N, or 0 for auto.
@@ -194,16 +218,17 @@ void read_psf(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
     reader.refuse("psf", text.psf, fmt::format("a number from 0 to {} pixels", kWidestPsf));
 }
 
-Result<DrawOptions> read(const ViewText& text, preview::ContextKind context, DiagnosticLog& log) {
+Result<DrawOptions> read(const ViewText& typed, preview::ContextKind context, DiagnosticLog& log) {
   DrawReader reader(log);
   DrawOptions draw;
   draw.context = context;
-  const bool traced = text.engine == "reference";
-  if (text.engine && !traced && *text.engine != "gl") {
-    reader.refuse("engine", text.engine, "gl or reference");
+  const bool traced = typed.engine == "reference";
+  if (typed.engine && !traced && *typed.engine != "gl") {
+    reader.refuse("engine", typed.engine, "gl or reference");
     return failed;
   }
-  if (const char* stray = stray_option(text, traced)) {
+  const ViewText text = with_quality(typed, reader);
+  if (const char* stray = stray_option(typed, traced)) {
     reader.fail(fmt::format("--{} requires --engine {}", stray, traced ? "gl" : "reference"));
     return failed;
   }

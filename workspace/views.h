@@ -91,6 +91,7 @@ struct ViewText {
   // engine; flags are "true" or "false"
   std::optional<std::string> limb_darkening;   // 0 to 1
   std::optional<std::string> engine;           // "gl" or "reference"
+  std::optional<std::string> quality;          // "draft", "standard" or "exact"
   std::optional<std::string> samples;          // "auto" or N
   std::optional<std::string> pixel_error;      // share
   std::optional<std::string> adaptive;         // flag

@@ -61,6 +61,8 @@ Field field_of(ViewOption option) {
       return &ViewText::limb_darkening;
     case ViewOption::engine:
       return &ViewText::engine;
+    case ViewOption::quality:
+      return &ViewText::quality;
     case ViewOption::samples:
       return &ViewText::samples;
     case ViewOption::pixel_error:
@@ -314,10 +316,10 @@ constexpr Field kGroups[][4] = {
     {&ViewText::fov, &ViewText::ifov, &ViewText::intrinsics, &ViewText::ortho},
     {&ViewText::pixel_error, &ViewText::samples, nullptr, nullptr},
 };
-constexpr Field kOfGl[] = {
-    &ViewText::pixel_error, &ViewText::adaptive,   &ViewText::shadow_side,
-    &ViewText::levels,      &ViewText::imposters,  &ViewText::flux_error,
-    &ViewText::shadows,     &ViewText::sun_points, &ViewText::specular_filter};
+constexpr Field kOfGl[] = {&ViewText::quality,        &ViewText::pixel_error, &ViewText::adaptive,
+                           &ViewText::shadow_side,    &ViewText::levels,      &ViewText::imposters,
+                           &ViewText::flux_error,     &ViewText::shadows,     &ViewText::sun_points,
+                           &ViewText::specular_filter};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces, &ViewText::seed, &ViewText::no_sun_disc};
 

@@ -51,14 +51,8 @@ Tile moved(Tile tile, const Tile& part) {
 
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
 
-// What the pixels of an image add up to.
-struct Sums {
-  double radiance = 0;  // of all channels
-  double squares = 0;   // the mean of the channels
-};
-
-Sums sums_of(const Image& image) {
-  Sums sums;
+ImageSums sums_of(const Image& image) {
+  ImageSums sums;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     if (image.coverage[i] == 0) continue;
     double squares = 0;
@@ -73,6 +67,20 @@ Sums sums_of(const Image& image) {
 }
 
 }  // namespace
+
+// Reports the errors of all pixels, in parts of what they add up to.
+void Sampling::estimate(const ImageSums& sums) {
+  double total = 0;
+  double squares = 0;
+  for (const float error : errors_) {
+    squares += static_cast<double>(error) * static_cast<double>(error);
+    total += static_cast<double>(error);
+  }
+  // where only the corners show light, all of it is missing
+  report_.rmse = squares > 0 ? std::sqrt(squares / sums.squares) : 0;
+  // as if all errors had one sign: along an edge that lies like the samples they have
+  report_.flux = total > 0 ? 3 * total / sums.radiance : 0;
+}
 
 struct Sampling::Frame {
   const FrameScene& scene;
@@ -187,6 +195,7 @@ bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
     if (!measure(frame, sides, wanted)) return false;
     raise_around_surprises(frame);
   }
+  estimate(sums_of(frame.image));
   return true;
 }
 
@@ -208,20 +217,12 @@ bool Sampling::until_error(const Frame& frame) {
     for (std::size_t i = 0; i < errors_.size(); ++i)
       if (levels_[i] == 0) errors_[i] = std::max(predicted_[i], corner_errors_[i]);
     raise_around_surprises(frame);
-    const Sums sums = sums_of(frame.image);
-    double total = 0;
-    double squares = 0;
+    const ImageSums sums = sums_of(frame.image);
+    estimate(sums);
     double at_last = 0;  // what cannot be helped
-    for (std::size_t i = 0; i < errors_.size(); ++i) {
-      const double square = static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
-      squares += square;
-      total += static_cast<double>(errors_[i]);
-      if (levels_[i] == last) at_last += square;
-    }
-    // where only the corners show light, all of it is missing
-    report_.rmse = squares > 0 ? std::sqrt(squares / sums.squares) : 0;
-    // as if all errors had one sign: along an edge that lies like the samples they have
-    report_.flux = total > 0 ? 3 * total / sums.radiance : 0;
+    for (std::size_t i = 0; i < errors_.size(); ++i)
+      if (levels_[i] == last)
+        at_last += static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
     if (report_.rmse <= asked && report_.flux <= asked) break;
     // As long as the flux is what is not good enough, less and less is left; in small steps, or
     // glossy foil has eight times the samples in one image of an approach, and not in the next.

@@ -14,6 +14,12 @@
 
 namespace panwright::preview {
 
+// Sums over the pixels of an image that show a target.
+struct ImageSums {
+  double radiance = 0;  // of all channels
+  double squares = 0;   // the mean of the channels
+};
+
 class Sampling {
  public:
   // seen, color: targets of the passes, shared with full sampling.
@@ -53,6 +59,7 @@ class Sampling {
   void clear_runs(const Tile& tile, unsigned samples, GLsizei runs, bool first);
   bool some_in_full(const Frame& frame, unsigned samples);
   bool until_error(const Frame& frame);
+  void estimate(const ImageSums& sums);
   void raise_around_surprises(const Frame& frame);
   void want_small_targets(const Frame& frame, std::span<const unsigned> sides,
                           std::vector<std::vector<Pixel>>& wanted);

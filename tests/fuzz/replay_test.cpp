@@ -1,4 +1,5 @@
-// Runs the fuzz targets over their corpus and over every pxn file of the tests and examples, in every build.
+// Runs the fuzz targets over their corpus and over every pxn file of the tests and examples, in
+// every build.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,8 @@ void replay(const std::filesystem::path& folder, void (*target)(std::span<const 
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
-    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets") continue;
+    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets")
+      continue;
     SCOPED_TRACE(entry.path().string());
     DiagnosticLog log;
     const auto bytes = read_file(entry.path(), 1 << 26, log);

@@ -243,7 +243,8 @@ TEST(Sampling, AutomaticMeetsItsError) {
   }
 }
 
-// Samples follow the error that is asked for, at any width of a lobe and any radius: 5.4 a pixel of the target at most here.
+// Samples follow the error that is asked for, at any width of a lobe and any radius: 5.4 a pixel of
+// the target at most here.
 TEST(Sampling, GlossySpheresTakeFewSamples) {
   for (const double slope : {0.02, 0.1, 0.5}) {
     materials::Material glossy = lambert(0.25);

@@ -51,7 +51,8 @@ TEST(Diagnostics, EachBadFileGivesTheCodeOfItsName) {
 void expect_no_diagnostics(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.path().extension() != ".pxn") continue;
-    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets") continue;
+    if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets")
+      continue;
     const Reading r = read_path(entry.path().string());
     EXPECT_TRUE(r.scene);
     EXPECT_FALSE(r.log.has_errors()) << entry.path() << r.summary();
@@ -68,7 +69,9 @@ TEST(Diagnostics, GoodFilesDeserveNone) {
   expect_no_diagnostics(PANWRIGHT_SOURCE_DIR "/examples");
 }
 
-TEST(Diagnostics, BlanketsDeserveNone) { expect_no_diagnostics(PANWRIGHT_SOURCE_DIR "/examples/blankets"); }
+TEST(Diagnostics, BlanketsDeserveNone) {
+  expect_no_diagnostics(PANWRIGHT_SOURCE_DIR "/examples/blankets");
+}
 
 TEST(Diagnostics, PlacesAndWords) {
   const std::map<std::string, std::string> expected = {

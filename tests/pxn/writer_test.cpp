@@ -55,7 +55,8 @@ std::size_t expect_files_come_back(const std::string& folder) {
   const fs::path path = PANWRIGHT_SOURCE_DIR + folder;
   for (const auto& entry : fs::recursive_directory_iterator(path)) {
     if (entry.path().extension() != ".pxn") continue;
-    if (path.filename() != "blankets" && entry.path().parent_path().filename() == "blankets") continue;
+    if (path.filename() != "blankets" && entry.path().parent_path().filename() == "blankets")
+      continue;
     // sheets of 1.4 million triangles: more text than is read
     if (entry.path().filename() == "operations.pxn") continue;
     Options options;
@@ -69,10 +70,13 @@ std::size_t expect_files_come_back(const std::string& folder) {
 }
 
 TEST(Writer, ShippedFilesComeBack) {
-  EXPECT_GE(expect_files_come_back("/examples") + expect_files_come_back("/tests/pxn/data/good"), 10u);
+  EXPECT_GE(expect_files_come_back("/examples") + expect_files_come_back("/tests/pxn/data/good"),
+            10u);
 }
 
-TEST(Writer, ShippedBlanketsComeBack) { EXPECT_GE(expect_files_come_back("/examples/blankets"), 3u); }
+TEST(Writer, ShippedBlanketsComeBack) {
+  EXPECT_GE(expect_files_come_back("/examples/blankets"), 3u);
+}
 
 // Everything of level 1 in one text, multiplied out by hand.
 TEST(Writer, MultipliesOut) {

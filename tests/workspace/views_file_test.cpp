@@ -130,6 +130,40 @@ TEST(ReadViews, SaysWhatIsWrong) {
   EXPECT_TRUE(missing.contains(Code::E0101));
 }
 
+// A quality fills in what is not given, and nothing else.
+TEST(ReadViews, QualitiesArePresets) {
+  DiagnosticLog log;
+  const auto read_one = [&](const std::string& options) {
+    const auto views = read(R"([{"output": "a.png", )" + options + "}]", log);
+    return views ? draw_options((*views)[0], preview::ContextKind::automatic, log)
+                 : Result<DrawOptions>(failed);
+  };
+  const auto draft = read_one(R"("quality": "draft")");
+  ASSERT_TRUE(draft) << to_text(log);
+  EXPECT_EQ(draft->gl.samples, 4u);
+  EXPECT_TRUE(draft->gl.adaptive);
+  EXPECT_EQ(draft->gl.shadows, preview::Shadows::hard);
+  EXPECT_EQ(draft->gl.flux_error, 0.01);
+  const auto soft = read_one(R"("quality": "draft", "pixel-error": "10%", "shadows": "soft")");
+  ASSERT_TRUE(soft) << to_text(log);
+  EXPECT_EQ(soft->gl.samples, 0u);
+  EXPECT_FALSE(soft->gl.adaptive);
+  EXPECT_EQ(soft->gl.pixel_error, 0.1);
+  EXPECT_EQ(soft->gl.shadows, preview::Shadows::soft);
+  const auto exact = read_one(R"("quality": "exact")");
+  ASSERT_TRUE(exact) << to_text(log);
+  EXPECT_EQ(exact->gl.samples, 0u);
+  EXPECT_EQ(exact->gl.pixel_error, 0.01);
+  EXPECT_EQ(exact->gl.sun_points, 64u);
+  EXPECT_EQ(exact->gl.flux_error, 1e-4);
+  const auto hard = read_one(R"("quality": "exact", "shadows": "hard", "samples": 8)");
+  ASSERT_TRUE(hard) << to_text(log);
+  EXPECT_EQ(hard->gl.samples, 8u);
+  EXPECT_EQ(hard->gl.shadows, preview::Shadows::hard);
+  EXPECT_FALSE(read_one(R"("quality": "best")"));
+  EXPECT_FALSE(read_one(R"("quality": "draft", "engine": "reference")"));
+}
+
 TEST(ReadViews, TakesEveryOption) {
   DiagnosticLog log;
   const auto views = read(R"([{"name": "far", "outputs": ["a.png", "a.npz"], "size": [640, 480],
