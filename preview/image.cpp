@@ -41,7 +41,7 @@ bool stores_ground_truth(ImageFormat format) {
   return format == ImageFormat::exr || format == ImageFormat::npz;
 }
 
-bool write_image(const std::filesystem::path& path, const Image& image, double ev,
+bool write_image(const std::filesystem::path& path, const Image& image, const PngExposure& exposure,
                  DiagnosticLog& log, double* sync_seconds) {
   assert(is_consistent(image));
   const auto format = image_format(path);
@@ -56,7 +56,7 @@ bool write_image(const std::filesystem::path& path, const Image& image, double e
   bool written = false;
   switch (*format) {
     case ImageFormat::png:
-      written = write_png(*file, image, ev, log);
+      written = write_png(*file, image, exposure, log);
       break;
     case ImageFormat::exr:
       written = write_exr(*file, image, log);

@@ -61,15 +61,25 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& path);
 // Returns true if a format stores the ground truth layers; otherwise they need not be rendered.
 bool stores_ground_truth(ImageFormat format);
 
+// Exposure and tone curve of a PNG.
+struct PngExposure {
+  PngExposure(double in_stops, bool as_photo = false) : stops(in_stops), photo(as_photo) {}
+  double stops = 0;  // white is 2^-stops / pi of the irradiance
+  // false: linear up to white, each channel clipped. true: brightness above 0.5 of white is
+  // compressed and bright colours fade to white as in photographs; hue stays. For viewing, not for
+  // measuring.
+  bool photo = false;
+};
+
 // Writes an image in the format of its extension, atomically. Absent layers are left out. The bytes
-// depend on the image and ev alone.
+// depend on the image and the exposure alone.
 //
-//   ev            exposure of a PNG, in stops
+//   exposure      of a PNG
 //   sync_seconds  the time spent in fsync is added to it when given
 //
 // Expects: radiance and coverage of the size; ground truth layers of the size, or empty.
 // Fails: E0202 for another extension; E0103.
-bool write_image(const std::filesystem::path& path, const Image& image, double ev,
+bool write_image(const std::filesystem::path& path, const Image& image, const PngExposure& exposure,
                  DiagnosticLog& log, double* sync_seconds = nullptr);
 
 // Reads the metadata of kRecordName from a file that write_image() wrote.

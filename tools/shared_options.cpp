@@ -230,6 +230,9 @@ void declare(Arguments& arguments, ViewOptions& options) {
   add("--ev", view.ev, "STOPS|auto",
       "Exposure of PNG output: 2^EV (default 0); auto: 99 of 100 lit pixels lie below 0.8 of "
       "white");
+  add("--tone", view.tone, "linear|photo",
+      "Tone curve of PNG output: linear (default), clipped at white; photo: compressed highlights "
+      "that keep their hue");
 }
 
 void declare(Arguments& arguments, JointOptions& options) {

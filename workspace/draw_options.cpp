@@ -239,6 +239,9 @@ Result<DrawOptions> read(const ViewText& typed, preview::ContextKind context, Di
   else
     read_gl(text, reader, draw);
   if (text.psf) read_psf(text, reader, draw);
+  draw.photo = text.tone == "photo";
+  if (text.tone && !draw.photo && *text.tone != "linear")
+    reader.refuse("tone", text.tone, "linear or photo");
   reader.flag("flat", text.flat, draw.gl.flat);
   draw.reference.flat = draw.gl.flat;
   if (text.max_image_memory) {

@@ -32,6 +32,7 @@ struct DrawOptions {
   // `ground_truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
+  bool photo = false;  // tone curve of PNGs: preview::PngExposure
 };
 
 // Engine in use.

@@ -145,6 +145,7 @@ Json view_of(const world::World& world, const world::Camera& camera, std::option
     view["ev"] = *ev;
   else
     view["ev"] = "auto";
+  if (draw.photo) view["tone"] = "photo";
   view["camera"] = numbers(camera.position);
   const Quat& q = camera.world_from_camera;
   view["quat"] = {q.w, q.x, q.y, q.z};

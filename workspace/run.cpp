@@ -112,7 +112,8 @@ struct Drawing {
   Drawer* drawer = nullptr;
   double ev = 0;
   double shown_ev = 0;  // as --ev has it
-  double seconds = 0;   // so far
+  bool photo = false;
+  double seconds = 0;  // so far
   Metadata metadata;
 };
 
@@ -127,13 +128,13 @@ struct Writing {
   DiagnosticLog log;
 };
 
-void write(double ev, Writing& writing) {
+void write(const preview::PngExposure& exposure, Writing& writing) {
   const auto start = Clock::now();
-  writing.ok =
-      preview::write_image(writing.what.output, writing.image, ev, writing.log, &writing.sync);
+  writing.ok = preview::write_image(writing.what.output, writing.image, exposure, writing.log,
+                                    &writing.sync);
   for (const std::string& output : writing.what.more_outputs)
-    writing.ok =
-        writing.ok && preview::write_image(output, writing.image, ev, writing.log, &writing.sync);
+    writing.ok = writing.ok &&
+                 preview::write_image(output, writing.image, exposure, writing.log, &writing.sync);
   writing.seconds = seconds_since(start);
 }
 
@@ -252,6 +253,7 @@ class Run {
     drawing.view = index;
     drawing.drawer = drawer_;
     drawing.ev = view.ev - stops_of_sun(current_.sun());
+    drawing.photo = draw.photo;
     describe(
         current_, view.camera, draw,
         record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev),
@@ -305,13 +307,15 @@ class Run {
     writing_->image = std::move(image);
     writing_->drawer = drawing.drawer;
     if (drawing.view + 1 == views_.size() || job_.threads() == 1) {
-      write(drawing.ev, *writing_);
+      write({drawing.ev, drawing.photo}, *writing_);
       return retire();
     }
     // one thread beside those that draw the next image
-    pending_ = std::async(std::launch::async, [ev = drawing.ev, &writing = *writing_] {
-      run_on_threads(Job({1, {}}), [&] { write(ev, writing); });
-    });
+    pending_ = std::async(
+        std::launch::async,
+        [exposure = preview::PngExposure(drawing.ev, drawing.photo), &writing = *writing_] {
+          run_on_threads(Job({1, {}}), [&] { write(exposure, writing); });
+        });
     return true;
   }
 

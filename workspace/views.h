@@ -81,6 +81,7 @@ struct ViewText {
   std::optional<std::string> ortho;           // metres
   std::optional<std::string> size;            // "WxH"
   std::optional<std::string> ev;              // stops, or "auto"
+  std::optional<std::string> tone;            // "linear" or "photo"
   std::optional<std::string> output;
   std::vector<std::string> more_outputs;
 

@@ -33,6 +33,8 @@ Field field_of(ViewOption option) {
       return &ViewText::size;
     case ViewOption::ev:
       return &ViewText::ev;
+    case ViewOption::tone:
+      return &ViewText::tone;
     case ViewOption::camera:
       return &ViewText::camera;
     case ViewOption::look_at:

@@ -1,5 +1,7 @@
 #include <zlib.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -29,15 +31,37 @@ std::string text_chunk(const std::string& name, const std::string& value) {
   return chunk;
 }
 
+// Scales a colour so that its largest channel follows a shoulder that ends at white, and mixes it
+// with white the more it is over-exposed: the ratios of differences between channels, and so the
+// hue, stay.
+void photographed(std::array<double, 3>& color) {
+  constexpr double kShoulder = 0.5;  // linear below
+  constexpr double kFade = 3;  // over-exposure that takes 63 % of the colour, in parts of white
+  const double largest = std::max({color[0], color[1], color[2]});
+  if (!(largest > kShoulder)) return;
+  const double beyond = (largest - kShoulder) / (1 - kShoulder);
+  const double shown = std::isinf(largest) ? 1 : 1 - (1 - kShoulder) / (1 + beyond);
+  const double white = largest > 1 ? 1 - std::exp((1 - largest) / kFade) : 0;
+  for (double& channel : color) {
+    const double ratio = std::isinf(largest) ? 1 : channel / largest;
+    channel = shown * (ratio + (1 - ratio) * white);
+  }
+}
+
 }  // namespace
 
-bool write_png(AtomicFile& file, const Image& image, double ev, DiagnosticLog& log) {
-  const double scale = kPi * std::exp2(ev);
+bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure,
+               DiagnosticLog& log) {
+  const double scale = kPi * std::exp2(exposure.stops);
   std::vector<std::uint8_t> codes(image.radiance.size());
   const std::size_t row = std::size_t{3} * image.width;
   parallel_for(image.height, [&](std::size_t j) {
-    for (std::size_t i = j * row; i < (j + 1) * row; ++i)
-      codes[i] = srgb_code(scale * image.radiance[i]);
+    for (std::size_t i = j * row; i < (j + 1) * row; i += 3) {
+      std::array<double, 3> color{};
+      for (std::size_t k = 0; k < 3; ++k) color[k] = scale * image.radiance[i + k];
+      if (exposure.photo) photographed(color);
+      for (std::size_t k = 0; k < 3; ++k) codes[i + k] = srgb_code(color[k]);
+    }
   });
   PngOptions options;
   options.channels = 3;

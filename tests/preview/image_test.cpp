@@ -106,6 +106,43 @@ TEST_F(ImageFiles, AFolderThatIsNotThere) {
   EXPECT_TRUE(log.contains(Code::E0103));
 }
 
+// Gold of 12 brightnesses: hue by its definition, (g - b) / (r - b), to the rounding of the codes.
+TEST_F(ImageFiles, PhotographsKeepHue) {
+  constexpr std::uint32_t kCount = 12;
+  Image image = numbered(kCount, 2, false);
+  const Vec3 gold(1, 0.6, 0.1);
+  for (std::uint32_t i = 0; i < kCount; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = gold[static_cast<int>(k)] * std::exp2(i / 2.0 - 3) / kPi;
+      image.radiance[3 * i + k] = static_cast<float>(value);
+      image.radiance[3 * (kCount + i) + k] = i < 6 ? kInfinity : 0.0f;
+    }
+  DiagnosticLog log;
+  ASSERT_TRUE(write_image(path("a.png"), image, {0, true}, log));
+  png_image head;
+  std::memset(&head, 0, sizeof head);
+  head.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_file(&head, path("a.png").c_str()));
+  std::array<std::uint8_t, std::size_t{3} * kCount * 2> codes{};
+  ASSERT_TRUE(png_image_finish_read(&head, nullptr, codes.data(), 0, nullptr));
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::uint8_t* code = codes.data() + 3 * i;
+    if (i <= 4) {  // up to half of white: linear
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_EQ(code[k], srgb_code(kPi * image.radiance[3 * i + k])) << i;
+    }
+    const double r = srgb_decoded(code[0]), g = srgb_decoded(code[1]), b = srgb_decoded(code[2]);
+    // half a code of the brightest is 0.0045; measured: at most 0.9 of this
+    EXPECT_NEAR((g - b) / (r - b), 0.5 / 0.9, 0.01 / (r - b)) << i;
+    if (i == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(code[k], code[k - 3]) << i;
+  }
+  EXPECT_LT(codes[3 * (kCount - 1)], 255);  // 6 times white is not clipped
+  EXPECT_EQ(codes[3 * kCount], 255);
+  EXPECT_EQ(codes[3 * kCount + 2], 255);
+  EXPECT_EQ(codes[codes.size() - 1], 0);
+}
+
 TEST_F(ImageFiles, PngIsWhiteForAWhitePlate) {
   Image image = numbered(3, 2, false);
   const double white = 1 / kPi;

@@ -122,7 +122,7 @@ TEST_F(Views, AnImageIsMadeAgain) {
        "0.6"},
       {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
-      {"--engine", "gl", "--quality", "draft"},
+      {"--engine", "gl", "--quality", "draft", "--tone", "photo"},
       {"--engine", "gl", "--shadows", "off"},
       {"--engine", "gl", "--shadows", "soft", "--sun-points", "9"},
       {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows",
