@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "pxn/materials.h"
 #include "pxn/text/grammar.h"
 #include "pxn/text/xml.h"
 
@@ -18,6 +19,13 @@ namespace {
 using schemas::ElementId;
 
 bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ','; }
+
+// Element of a preset.
+struct PresetPart {
+  std::string name;
+  std::string text;
+  std::vector<EditableNumber> numbers;  // at places in `text`
+};
 
 class Finder {
  public:
@@ -66,12 +74,37 @@ class Finder {
       material.line = log_.sources().position(doc_.file, doc_.elements[element].begin).line;
       for (std::uint32_t child = element + 1; child < doc_.elements[element].next; ++child)
         if (doc_.elements[child].id != schemas::kNoElement) add(child, material.numbers);
+      if (const auto preset = preset_text(material.preset)) inherit(element, *preset, material);
       if (!material.name.empty()) out.push_back(std::move(material));
     }
     return out;
   }
 
+  // Elements of the first material, with their numbers at places in them.
+  std::vector<PresetPart> parts() {
+    std::vector<PresetPart> out;
+    std::uint32_t material = 0;
+    while (material < doc_.size() && doc_.elements[material].id != ElementId::named_material)
+      ++material;
+    if (material == doc_.size()) return out;
+    for (std::uint32_t child = material + 1; child < doc_.elements[material].next;
+         child = doc_.elements[child].next) {
+      PresetPart part{std::string(doc_.name(child)), {}, {}};
+      for (std::uint32_t each = child; each < doc_.elements[child].next; ++each)
+        if (doc_.elements[each].id != schemas::kNoElement) add(each, part.numbers);
+      const std::uint32_t begin = doc_.elements[child].begin;
+      part.text = doc_.bytes.substr(begin, doc_.elements[child].end - begin);
+      // on one line: the lines of the text that it is written into stay where they are
+      std::ranges::replace(part.text, '\n', ' ');
+      for (EditableNumber& number : part.numbers) number.begin -= begin, number.end -= begin;
+      out.push_back(std::move(part));
+    }
+    return out;
+  }
+
  private:
+  void inherit(std::uint32_t element, std::string_view preset, EditableMaterial& material) const;
+
   std::string attribute(std::uint32_t element, std::string_view name) const {
     const xml::Attribute* found = find_attribute(doc_, element, name);
     return found ? xml::decoded(doc_, found->value_begin, found->value_end) : "";
@@ -142,9 +175,9 @@ class Finder {
 };
 
 // What `find` finds in a text.
-Result<std::vector<EditableMaterial>> found_in(const std::string& name, std::string_view bytes,
-                                               DiagnosticLog& log,
-                                               std::vector<EditableMaterial> (Finder::*find)()) {
+template <class Found>
+Result<std::vector<Found>> found_in(const std::string& name, std::string_view bytes,
+                                    DiagnosticLog& log, std::vector<Found> (Finder::*find)()) {
   if (bytes.size() >= 0xffffffffu) {
     log.report_file(Code::E0104, name, "the file has 4 GiB or more");
     return failed;
@@ -165,6 +198,32 @@ Result<std::vector<EditableMaterial>> found_in(const std::string& name, std::str
   return (finder.*find)();
 }
 
+// Adds what the preset has and the text does not.
+void Finder::inherit(std::uint32_t element, std::string_view preset,
+                     EditableMaterial& material) const {
+  DiagnosticLog ignored;
+  const auto parts = found_in("preset", preset, ignored, &Finder::parts);
+  if (!parts) return;
+  const xml::Element& e = doc_.elements[element];
+  const bool empty = e.start_tag_end == e.end;  // <material …/>
+  const std::string before = empty ? ">" : "", after = empty ? "</material>" : "";
+  const auto close = static_cast<std::uint32_t>(doc_.bytes.rfind('<', e.end - 1));
+  for (const PresetPart& part : *parts) {
+    bool present = part.name == "provenance";
+    for (std::uint32_t child = element + 1; child < e.next; child = doc_.elements[child].next)
+      present = present || doc_.name(child) == part.name;
+    if (present) continue;
+    for (EditableNumber number : part.numbers) {
+      number.inserted = before + part.text + after;
+      number.inserted_begin = number.begin + static_cast<std::uint32_t>(before.size());
+      number.inserted_end = number.end + static_cast<std::uint32_t>(before.size());
+      number.begin = empty ? e.end - 2 : close;
+      number.end = empty ? e.end : close;
+      material.inherited.push_back(std::move(number));
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
@@ -180,7 +239,9 @@ Result<std::vector<EditableMaterial>> editable_foils(const std::string& name,
 
 std::string with_number(std::string_view bytes, const EditableNumber& number, double value) {
   std::string out(bytes.substr(0, number.begin));
+  out += number.inserted.substr(0, number.inserted_begin);
   out += number.integer ? fmt::format("{:.0f}", std::round(value)) : fmt::format("{:.6g}", value);
+  out += number.inserted.substr(number.inserted_end);
   out += bytes.substr(number.end);
   return out;
 }

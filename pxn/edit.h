@@ -29,6 +29,9 @@ struct EditableNumber {
   bool integer = false;
   std::uint32_t begin = 0;  // bytes of the text, without the unit
   std::uint32_t end = 0;
+  // Of a preset: the element that takes the place of these bytes, and the number's bytes in it.
+  std::string inserted;
+  std::uint32_t inserted_begin = 0, inserted_end = 0;
 };
 
 // Named material of one file, or a sheet of foil.
@@ -38,6 +41,8 @@ struct EditableMaterial {
   std::string base;    // base material of the same text; may be empty
   std::uint32_t line = 1;
   std::vector<EditableNumber> numbers;  // in the order of the text
+  // Of the preset, without elements that the text has: a change writes their element into the text.
+  std::vector<EditableNumber> inherited;
 };
 
 // Returns the named materials of a text, with their literal numbers: no expressions, and none in

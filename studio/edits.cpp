@@ -26,10 +26,10 @@ std::vector<std::string> text_lines(const std::string& text) {
 
 const pxn::EditableNumber* find_number(const MaterialFile& file, const Edit& edit) {
   for (const pxn::EditableMaterial& material : file.materials)
-    if (material.name == edit.material)
-      for (const pxn::EditableNumber& number : material.numbers)
-        if (number.element == edit.element && number.attribute == edit.attribute &&
-            number.index == edit.index)
+    for (const auto* numbers : {&material.numbers, &material.inherited})
+      for (const pxn::EditableNumber& number : *numbers)
+        if (material.name == edit.material && number.element == edit.element &&
+            number.attribute == edit.attribute && number.index == edit.index)
           return &number;
   return nullptr;
 }
@@ -135,7 +135,7 @@ std::vector<std::pair<fs::path, std::vector<ChangedLine>>> Edits::difference() c
   std::vector<std::pair<fs::path, std::vector<ChangedLine>>> out;
   for (const MaterialFile& file : files_) {
     if (file.text == file.saved) continue;
-    // numbers have no line ends: lines stay where they are
+    // numbers and elements of presets have no line ends: lines stay where they are
     const auto before = text_lines(file.saved), after = text_lines(file.text);
     std::vector<ChangedLine> lines;
     for (std::size_t i = 0; i < std::min(before.size(), after.size()); ++i)

@@ -39,12 +39,35 @@ void ImageView::draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, b
                               : state_.models.world ? "drawing"
                                                     : "nothing to show");
   }
+  draw_progress(at, pixels);
   if (ImGui::IsWindowHovered() || dragged_) handle_mouse(at, pixels, mouse_taken);
   if (state_.layout.labels) draw_labels(at);
   if (ImGui::IsWindowHovered() && !dragged_)
     pixel_values(from_imgui(ImGui::GetIO().MousePos), at, texture);
   ImGui::End();
   ImGui::PopStyleVar();
+}
+
+// A bar that moves along the upper edge while an image is being drawn, with the time so far.
+void ImageView::draw_progress(const Vec2& at, const Vec2& size) {
+  constexpr double kAfter = 0.3;  // seconds: shorter work shows nothing
+  constexpr double kPeriod = 1.6;
+  const double now = ImGui::GetTime();
+  const bool drawing = state_.models.world && state_.renderer.status().drawing;
+  if (!drawing) drawing_since_ = now;
+  const double seconds = now - drawing_since_;
+  if (!drawing || seconds < kAfter) return;
+  const double height = std::max(3.0, 0.2 * ImGui::GetFontSize()), share = 0.25;
+  const double phase = std::fabs(2 * std::fmod(seconds / kPeriod, 1.0) - 1);
+  const double left = at.x + (1 - share) * phase * size.x;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(to_imgui(at), to_imgui(at + Vec2(size.x, height)), IM_COL32(30, 50, 80, 160));
+  list.AddRectFilled(to_imgui({left, at.y}), to_imgui({left + share * size.x, at.y + height}),
+                     IM_COL32(102, 179, 255, 255));
+  const std::string text = fmt::format("drawing, {:.1f} s", seconds);
+  const Vec2 wide(ImGui::CalcTextSize(text.c_str()).x + 12, 0);
+  list.AddText(to_imgui(at + Vec2(size.x, height + 4) - wide), IM_COL32(200, 215, 235, 255),
+               text.c_str());
 }
 
 const Canvas* ImageView::new_canvas() {

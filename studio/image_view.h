@@ -30,10 +30,12 @@ class ImageView {
   void select_part(const Vec2& pixel);
   void pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) const;
   void draw_labels(const Vec2& at) const;
+  void draw_progress(const Vec2& at, const Vec2& size);
 
   WindowState& state_;
   Canvas canvas_;
-  std::string painted_as_;  // settings of the canvas
+  std::string painted_as_;    // settings of the canvas
+  double drawing_since_ = 0;  // seconds; the last time without an image under way
   WidgetRect rect_;
   bool dragged_ = false;
 };

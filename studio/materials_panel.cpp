@@ -139,10 +139,22 @@ void MaterialsPanel::material_numbers(const MaterialFile& file,
   if (!material.preset.empty())
     ImGui::TextDisabled("based on the preset %s", material.preset.c_str());
   if (!material.base.empty()) ImGui::TextDisabled("based on %s", material.base.c_str());
-  if (material.numbers.empty())
-    ImGui::TextWrapped("Its text holds no numbers: they come from its preset or expressions.");
+  if (material.numbers.empty() && material.inherited.empty())
+    ImGui::TextWrapped("Its text holds no numbers: they come from expressions.");
+  number_sliders(file, material, material.numbers,
+                 "As in the text. Ctrl + click to type, also larger values");
+  if (material.inherited.empty()) return;
+  ImGui::Separator();
+  ImGui::TextDisabled("of the preset; a change writes the element into the text");
+  number_sliders(file, material, material.inherited,
+                 "Of the preset. Ctrl + click to type, also larger values");
+}
+
+void MaterialsPanel::number_sliders(const MaterialFile& file, const pxn::EditableMaterial& material,
+                                    const std::vector<pxn::EditableNumber>& numbers,
+                                    const char* help) {
   std::string heading;
-  for (const pxn::EditableNumber& number : material.numbers) {
+  for (const pxn::EditableNumber& number : numbers) {
     const std::string of =
         number.element + (number.attribute.empty() ? "" : " " + number.attribute);
     if (of != heading) ImGui::TextUnformatted(of.c_str());
@@ -157,8 +169,7 @@ void MaterialsPanel::material_numbers(const MaterialFile& file,
     const double high = std::min(number.high, slider_reach(number.value));
     const std::string format =
         (number.integer ? "%.0f" : "%.6g") + (number.unit.empty() ? "" : " " + number.unit);
-    if (state_.widgets.slider(name, value, low, high, format.c_str(), false,
-                              "As in the text. Ctrl + click to type, also larger values", false) &&
+    if (state_.widgets.slider(name, value, low, high, format.c_str(), false, help, false) &&
         !(number.above && value <= number.low) && value >= number.low && value <= number.high) {
       edits_.change(file, material, number, value);
       state_.project.set_unsaved(edits_.unsaved());

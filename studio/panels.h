@@ -107,6 +107,8 @@ class MaterialsPanel {
   void list();
   void numbers();
   void material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material);
+  void number_sliders(const MaterialFile& file, const pxn::EditableMaterial& material,
+                      const std::vector<pxn::EditableNumber>& numbers, const char* help);
   void foil_seed(const MaterialFile& file, const pxn::EditableMaterial& foil);
   void unsaved_changes();
   void library();

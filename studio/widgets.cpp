@@ -22,6 +22,17 @@ std::string widget_label(const std::string& name) {
   return name.substr((label == std::string::npos ? name.rfind('/') : label) + 1);
 }
 
+// What a widget sets, for messages: "joint/wing=" is wing, "joint/ball/0=about x" is ball about x.
+std::string widget_subject(const std::string& name) {
+  const std::size_t sign = std::min(name.find('='), name.size());
+  const std::size_t first = name.find('/') + 1;  // note: npos + 1 is 0
+  const std::string path = name.substr(first, sign - first);
+  if (sign + 1 >= name.size()) return path;
+  const std::string label = name.substr(sign + 1);
+  const std::size_t last = path.rfind('/');
+  return last == path.npos ? label : path.substr(0, last) + " " + label;
+}
+
 // Identifier of Dear ImGui: label and name.
 std::string widget_id(const std::string& name) { return widget_label(name) + "###" + name; }
 
@@ -90,7 +101,7 @@ bool Widgets::slider(const std::string& name, double& value, double low, double 
   const double typed = value;
   value = std::isnan(typed) ? before : std::clamp(typed, low, high);
   limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
-                         widget_label(name), low, high, typed, value);
+                         widget_subject(name), low, high, typed, value);
   return value != before;
 }
 
@@ -106,7 +117,7 @@ bool Widgets::drag(const std::string& name, double& value, double step, const ch
   const double typed = value;
   value = std::isnan(typed) ? before : std::clamp(typed, -kDragLimit, kDragLimit);
   limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}",
-                         widget_label(name), -kDragLimit, kDragLimit, typed, value);
+                         widget_subject(name), -kDragLimit, kDragLimit, typed, value);
   return value != before;
 }
 

@@ -53,6 +53,46 @@ TEST_F(EditsTest, ChangesOfOneNumberAreUndoneTogether) {
   EXPECT_FALSE(edits_.undo());
 }
 
+// A number of a preset: its element is written into the text, once for all of its numbers.
+TEST(EditsOfPresets, WriteTheElementIntoTheText) {
+  const support::TemporaryFolder folder;
+  for (const bool open : {false, true}) {
+    const std::string start = "<pangu_model ver=\"1\">\n<material name=\"m\" preset=\"cells_gaas\"";
+    const std::string text = start + (open ? ">\n  <ggx> 0.2 </ggx>\n</material>" : "/>") +
+                             "\n<box size=\"1\" material=\"m\"/>\n</pangu_model>\n";
+    const std::string path = folder.write("p.pxn", text);
+    Edits edits;
+    edits.update({path});
+    const auto change = [&](const char* element, std::size_t index, double value) {
+      const MaterialFile file = edits.files().at(0);
+      for (const auto* numbers : {&file.materials.at(0).numbers, &file.materials[0].inherited})
+        for (const pxn::EditableNumber& number : *numbers)
+          if (number.element == element && number.index == index && number.attribute.empty())
+            return edits.change(file, file.materials[0], number, value);
+      FAIL() << element;
+    };
+    for (const pxn::EditableNumber& number : edits.files()[0].materials.at(0).inherited)
+      EXPECT_NE(number.element, open ? "ggx" : "provenance");
+    change("diffuse", 2, 0.9);
+    change("diffuse", 0, 0.4);
+    edits.close();
+    EXPECT_EQ(edits.files()[0].text,
+              open ? start + ">\n  <ggx> 0.2 </ggx>\n<diffuse> 0.4 0.25 0.9 </diffuse></material>" +
+                         "\n<box size=\"1\" material=\"m\"/>\n</pangu_model>\n"
+                   : start + "><diffuse> 0.4 0.25 0.9 </diffuse></material>" +
+                         "\n<box size=\"1\" material=\"m\"/>\n</pangu_model>\n");
+    const std::vector<pxn::MemoryFile> files = {{"p.pxn", edits.files()[0].text}};
+    DiagnosticLog log;
+    const auto scene = pxn::read_memory(files, {}, log);
+    ASSERT_TRUE(scene) << to_text(log);
+    EXPECT_EQ(log.errors() + log.warnings(), 0u) << to_text(log);
+    EXPECT_EQ(scene->materials.at(0).diffuse, Vec3(0.4, 0.25, 0.9));
+    EXPECT_TRUE(edits.undo());
+    EXPECT_TRUE(edits.undo());
+    EXPECT_EQ(edits.files()[0].text, text);
+  }
+}
+
 TEST_F(EditsTest, SavesTheEditedText) {
   change(2, 0.75);
   DiagnosticLog log;
