@@ -37,12 +37,16 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& path) {
   return std::nullopt;
 }
 
-bool stores_ground_truth(ImageFormat format) {
-  return format == ImageFormat::exr || format == ImageFormat::npz;
+bool stores_ground_truth(ImageFormat format, const FileOptions& options) {
+  if (format != ImageFormat::exr && format != ImageFormat::npz) return false;
+  for (const FileLayer layer : {FileLayer::depth, FileLayer::range, FileLayer::normal,
+                                FileLayer::target_id, FileLayer::node_id, FileLayer::material_id})
+    if (options.has(layer)) return true;
+  return false;
 }
 
 bool write_image(const std::filesystem::path& path, const Image& image, const PngExposure& exposure,
-                 DiagnosticLog& log, double* sync_seconds) {
+                 DiagnosticLog& log, double* sync_seconds, const FileOptions& options) {
   assert(is_consistent(image));
   const auto format = image_format(path);
   if (!format) {
@@ -59,13 +63,13 @@ bool write_image(const std::filesystem::path& path, const Image& image, const Pn
       written = write_png(*file, image, exposure, log);
       break;
     case ImageFormat::exr:
-      written = write_exr(*file, image, log);
+      written = write_exr(*file, image, options, log);
       break;
     case ImageFormat::npy:
       written = write_npy(*file, image, log);
       break;
     case ImageFormat::npz:
-      written = write_npz(*file, image, log);
+      written = write_npz(*file, image, options, log);
       break;
   }
   return written && file->commit(log, sync_seconds);

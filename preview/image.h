@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -58,8 +59,32 @@ enum class ImageFormat {
 // Returns the format of a file name's extension, in any letter case.
 std::optional<ImageFormat> image_format(const std::filesystem::path& path);
 
-// Returns true if a format stores the ground truth layers; otherwise they need not be rendered.
-bool stores_ground_truth(ImageFormat format);
+enum class FileLayer : std::uint8_t {
+  radiance,
+  coverage,
+  depth,
+  range,
+  normal,
+  target_id,
+  node_id,
+  material_id,
+  standard_error,
+};
+
+// Names of layers, by FileLayer: those of .npz files.
+inline constexpr std::string_view kLayerNames[] = {"radiance", "coverage",    "depth",
+                                                   "range",    "normal",      "target_id",
+                                                   "node_id",  "material_id", "standard_error"};
+
+// Choices for .exr and .npz files.
+struct FileOptions {
+  std::uint32_t layers = ~0u;  // 1 << FileLayer: those to write, where the image has them
+  bool compress = false;       // .npz: deflate the layers
+  bool has(FileLayer layer) const { return (layers >> static_cast<unsigned>(layer) & 1u) != 0; }
+};
+
+// Returns true if a file holds ground truth layers; otherwise they need not be rendered.
+bool stores_ground_truth(ImageFormat format, const FileOptions& options = {});
 
 // Exposure and tone curve of a PNG.
 struct PngExposure {
@@ -72,7 +97,7 @@ struct PngExposure {
 };
 
 // Writes an image in the format of its extension, atomically. Absent layers are left out. The bytes
-// depend on the image and the exposure alone.
+// depend on the image, the exposure and the options alone.
 //
 //   exposure      of a PNG
 //   sync_seconds  the time spent in fsync is added to it when given
@@ -80,7 +105,8 @@ struct PngExposure {
 // Expects: radiance and coverage of the size; ground truth layers of the size, or empty.
 // Fails: E0202 for another extension; E0103.
 bool write_image(const std::filesystem::path& path, const Image& image, const PngExposure& exposure,
-                 DiagnosticLog& log, double* sync_seconds = nullptr);
+                 DiagnosticLog& log, double* sync_seconds = nullptr,
+                 const FileOptions& options = {});
 
 // Reads the metadata of kRecordName from a file that write_image() wrote.
 //

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <exception>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "preview/image/image_files.h"
@@ -60,7 +61,8 @@ class Layers {
 
 }  // namespace
 
-bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
+bool write_exr(AtomicFile& file, const Image& image, const FileOptions& options,
+               DiagnosticLog& log) {
   FileStream stream(file, log);
   try {
     Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
@@ -69,25 +71,21 @@ bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
     for (const auto& [name, value] : image.metadata)
       header.insert(name.c_str(), Imf::StringAttribute(value));
     Layers layers(header, image.width);
-    layers.add("R", image.radiance, 0, 3);
-    layers.add("G", image.radiance, 1, 3);
-    layers.add("B", image.radiance, 2, 3);
-    layers.add("A", image.coverage, 0, 1);
-    if (!image.standard_error.empty()) {
-      layers.add("error.R", image.standard_error, 0, 3);
-      layers.add("error.G", image.standard_error, 1, 3);
-      layers.add("error.B", image.standard_error, 2, 3);
-    }
-    if (image.has_ground_truth()) {
-      layers.add("Z", image.depth, 0, 1);
-      layers.add("range", image.range, 0, 1);
-      layers.add("N.X", image.normal, 0, 3);
-      layers.add("N.Y", image.normal, 1, 3);
-      layers.add("N.Z", image.normal, 2, 3);
-      layers.add("id.target", image.target_id, 0, 1);
-      layers.add("id.node", image.node_id, 0, 1);
-      layers.add("id.material", image.material_id, 0, 1);
-    }
+    const auto add = [&](FileLayer layer, std::initializer_list<const char*> names,
+                         const auto& values) {
+      if (values.empty() || !options.has(layer)) return;
+      std::size_t channel = 0;
+      for (const char* name : names) layers.add(name, values, channel++, names.size());
+    };
+    add(FileLayer::radiance, {"R", "G", "B"}, image.radiance);
+    add(FileLayer::coverage, {"A"}, image.coverage);
+    add(FileLayer::standard_error, {"error.R", "error.G", "error.B"}, image.standard_error);
+    add(FileLayer::depth, {"Z"}, image.depth);
+    add(FileLayer::range, {"range"}, image.range);
+    add(FileLayer::normal, {"N.X", "N.Y", "N.Z"}, image.normal);
+    add(FileLayer::target_id, {"id.target"}, image.target_id);
+    add(FileLayer::node_id, {"id.node"}, image.node_id);
+    add(FileLayer::material_id, {"id.material"}, image.material_id);
     Imf::OutputFile output(stream, header);
     output.setFrameBuffer(layers.buffer());
     output.writePixels(static_cast<int>(image.height));

@@ -9,8 +9,10 @@ namespace panwright::preview {
 // Each writes the whole file; the caller commits. False: reported as E0103.
 bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure,
                DiagnosticLog& log);
-bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log);
+bool write_exr(AtomicFile& file, const Image& image, const FileOptions& options,
+               DiagnosticLog& log);
 bool write_npy(AtomicFile& file, const Image& image, DiagnosticLog& log);
-bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log);
+bool write_npz(AtomicFile& file, const Image& image, const FileOptions& options,
+               DiagnosticLog& log);
 
 }  // namespace panwright::preview

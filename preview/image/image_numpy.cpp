@@ -36,24 +36,27 @@ bool write_npy(AtomicFile& file, const Image& image, DiagnosticLog& log) {
          file.write(std::as_bytes(std::span(image.radiance)), log);
 }
 
-bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log) {
+bool write_npz(AtomicFile& file, const Image& image, const FileOptions& options,
+               DiagnosticLog& log) {
   ZipWriter zip(file);
-  const auto add = [&](const char* name, const char* type, unsigned channels, const auto& layer) {
-    return zip.add(std::string(name) + ".npy", as_bytes(npy_header(type, image, channels)),
-                   std::as_bytes(std::span(layer)), log);
-  };
   bool good = true;
+  const auto add = [&](FileLayer layer, const char* type, unsigned channels, const auto& values) {
+    if (!good || values.empty() || !options.has(layer)) return;
+    const std::string name(kLayerNames[static_cast<std::size_t>(layer)]);
+    good = zip.add(name + ".npy", as_bytes(npy_header(type, image, channels)),
+                   std::as_bytes(std::span(values)), log, options.compress);
+  };
   for (const auto& [name, value] : image.metadata)
     if (good && name == kRecordName) good = zip.add("meta.json", as_bytes(value), {}, log);
-  good = good && add("radiance", "<f4", 3, image.radiance) &&
-         add("coverage", "<f4", 0, image.coverage);
-  if (good && image.has_ground_truth())
-    good = add("depth", "<f4", 0, image.depth) && add("range", "<f4", 0, image.range) &&
-           add("normal", "<f4", 3, image.normal) && add("target_id", "<u4", 0, image.target_id) &&
-           add("node_id", "<u4", 0, image.node_id) &&
-           add("material_id", "<u4", 0, image.material_id);
-  if (good && !image.standard_error.empty())
-    good = add("standard_error", "<f4", 3, image.standard_error);
+  add(FileLayer::radiance, "<f4", 3, image.radiance);
+  add(FileLayer::coverage, "<f4", 0, image.coverage);
+  add(FileLayer::depth, "<f4", 0, image.depth);
+  add(FileLayer::range, "<f4", 0, image.range);
+  add(FileLayer::normal, "<f4", 3, image.normal);
+  add(FileLayer::target_id, "<u4", 0, image.target_id);
+  add(FileLayer::node_id, "<u4", 0, image.node_id);
+  add(FileLayer::material_id, "<u4", 0, image.material_id);
+  add(FileLayer::standard_error, "<f4", 3, image.standard_error);
   return good && zip.finish(log);
 }
 

@@ -1,4 +1,4 @@
-// Stored zip archives with fixed dates. Private to preview.
+// Zip archives with fixed dates. Private to preview.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@
 
 namespace panwright::preview {
 
-// Writer of an archive into a file, one stored entry after another. Entries, offsets or totals from
-// zip64_from bytes on use the zip64 records (the format's own limit; tests lower it).
+// Writer of an archive into a file, one entry after another, stored or deflated. Entries, offsets
+// or totals from zip64_from bytes on use the zip64 records (the format's own limit; tests lower
+// it).
 class ZipWriter {
  public:
   explicit ZipWriter(AtomicFile& file, std::uint64_t zip64_from = 0xffffffffu)
@@ -19,7 +20,7 @@ class ZipWriter {
 
   // Adds an entry whose content is the two pieces, one after the other. False: reported as E0103.
   bool add(const std::string& name, std::span<const std::byte> head,
-           std::span<const std::byte> body, DiagnosticLog& log);
+           std::span<const std::byte> body, DiagnosticLog& log, bool deflate = false);
   // Writes the central directory.
   bool finish(DiagnosticLog& log);
 
@@ -27,10 +28,14 @@ class ZipWriter {
   struct Entry {
     std::string name;
     std::uint64_t size;
+    std::uint64_t stored;  // bytes in the archive
     std::uint64_t offset;
     std::uint32_t crc;
+    bool deflated;
   };
   bool put(std::span<const std::byte> bytes, DiagnosticLog& log);
+  bool deflate(std::span<const std::byte> head, std::span<const std::byte> body,
+               DiagnosticLog& log);
 
   AtomicFile& file_;
   std::uint64_t zip64_from_;

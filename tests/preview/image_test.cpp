@@ -208,6 +208,36 @@ TEST_F(ImageFiles, NpzWithoutGroundTruthHoldsTwoLayers) {
             "radiance.npy 1x1x3 <f4 0.046875\ncoverage.npy 1x1 <f4 0.5\n");
 }
 
+TEST_F(ImageFiles, LayersAreChosenAndCompressed) {
+  const Image image = numbered(300, 200, true);
+  FileOptions options;
+  options.layers = 1u << static_cast<unsigned>(FileLayer::node_id) |
+                   1u << static_cast<unsigned>(FileLayer::coverage);
+  DiagnosticLog log;
+  const auto listing = [&] {
+    return output_of(std::string(PANWRIGHT_PYTHON) + " " +
+                     PANWRIGHT_SOURCE_DIR "/tests/preview/read_npz.py " + path("a.npz").string());
+  };
+  ASSERT_TRUE(write_image(path("a.npz"), image, 0, log, nullptr, options));
+  const std::string stored = listing();
+  EXPECT_THAT(stored, testing::MatchesRegex("coverage.npy 200x300 <f4 [0-9.]*\nnode_id.npy .*\n"));
+  const std::size_t bytes_stored = bytes(path("a.npz")).size();
+  options.compress = true;
+  ASSERT_TRUE(write_image(path("a.npz"), image, 0, log, nullptr, options));
+  EXPECT_EQ(listing(), stored);
+  EXPECT_LT(bytes(path("a.npz")).size(), bytes_stored / 2);
+  ASSERT_TRUE(write_image(path("a.exr"), image, 0, log, nullptr, options));
+  const Imf::InputFile input(path("a.exr").c_str());
+  std::string names;
+  const auto& channels = input.header().channels();
+  for (auto it = channels.begin(); it != channels.end(); ++it)
+    names += std::string(it.name()) + " ";
+  EXPECT_EQ(names, "A id.node ");
+  EXPECT_TRUE(stores_ground_truth(ImageFormat::exr, options));
+  options.layers = 1u << static_cast<unsigned>(FileLayer::radiance);
+  EXPECT_FALSE(stores_ground_truth(ImageFormat::npz, options));
+}
+
 // The records for archives past 4 GiB, made small by lowering the limit from which they are used.
 TEST_F(ImageFiles, Zip64IsReadByOthers) {
   const std::string script =
@@ -222,6 +252,22 @@ TEST_F(ImageFiles, Zip64IsReadByOthers) {
     ASSERT_TRUE(zip.add("two", as_bytes("defgh"), {}, log));
     ASSERT_TRUE(zip.finish(log));
     ASSERT_TRUE(file->commit(log));
+    auto other = AtomicFile::create(path("d.zip"), log);
+    ASSERT_TRUE(other);
+    ZipWriter deflated(*other, limit);
+    ASSERT_TRUE(
+        deflated.add("one", as_bytes("ab"), as_bytes(std::string(3000000, 'c')), log, true));
+    ASSERT_TRUE(deflated.add("none", {}, {}, log, true));
+    ASSERT_TRUE(deflated.add("head", as_bytes("defgh"), {}, log, true));
+    ASSERT_TRUE(deflated.finish(log));
+    ASSERT_TRUE(other->commit(log));
+    EXPECT_LT(bytes(path("d.zip")).size(), 20000u);
+    EXPECT_EQ(output_of(std::string(PANWRIGHT_PYTHON) +
+                        " -c \"import zipfile,sys; z=zipfile.ZipFile(sys.argv[1]); assert "
+                        "z.testzip() is None; print([(len(z.read(i)), z.read(i)[:3]) for i in "
+                        "z.infolist()])\" " +
+                        path("d.zip").string()),
+              "[(3000002, b'abc'), (0, b''), (5, b'def')]\n");
     const int second = limit == 0 ? 30 + 3 + 20 + 3 : 30 + 3 + 3;
     EXPECT_EQ(
         output_of(std::string(PANWRIGHT_PYTHON) + " -c '" + script + "' " + path("z.zip").string()),
