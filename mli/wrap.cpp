@@ -312,18 +312,26 @@ std::string WrapTally::refusals() const {
       refused, groups, area_refused, area, why);
 }
 
-std::string WrapTally::scalings() const {
+std::string WrapTally::scalings(double enough) const {
   if (scaled == 0) return {};
+  // rounded up to two digits
+  const double unit = std::pow(10, std::floor(std::log10(enough)) - 1);
   return fmt::format(
-      "heights meet the base in {} of {} groups: they are scaled, by {:.3g} at least; a larger "
-      "stand-off keeps them",
-      scaled, groups, least);
+      "heights meet the base in {} of {} groups: they are scaled, by {:.3g} at least; a stand-off "
+      "of {:.3g} m keeps them",
+      scaled, groups, least, unit * std::ceil(enough / unit));
 }
 
 std::string WrapTally::holds() const {
   if (!(held > 0)) return {};
   return fmt::format("{:.3g} of {:.3g} m² lie lower than the stand-off: other parts are nearer",
                      held, area - area_refused);
+}
+
+double enough_stand_off(const WrapOptions& options, double scale) {
+  const double below = options.margin > 0 ? options.margin : 0.1 * options.stand_off;
+  const double lowest = (options.stand_off - below) / scale;
+  return options.margin > 0 ? lowest + below : lowest / 0.9;
 }
 
 RecipeFor fitted(Recipe recipe) {
@@ -352,7 +360,8 @@ Result<Wrap> wrapped(const geometry::Mesh& mesh, std::span<const std::uint32_t> 
     const bool bare = !(out->area_accepted > 0);
     if (tally.refused > 0 || bare)
       log.report(bare ? Code::E7001 : Code::W7002, where, tally.refusals());
-    if (tally.scaled > 0) log.report(Code::W7002, where, tally.scalings());
+    if (tally.scaled > 0)
+      log.report(Code::W7002, where, tally.scalings(enough_stand_off(options, tally.least)));
     if (tally.held > 0) log.report(Code::W7002, where, tally.holds());
     if (bare) return failed;
     return out;

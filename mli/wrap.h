@@ -26,6 +26,11 @@ using RecipeFor = std::function<Recipe(double width, double height, std::uint32_
 // size in metres. Sheets have 32 cells across at least.
 RecipeFor fitted(Recipe recipe);
 
+struct WrapOptions;
+
+// Returns the stand-off, metres, that keeps heights which were scaled by less than 1.
+double enough_stand_off(const WrapOptions& options, double scale);
+
 // Free distance to other parts from a place on the faces along a unit direction, metres, at most
 // `most`, in the mesh's frame. Thread-safe.
 using FreeRoom = std::function<double(const Vec3& from, const Vec3& along, double most)>;
@@ -116,7 +121,8 @@ struct WrapTally {
   void add(const Wrap& wrap);
   void add(const WrapTally& other);
   std::string refusals() const;  // a sentence; empty: nothing refused
-  std::string scalings() const;
+  // enough: metres of stand-off that keep the heights
+  std::string scalings(double enough) const;
   std::string holds() const;
 };
 

@@ -35,8 +35,9 @@ bool wants_color(const std::string& when) {
 constexpr Code kOfImports[] = {Code::N6007, Code::W6008, Code::W6215, Code::N6301,
                                Code::W6302, Code::W6303, Code::N6304, Code::W6305};
 
-// A log for people with one line in the place of what importers found.
-DiagnosticLog summarised(const DiagnosticLog& log) {
+// A log for people with one line in the place of what importers found; quiet: and of what `check`
+// says of foil.
+DiagnosticLog summarised(const DiagnosticLog& log, bool quiet) {
   DiagnosticLog out;
   out.sources() = log.sources();
   std::size_t warnings = 0;
@@ -47,7 +48,8 @@ DiagnosticLog summarised(const DiagnosticLog& log) {
         entry.where.file != kNoFile && log.sources().file(entry.where.file).name.ends_with(".pxn");
     const bool of_import =
         std::find(std::begin(kOfImports), std::end(kOfImports), entry.code) != std::end(kOfImports);
-    if (of_text || !of_import) {
+    const bool of_foil = quiet && entry.code == Code::W7002;
+    if ((of_text || !of_import) && !of_foil) {
       out.report(entry.code, entry.where, entry.message, entry.hint, entry.object);
       continue;
     }
@@ -59,7 +61,8 @@ DiagnosticLog summarised(const DiagnosticLog& log) {
   if (warnings > 0)
     out.report_file(
         Code::N6301, {},
-        fmt::format("{} of imported files not shown ({})", counted(warnings, "warning"), codes),
+        fmt::format("{} of imported files{} not shown ({})", counted(warnings, "warning"),
+                    codes.find("W7002") == codes.npos ? "" : " and foil", codes),
         "'panwright check' of the same file shows them");
   return out;
 }
@@ -160,7 +163,7 @@ int CommandContext::finish(int clean) {
     // a log that is full has left out what nobody can count here
     const bool summarise = summarises_imports_ && log_.hidden() == 0;
     print(stderr, "{}",
-          to_text(summarise ? summarised(log_) : log_,
+          to_text(summarise ? summarised(log_, options_.quiet) : log_,
                   {.color = wants_color(options_.color), .notes = !options_.quiet}));
     if (log_.errors() > 1)
       print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),

@@ -284,7 +284,12 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
   // nothing is worn at all
   const bool bare = worn.tally.groups > 0 && worn.tally.refused == worn.tally.groups;
   say(bare ? Code::E7001 : Code::W7002, worn.tally.refusals());
-  say(Code::W7002, worn.tally.scalings());
+  say(Code::W7002, worn.tally.scalings(worn.enough));
+  if (worn.stand_off > 0)
+    say(Code::W7002,
+        fmt::format("the stand-off is {:.4g} m, and the shape {:.3g} m across, expected "
+                    "less than a quarter of that; without standoff= it is {:.2g} m",
+                    worn.stand_off, worn.across, std::min(kStandOff, kShare * worn.across)));
   if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
     say(Code::W7002, worn.tally.holds());
   say(Code::W7002, many_triangles(worn.triangles, worn.finest_cell));
@@ -306,6 +311,14 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   if (!any) return;
   ++out.instances;
   out.tally.add(made->tally);
+  if (made->tally.scaled > 0) {
+    mli::WrapOptions with;
+    with.stand_off = made->stand_off;
+    out.enough = std::max(out.enough, mli::enough_stand_off(with, made->tally.least));
+  }
+  constexpr double kMostShare = 0.25;  // of a shape's diagonal
+  if (made->stand_off > kMostShare * made->across && out.stand_off == 0)
+    out.stand_off = made->stand_off, out.across = made->across;
   if (made->cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made->cell);
   if (out.problem.empty()) out.problem = made->problem;
   if (made->shape == scene::kNone && made->tape == scene::kNone && made->edge == scene::kNone)
@@ -387,6 +400,7 @@ std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish&
     return shared;
   }
   Made made = woven(place, around, in_metres, wish, stand_off);
+  made.across = diagonal;
   if (!(made.tally.held > 0) && !made.cornered) known_.emplace(key, made);
   return made;
 }

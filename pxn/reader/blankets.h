@@ -66,6 +66,7 @@ class Blankets {
     // shapes of tape and of cut edges
     std::int32_t tape = scene::kNone, edge = scene::kNone;
     double stand_off = 0;  // metres in the world
+    double across = 0;     // diagonal of the shape, metres
     double cell = 0;       // above 0: larger than the preset's
     double used_cell = 0;  // metres
     std::size_t triangles = 0;
@@ -89,6 +90,9 @@ class Blankets {
     double largest_cell = 0;    // of those, metres
     double triangles = 0;       // of new blankets
     double finest_cell = 0;     // of all, metres
+    double enough = 0;          // metres of stand-off that keep all heights
+    double stand_off = 0;       // the given one where it exceeds the size of a shape, metres
+    double across = 0;          // diagonal of the shape, metres
     std::string problem;        // the first one; empty: none
   };
   // Instance being covered.

@@ -379,5 +379,28 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
     EXPECT_THAT(read_1(text).summary(), HasSubstr(expected)) << text;
 }
 
+// The stand-off of the warning keeps the heights, and one of 5 % less does not.
+TEST(Wraps, AWarningSaysWhichStandOffIsEnough) {
+  const std::string box = "<box name='bus' size='1.4 1.2 1.8'/>";
+  for (const std::string heights : {"9cm", "2cm"}) {
+    const std::string random = "<random> " + heights + " </random>";
+    const std::string warning = read_1(box + wrap("on='bus'", random, "5mm")).summary();
+    const std::size_t at = warning.find("a stand-off of ");
+    ASSERT_NE(at, warning.npos) << warning;
+    const double enough = std::stod(warning.substr(at + 15));
+    const auto with = [&](double metres) {
+      return read_1(box + wrap("on='bus'", random, std::to_string(metres) + "m")).summary();
+    };
+    EXPECT_EQ(with(enough), "") << enough;
+    EXPECT_THAT(with(0.85 * enough), HasSubstr("heights meet the base"));
+  }
+}
+
+TEST(Wraps, AStandOffLargerThanTheShapeIsAWarning) {
+  EXPECT_THAT(read_1("<box name='b' size='10cm'/>" + wrap("on='b'", "", "4m")).summary(),
+              HasSubstr("W7002 the stand-off is 4 m, and the shape 0.173 m across, expected less "
+                        "than a quarter of that; without standoff= it is 0.0043 m"));
+}
+
 }  // namespace
 }  // namespace panwright::pxn::wrap_test
