@@ -102,6 +102,26 @@ int exit_code(const DiagnosticLog& log) {
   return cancelled ? 130 : usage ? 2 : io ? 3 : damaged ? 4 : 1;
 }
 
+namespace {
+
+// Whether each word of one name is a word of another, in any order.
+bool has_words(std::string_view name, std::string_view words) {
+  constexpr std::string_view kBetween = "_-/ ";
+  const auto for_each = [&](std::string_view text, const auto& found) {
+    for (std::size_t at = text.find_first_not_of(kBetween); at != text.npos;) {
+      const std::size_t end = std::min(text.find_first_of(kBetween, at), text.size());
+      if (found(text.substr(at, end - at))) return true;
+      at = text.find_first_not_of(kBetween, end);
+    }
+    return false;
+  };
+  return !for_each(words, [&](std::string_view word) {
+    return !for_each(name, [&](std::string_view other) { return other == word; });
+  });
+}
+
+}  // namespace
+
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> candidates) {
   constexpr std::size_t kLongest = 64;  // longer names are not typing errors
@@ -137,6 +157,13 @@ std::optional<std::string_view> nearest_name(std::string_view name,
   };
   for (const std::string_view candidate : candidates)
     if (!last_segment(name).empty() && last_segment(candidate) == last_segment(name)) {
+      best = candidate;
+      ++alike;
+    }
+  if (alike > 0) return alike == 1 ? best : std::nullopt;
+  // one that has all its words: "gold_kapton" for "mli_gold_kapton"
+  for (const std::string_view candidate : candidates)
+    if (name.size() >= kFewest && has_words(candidate, name)) {
       best = candidate;
       ++alike;
     }

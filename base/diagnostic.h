@@ -121,7 +121,7 @@ std::string to_sarif(const DiagnosticLog& log);
 
 // Returns the candidate nearest to a name by edit distance (insert, delete, replace, swap),
 // ignoring letter case. At most max(1, length/3) away, the first of ties; else the only one with
-// its begin or end.
+// its begin, end or words.
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> candidates);
 

@@ -6,11 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "base/clock.h"
 #include "base/file_uses.h"
@@ -36,15 +38,43 @@ class Descriptor {
 };
 
 void report(Code code, const std::filesystem::path& path, const std::string& message,
-            SourceSpan where, DiagnosticLog& log) {
+            SourceSpan where, DiagnosticLog& log, const std::string& hint = {}) {
   if (where.file == kNoFile)
-    log.report_file(code, path.string(), message);
+    log.report_file(code, path.string(), message, hint);
   else
-    log.report(code, where, message);
+    log.report(code, where, message, hint);
 }
 
 std::string reason(const char* what, const std::filesystem::path& path, int error) {
   return fmt::format("{} {}: {}", what, in_quotes(path.string()), std::strerror(error));
+}
+
+// Where a file that is not there may be: the folder that lacks, or a name that is near.
+std::string hint_of_missing(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    return fmt::format("there is no folder {}", in_quotes(folder.string()));
+  constexpr std::size_t kMost = 2000;  // of the folder's files
+  std::vector<std::string> names;
+  for (fs::directory_iterator each(folder, error), end; !error && each != end;
+       each.increment(error)) {
+    if (names.size() == kMost) return {};
+    names.push_back(each->path().filename().string());
+  }
+  std::ranges::sort(names);  // note: the order of a folder is the file system's
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  const auto near = nearest_name(path.filename().string(), known);
+  return near ? fmt::format("did you mean {}?",
+                            in_quotes((path.parent_path() / fs::path(*near)).string()))
+              : std::string();
+}
+
+void report_missing(const std::filesystem::path& path, int error, SourceSpan where,
+                    DiagnosticLog& log) {
+  report(Code::E0101, path, reason("cannot open", path, error), where, log,
+         error == ENOENT ? hint_of_missing(path) : std::string());
 }
 
 int open_for_reading(const std::filesystem::path& path) {
@@ -83,12 +113,24 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool require_file(const std::filesystem::path& path, DiagnosticLog& log) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) return true;
+  report_missing(path,
+                 std::filesystem::is_directory(status) ? EISDIR
+                 : error                               ? error.value()
+                                                       : ENOENT,
+                 {}, log);
+  return false;
+}
+
 Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
                               DiagnosticLog& log, SourceSpan where) {
   const Descriptor fd(open_for_reading(path));
   struct stat status {};
   if (fd.get() < 0 || fstat(fd.get(), &status) != 0) {
-    report(Code::E0101, path, reason("cannot open", path, errno), where, log);
+    report_missing(path, errno, where, log);
     return failed;
   }
   if (S_ISDIR(status.st_mode)) {
@@ -138,7 +180,7 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path, Diagnosti
   const Descriptor fd(open_for_reading(path));
   struct stat status {};
   if (fd.get() < 0 || fstat(fd.get(), &status) != 0) {
-    log.report_file(Code::E0101, path.string(), reason("cannot open", path, errno));
+    report_missing(path, errno, {}, log);
     return failed;
   }
   if (!S_ISREG(status.st_mode)) {

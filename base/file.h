@@ -15,6 +15,10 @@
 
 namespace panwright {
 
+// Returns whether a path is something other than a folder. Fails: E0101, with the file of a near
+// name as a hint.
+bool require_file(const std::filesystem::path& path, DiagnosticLog& log);
+
 // Reads a whole regular file (or a pipe), at most max_bytes.
 //
 // Fails: E0101, E0102, E0104. where: the place of the diagnostic (an include); none: the file.

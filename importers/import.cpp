@@ -239,9 +239,10 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
 Result<Imported> import_file(const fs::path& path, const Options& options, DiagnosticLog& log,
                              const Job& job) {
   std::error_code error;
+  if (!require_file(path, log)) return failed;
   if (!fs::is_regular_file(path, error)) {
     log.report_file(Code::E0101, path.string(),
-                    fmt::format("{} is not a file that can be read", in_quotes(path.string())));
+                    fmt::format("{} is not a regular file", in_quotes(path.string())));
     return failed;
   }
   fs::path folder = path.parent_path();

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/srgb.h"
 #include "base/text.h"
 #include "materials/kept_fits.h"
 
@@ -115,6 +116,23 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
     idle(fields.hapke ? "hapke" : "oren", "only specular is given and reflect defaults to 0 1 0");
 }
 
+// Colours from 0 to 255, with the linear ones that they mean.
+std::string as_codes(const Material& material) {
+  for (const auto& [name, colour] :
+       {std::pair{"diffuse", material.diffuse}, std::pair{"specular", material.specular}}) {
+    bool whole = true;
+    for (int k = 0; k < 3; ++k)
+      whole = whole && colour[k] >= 0 && colour[k] <= 255 && colour[k] == std::floor(colour[k]);
+    if (!whole || std::max({colour.x, colour.y, colour.z}) <= 1) continue;
+    const auto linear = [&](int k) { return srgb_decoded(static_cast<std::uint8_t>(colour[k])); };
+    return fmt::format(
+        "; colours are linear, from 0 to 1: the 8-bit codes {} {} {} of {} are {:.3g} "
+        "{:.3g} {:.3g}",
+        colour.x, colour.y, colour.z, name, linear(0), linear(1), linear(2));
+  }
+  return {};
+}
+
 void report_energy(const Material& material, const Reporter& report) {
   const Vec3& w = material.weights;
   const double sum = w.x + w.y + w.z;
@@ -129,8 +147,8 @@ void report_energy(const Material& material, const Reporter& report) {
     const double reflected = w.x * material.diffuse[k] + w.y * material.specular[k];
     if (reflected <= 1 + kSumTolerance) continue;
     report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}, "
-                                    "expected at most 1 to conserve energy",
-                                    reflected, kChannels[k]));
+                                    "expected at most 1 to conserve energy{}",
+                                    reflected, kChannels[k], as_codes(material)));
     return;
   }
 }

@@ -9,6 +9,8 @@
 #include "base/text.h"
 #include "tools/arguments.h"
 #include "tools/words.h"
+#include "workspace/absent_options.h"
+#include "workspace/quantities.h"
 
 namespace panwright::tools {
 
@@ -73,6 +75,11 @@ class Parser {
       return fail(fmt::format(
           "{} belongs to no option; quote several numbers of one option, as in --sun \"1 -1 0.5\"",
           in_quotes(name)));
+    const std::size_t letters = std::min(name.find_first_not_of('-'), name.size());
+    const auto instead = workspace::instead_of(std::string_view(name).substr(letters));
+    if (!instead.empty() && named("--camera") != nullptr)
+      return fail(
+          fmt::format("{} is not an option of '{}'; {}", in_quotes(name), command_, instead));
     fail(fmt::format("{} is not an option of '{}'; {}", in_quotes(name), command_,
                      near ? fmt::format("did you mean '{}'?", *near)
                           : fmt::format("`{} --help` lists them", command_)));
@@ -96,6 +103,22 @@ class Parser {
     if (!option.take(text)) fail(failure_of_value(option, typed, option.value_words));
   }
 
+  // Numbers after the first one, which the shell has taken apart: "--camera 0 0 3".
+  void check_quotes(const Option& option, const std::string& value) {
+    const auto is_number = [](std::string_view word) {
+      while (word.ends_with(',')) word.remove_suffix(1);
+      return workspace::parse_length(word) || workspace::parse_angle(word);
+    };
+    const std::size_t begin = option.repeatable ? value.find('=') + 1 : 0;  // npos + 1 is 0
+    std::string all = value.substr(begin);
+    if (!option.numbers || !is_number(all)) return;
+    std::size_t end = next_;
+    for (; end < words_.size() && is_number(words_[end]); ++end) all += " " + words_[end];
+    if (end == next_) return;
+    error_ = fmt::format("put quotes around the {} numbers of {}: {} {}\"{}\"", end - next_ + 1,
+                         option.name(), option.name(), value.substr(0, begin), all);
+  }
+
   // What follows an option is its value, unless it is another option: "-1,0,0" is a value.
   void set_from_next(Option& option) {
     const std::string* next = next_ < words_.size() ? &words_[next_] : nullptr;
@@ -106,7 +129,10 @@ class Parser {
       const bool file = value && next->find_first_of("./") != std::string::npos;
       return value && !file ? set(option, words_[next_++]) : set(option, *option.bare);
     }
-    if (value) return set(option, words_[next_++]);
+    if (value) {
+      set(option, words_[next_++]);
+      return check_quotes(option, words_[next_ - 1]);
+    }
     fail(fmt::format(
         "{} needs a value: {} {}{}", option.name(), option.name(), option.type,
         next == nullptr ? std::string() : fmt::format("; {} follows it", in_quotes(*next))));
@@ -121,8 +147,9 @@ class Parser {
       if (sign < word.size()) return fail(fmt::format("{} takes no value", name));
       return set(*option, {});
     }
-    if (sign < word.size()) return set(*option, word.substr(sign + 1));
-    set_from_next(*option);
+    if (sign == word.size()) return set_from_next(*option);
+    set(*option, word.substr(sign + 1));
+    check_quotes(*option, word.substr(sign + 1));
   }
 
   // "-q", "-qj 2", "-j2", "-o=FILE".

@@ -83,6 +83,10 @@ Argument& Argument::one_value() {
   assert(option_.repeatable && !option_.argument);
   return *this;
 }
+Argument& Argument::numbers() {
+  option_.numbers = true;
+  return *this;
+}
 Argument& Argument::excludes(const Argument& other) {
   option_.excluded.push_back(&other.option_);
   return *this;

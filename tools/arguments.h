@@ -27,6 +27,7 @@ struct Option {
   bool required = false;
   bool repeatable = false;
   bool may_be_empty = false;
+  bool numbers = false;              // the value has several
   std::optional<std::string> bare;   // value of an option without one; see bare_value()
   std::vector<std::string> choices;  // all values; empty: others
   std::vector<const Option*> excluded;
@@ -50,6 +51,7 @@ class Argument {
   Argument& required();
   Argument& may_be_empty();  // "" is a value
   Argument& one_value();     // of a list: one per occurrence
+  Argument& numbers();       // the value has several, in quotes
   Argument& excludes(const Argument& other);
 
   // Sets the value of the option alone. A following word is its value unless it looks like a file:

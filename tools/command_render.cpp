@@ -26,6 +26,7 @@ struct Options {
   std::optional<std::string> quality;      // "draft", "standard" or "exact"
   std::optional<std::string> samples;      // "auto" or N; none: the engine's own
   std::optional<std::string> pixel_error;  // "1%" or a fraction; none: the engine's own
+  bool compress = false;
   bool adaptive = false;
   bool flat = false;
   std::optional<std::string> shadows;
@@ -96,6 +97,12 @@ void declare_images(Arguments& arguments, Options& options) {
            "Image to write: .png, .exr, .npy (radiance) or .npz (radiance and ground truth)")
       .type("FILE");
   declare(arguments, options.view);
+  arguments
+      .add("--layers", options.view.text.layers,
+           "Layers of .exr and .npz (default: all): radiance, coverage, depth, range, normal, "
+           "target_id, node_id, material_id, standard_error; blanks or commas between names")
+      .type("\"NAMES\"");
+  arguments.flag("--compress", options.compress, "Compress the layers of .npz");
   arguments
       .add("--views", options.views,
            "JSON list of views (docs/views.md). -: read one view a line from standard input, write "
@@ -201,6 +208,7 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   };
   typed->targets = options.targets;
   typed->limb_darkening = options.limb_darkening;
+  typed->compress = flag(options.compress);
   typed->engine = options.engine;
   typed->quality = options.quality;
   typed->samples = options.samples;

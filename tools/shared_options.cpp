@@ -196,37 +196,45 @@ void declare(Arguments& arguments, ViewOptions& options) {
   constexpr const char* kGroup = "Camera and Sun";
   const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
                        const char* help) {
-    arguments.add(name, value, help).type(type).group(kGroup);
+    return arguments.add(name, value, help).type(type).group(kGroup);
   };
   add("--camera", view.camera, "\"X Y Z\"",
-      "Camera position, metres, world axes (default: in front of the targets)");
-  add("--look-at", view.look_at, "\"X Y Z\"", "Point on the boresight (default: the origin)");
-  add("--up", view.up, "\"X Y Z\"", "Up direction of the image (default 0 0 1)");
-  add("--quat", view.quat, "\"W X Y Z\"",
-      "Attitude world_from_camera instead of --look-at; x right, y down, z boresight");
+      "Camera position, metres, world axes (default: in front of the targets); blanks or commas "
+      "between numbers")
+      .numbers();
+  add("--look-at", view.look_at, "\"X Y Z\"", "Point on the boresight (default: the origin)")
+      .numbers();
+  add("--up", view.up, "\"X Y Z\"", "Up direction of the image (default 0 0 1)").numbers();
+  add("--quat", view.quat, "\"QW QX QY QZ\"",
+      "Attitude world_from_camera instead of --look-at; x right, y down, z boresight")
+      .numbers();
   add("--camera-frame", view.camera_frame, "[NAME/]FRAME",
       "Place the camera in a frame of a target");
   arguments
       .add("--pose", options.poses,
-           "Position and attitude world_from_model of a target, NAME=\"X Y Z W I J K\" (NAME= is "
+           "Position and attitude world_from_model of a target, the quaternion as of --quat (NAME= "
+           "is "
            "optional for a single one); may be repeated")
-      .type("[NAME=]\"X Y Z W I J K\"")
+      .type("[NAME=]\"X Y Z QW QX QY QZ\"")
       .one_value()
+      .numbers()
       .group(kGroup);
   declare(arguments, options.joints);
   add("--sun", view.sun, "\"X Y Z\"",
-      "Direction to the Sun, world axes (default: from behind the camera's left shoulder)");
+      "Direction to the Sun, world axes (default: from behind the camera's left shoulder)")
+      .numbers();
   add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
-  add("--sun-irradiance", view.sun_irradiance, "E|R,G,B",
+  add("--sun-irradiance", view.sun_irradiance, "E|\"R G B\"",
       "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit "
-      "irradiance, 1/sr)");
+      "irradiance, 1/sr)")
+      .numbers();
   add("--fov", view.fov, "DEG",
       "Full horizontal field of view, degrees (default: fits the targets)");
   add("--ifov", view.ifov, "ANGLE",
       "Angle of the pixel on the axis, as 0.2mrad; a bare number is degrees");
-  add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
+  add("--intrinsics", view.intrinsics, "\"FX FY CX CY\"", "Pinhole intrinsics in pixels").numbers();
   add("--ortho", view.ortho, "METRES", "Width of an orthographic image");
-  add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");
+  add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)").numbers();
   add("--ev", view.ev, "STOPS|auto",
       "Exposure of PNG output: 2^EV (default 0); auto: 99 of 100 lit pixels lie below 0.8 of "
       "white");

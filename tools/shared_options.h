@@ -69,7 +69,7 @@ void declare(Arguments& arguments, JointOptions& options);
 // Camera, Sun and poses of one view.
 struct ViewOptions {
   workspace::ViewText text;        // except the poses
-  std::vector<std::string> poses;  // "NAME=x y z w i j k", or without a name
+  std::vector<std::string> poses;  // "NAME=x y z qw qx qy qz", or without a name
   JointOptions joints;
 
   // Returns all of it. Fails: E0201 for two poses of one target.

@@ -1,8 +1,10 @@
 // Options of the engines, as typed.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include "base/text.h"
 #include "workspace/internal/forward.h"
@@ -218,6 +220,29 @@ void read_psf(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
     reader.refuse("psf", text.psf, fmt::format("a number from 0 to {} pixels", kWidestPsf));
 }
 
+void read_files(const ViewText& text, DrawReader& reader, preview::FileOptions& files) {
+  reader.flag("compress", text.compress, files.compress);
+  if (!text.layers) return;
+  files.layers = 0;
+  constexpr const char* kSeparators = " \t\r\n,";
+  const std::string_view all = *text.layers;
+  for (std::size_t at = all.find_first_not_of(kSeparators); at != all.npos;) {
+    const std::size_t end = std::min(all.find_first_of(kSeparators, at), all.size());
+    const std::string_view name = all.substr(at, end - at);
+    const auto* found = std::ranges::find(preview::kLayerNames, name);
+    if (found == std::end(preview::kLayerNames)) {
+      const auto near = nearest_name(name, preview::kLayerNames);
+      return reader.refuse(
+          "layers", std::string(name),
+          fmt::format("names of layers: {}{}", fmt::join(preview::kLayerNames, ", "),
+                      near ? fmt::format("; did you mean '{}'?", *near) : ""));
+    }
+    files.layers |= 1u << (found - std::begin(preview::kLayerNames));
+    at = all.find_first_not_of(kSeparators, end);
+  }
+  if (files.layers == 0) reader.refuse("layers", text.layers, "the name of one layer or more");
+}
+
 Result<DrawOptions> read(const ViewText& typed, preview::ContextKind context, DiagnosticLog& log) {
   DrawReader reader(log);
   DrawOptions draw;
@@ -242,6 +267,7 @@ Result<DrawOptions> read(const ViewText& typed, preview::ContextKind context, Di
   draw.photo = text.tone == "photo";
   if (text.tone && !draw.photo && *text.tone != "linear")
     reader.refuse("tone", text.tone, "linear or photo");
+  read_files(text, reader, draw.files);
   reader.flag("flat", text.flat, draw.gl.flat);
   draw.reference.flat = draw.gl.flat;
   if (text.max_image_memory) {

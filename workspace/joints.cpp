@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/angle_text.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "workspace/internal/json_text.h"
@@ -80,9 +81,10 @@ std::string name_of(const world::World& world, const JointPlace& place) {
   return in_quotes(world.size() == 1 ? joint : world[place.target].name() + "/" + joint);
 }
 
-// The values of a text; nothing, and why in `problem`.
+// The values of a text; nothing, and why in `problem`. An angle may look like radians.
 std::optional<JointValues> values_of(const pan::layout::Joint& joint, const JointText& text,
-                                     std::string& problem) {
+                                     std::string& problem,
+                                     std::optional<RadiansWarning>& suspicious) {
   const auto kind = static_cast<geometry::JointKind>(joint.kind);
   const std::size_t count = geometry::value_count(kind);
   const auto words = words_of(text.value);
@@ -102,6 +104,7 @@ std::optional<JointValues> values_of(const pan::layout::Joint& joint, const Join
       return std::nullopt;
     }
     out[i] = *value;
+    if (unit == JointUnit::radians && !suspicious) suspicious = warning_of_radians(words[i]);
     const bool limited =
         (joint.flags & pan::layout::kJointLimited) != 0 && kind != geometry::JointKind::continuous;
     double low = limited ? joint.lower[i] : -kLargest, high = limited ? joint.upper[i] : kLargest;
@@ -138,7 +141,10 @@ Result<std::vector<JointText>> read_joints(const std::filesystem::path& path, Di
   };
   JsonProblem problem;
   const auto parsed = parse_json(*text, problem);
-  if (!parsed) return fail(problem.message, problem.hint);
+  if (!parsed)
+    return fail(problem.message, problem.other_format ? "write an object of joint values, as "
+                                                        "{\"wing\": \"30deg\"}"
+                                                      : problem.hint);
   if (!parsed->repeated.empty())
     return fail(fmt::format("{} is given twice", in_quotes(parsed->repeated[0].member)));
   if (!parsed->value.is_object())
@@ -235,7 +241,12 @@ bool JointSetter::set(const JointText& text, DiagnosticLog& log) {
     return true;
   }
   std::string problem;
-  const auto values = values_of(record, text, problem);
+  std::optional<RadiansWarning> suspicious;
+  const auto values = values_of(record, text, problem, suspicious);
+  if (suspicious)
+    log.report(Code::W1214, {},
+               fmt::format("joint {}: {}", name_of(world_, *place), suspicious->message),
+               suspicious->hint);
   if (!values) return refuse(problem);
   world_.set_joint(place->target, place->joint, *values);
   return true;

@@ -20,8 +20,16 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
   const std::string_view before = text.substr(0, at);
   const std::size_t line_start = before.rfind('\n') == before.npos ? 0 : before.rfind('\n') + 1;
   const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  const bool other = first == text.npos || (text[first] != '{' && text[first] != '[');
   std::string found;
-  if (out_of_range)
+  if (first == text.npos) {
+    found = "the text is empty";
+  } else if (other) {
+    constexpr std::size_t kShown = 20;
+    const std::string_view begin = text.substr(first, kShown);
+    found = "it begins with " + in_quotes(begin.substr(0, begin.find_first_of("\r\n")));
+  } else if (out_of_range)
     found = "a number that is too large";
   else if (at == text.size())
     found = "the text ends";
@@ -39,6 +47,11 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
     problem.hint = "strings have double quotes";
   else if (at < text.size() && text[at] == '/')
     problem.hint = "JSON has no comments";
+  else if (at < text.size() && text[at] == '{' && last != before.npos && before[last] == '}')
+    problem.hint =
+        "objects of a list have commas between them and [ ] around them; views a line "
+        "each go to --views -";
+  problem.other_format = other;
   return problem;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string_view>
 
+#include "base/file.h"
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
@@ -218,6 +219,7 @@ bool is_cad(const std::filesystem::path& path) {
 }
 
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log) {
+  if (!require_file(path, log)) return;
   if (const auto other = importers::other_format_by_name(path.string()))
     log.report(Code::E0202, {},
                fmt::format("{}: {} is not supported, expected .pan, .pxn, VRML, glTF, GLB, OBJ, "

@@ -94,7 +94,7 @@ std::string extension_of(const std::filesystem::path& path);
 bool is_cad(const std::filesystem::path& path);
 
 // Reports E0202 for a file that is_cad() and the readers of .pan and .pxn do not recognise, with a
-// converter for a known format.
+// converter for a known format; E0101 where there is no file.
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the

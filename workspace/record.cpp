@@ -3,12 +3,15 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <vector>
 
 #include "base/text.h"
 #include "preview/image.h"
 #include "workspace/internal/json_text.h"
 #include "workspace/joints.h"
+#include "world/evaluation.h"
 
 namespace panwright::workspace {
 
@@ -18,7 +21,7 @@ using nlohmann::json;
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
-constexpr std::size_t kMaxRecordBytes = 16u << 20;
+constexpr std::size_t kMaxRecordBytes = 64u << 20;
 
 Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -87,6 +90,14 @@ void add_lens(const world::Camera& camera, Json& view) {
   view["ortho"] = width;
 }
 
+void add_files(const preview::FileOptions& files, Json& view) {
+  if (files.layers != preview::FileOptions().layers)
+    for (std::size_t i = 0; i < std::size(preview::kLayerNames); ++i)
+      if (files.has(static_cast<preview::FileLayer>(i)))
+        view["layers"].push_back(std::string(preview::kLayerNames[i]));
+  if (files.compress) view["compress"] = true;
+}
+
 void add_engine(const DrawOptions& draw, Json& view) {
   const bool traced = draw.engine == Engine::reference;
   view["engine"] = traced ? "reference" : "gl";
@@ -146,6 +157,7 @@ Json view_of(const world::World& world, const world::Camera& camera, std::option
   else
     view["ev"] = "auto";
   if (draw.photo) view["tone"] = "photo";
+  add_files(draw.files, view);
   view["camera"] = numbers(camera.position);
   const Quat& q = camera.world_from_camera;
   view["quat"] = {q.w, q.x, q.y, q.z};
@@ -170,6 +182,26 @@ Json view_of(const world::World& world, const world::Camera& camera, std::option
   if (sun.limb_darkening > 0) view["limb-darkening"] = sun.limb_darkening;
   add_engine(draw, view);
   return view;
+}
+
+// Every keypoint, whether it is in the image or not; one behind the camera has no pixel.
+Json keypoints_of(const world::World& world, const world::Camera& camera) {
+  Json out = Json::array();
+  for (const world::Instance& target : world.instances()) {
+    const pan::Model& model = *target.model();
+    if (model.keypoints().empty() || !target.visible()) continue;
+    const world::EvaluatedInstance nodes = world::evaluated(target);
+    for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
+      const pan::layout::Keypoint& point = model.keypoints()[i];
+      const Vec4 local(point.position[0], point.position[1], point.position[2], 1);
+      const Vec3 place(target.pose().matrix() * (nodes.model_from_nodes[point.node] * local));
+      Json one{{"target", target.name()}, {"name", std::string(model.keypoint_name(i))}};
+      if (const auto pixel = world::project(camera, place)) one["pixel"] = {pixel->x, pixel->y};
+      one["depth"] = (glm::conjugate(camera.world_from_camera) * (place - camera.position)).z;
+      out.push_back(std::move(one));
+    }
+  }
+  return out;
 }
 
 bool read_option(const json& value, std::string& out) {
@@ -254,7 +286,38 @@ std::string record_text(const world::World& world, const world::Camera& camera,
   if (draw.engine == Engine::gl && draw.context != preview::ContextKind::automatic)
     record["context"] = draw.context == preview::ContextKind::egl ? "egl" : "osmesa";
   record["view"] = view_of(world, camera, ev, draw, source);
+  if (Json keypoints = keypoints_of(world, camera); !keypoints.empty())
+    record["keypoints"] = std::move(keypoints);
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+void add_names(const world::World& world, const preview::Image& image, std::string& record) {
+  if (!image.has_ground_truth()) return;
+  std::vector<std::vector<char>> nodes(world.size()), materials(world.size());
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    nodes[i].resize(world[i].model()->nodes().size());
+    materials[i].resize(world[i].model()->materials().size());
+  }
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    if (image.target_id[i] == 0) continue;
+    const std::size_t target = image.target_id[i] - 1;
+    if (image.node_id[i] > 0) nodes[target][image.node_id[i] - 1] = 1;
+    if (image.material_id[i] > 0) materials[target][image.material_id[i] - 1] = 1;
+  }
+  Json names;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const pan::Model& model = *world[i].model();
+    names["targets"][std::to_string(i + 1)] = world[i].name();
+    for (std::size_t n = 0; n < nodes[i].size(); ++n)
+      if (nodes[i][n] != 0)
+        names["nodes"][world[i].name()][std::to_string(n + 1)] = model.node_path(n);
+    for (std::size_t m = 0; m < materials[i].size(); ++m)
+      if (materials[i][m] != 0)
+        names["materials"][world[i].name()][std::to_string(m + 1)] =
+            std::string(model.material_name(m));
+  }
+  record.pop_back();  // the brace that ends the object
+  record += ",\"names\":" + names.dump(-1, ' ', true, Json::error_handler_t::replace) + "}";
 }
 
 Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& log) {

@@ -8,6 +8,7 @@
 
 #include "base/diagnostic.h"
 #include "base/result.h"
+#include "preview/image.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
 #include "world/world.h"
@@ -22,10 +23,15 @@ struct RecordSource {
 
 // Returns one JSON object in ASCII: schema, program (with its version), targets (name, file, build
 // identity), options of reading them, and the view with all choices, in the form of a views file.
-// No output, time or machine-specific path: files are as in `source`.
+// Keypoints are in it with their pixels and depths. No output, time or machine-specific path: files
+// are as in `source`.
 std::string record_text(const world::World& world, const world::Camera& camera,
                         std::optional<double> ev, const DrawOptions& draw,
                         const RecordSource& source);
+
+// Adds to a record the names of an image's ids: paths of nodes and names of materials by target,
+// each by its number in the layer. Only those that the image has; nothing without ground truth.
+void add_names(const world::World& world, const preview::Image& image, std::string& record);
 
 struct RecordedTarget {
   std::string name;

@@ -18,6 +18,7 @@
 #include "workspace/exposure.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/stopwatch.h"
+#include "world/inside.h"
 
 namespace panwright::workspace {
 
@@ -121,6 +122,7 @@ struct Drawing {
 struct Writing {
   Written what;
   preview::Image image;
+  preview::FileOptions files;
   Drawer* drawer = nullptr;
   double seconds = 0;
   double sync = 0;
@@ -130,11 +132,13 @@ struct Writing {
 
 void write(const preview::PngExposure& exposure, Writing& writing) {
   const auto start = Clock::now();
-  writing.ok = preview::write_image(writing.what.output, writing.image, exposure, writing.log,
-                                    &writing.sync);
+  const auto write_one = [&](const std::string& output) {
+    return preview::write_image(output, writing.image, exposure, writing.log, &writing.sync,
+                                writing.files);
+  };
+  writing.ok = write_one(writing.what.output);
   for (const std::string& output : writing.what.more_outputs)
-    writing.ok = writing.ok &&
-                 preview::write_image(output, writing.image, exposure, writing.log, &writing.sync);
+    writing.ok = writing.ok && write_one(output);
   writing.seconds = seconds_since(start);
 }
 
@@ -184,13 +188,13 @@ class Run {
       }
     } catch (const Cancelled&) {
       (void)retire();
-      warn_of_empty_views();
+      warn_of_places();
       warn_of_imposters();
       throw;
     }
     // note: first, so that the last image is reported in any case
     const bool last = retire();
-    warn_of_empty_views();
+    warn_of_places();
     warn_of_imposters();
     if (!last || done_ < views_.size()) return failed;
     return done_;
@@ -243,9 +247,11 @@ class Run {
     show(view, world_, current_);
     bool ground_truth = false;
     for (const std::string& output : outputs_of(view))
-      ground_truth = ground_truth || preview::stores_ground_truth(*preview::image_format(output));
+      ground_truth =
+          ground_truth || preview::stores_ground_truth(*preview::image_format(output), draw.files);
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
+    warn_of_inside(view);
     const bool good = drawer_->submit(current_, view.camera, ground_truth, apart, job_);
     tell(apart, view.label);
     if (!good) return false;
@@ -285,8 +291,10 @@ class Run {
     drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
     if (view.auto_ev) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
+    add_names(world_, image, image.metadata.back().second);
     const DrawOptions& draw = options_of(view, options_);
     writing_ = std::make_unique<Writing>();
+    writing_->files = draw.files;
     writing_->log = log_.apart();
     Written& what = writing_->what;
     what.view = drawing.view;
@@ -334,28 +342,43 @@ class Run {
     return true;
   }
 
-  // Diagnostics of a view; that nothing is in it is said of all such views at the end.
+  // Surfaces of closed parts are drawn from outside only.
+  void warn_of_inside(const View& view) {
+    if (view.camera.projection != world::Projection::perspective) return;
+    evaluation_.update(current_);
+    const auto part = world::closed_part_around(current_, evaluation_, view.camera.position);
+    if (!part) return;
+    const world::Instance& target = current_[part->target];
+    const std::string name = target.name() + "/" + target.model()->node_path(part->node);
+    misplaced_[{Code::W5016, fmt::format("the camera is inside {}, whose surface is visible from "
+                                         "outside only",
+                                         in_quotes(name))}]
+        .push_back(view.label);
+  }
+
+  // Diagnostics of a view; those of the camera's place are reported of all such views at the end.
   void tell(const DiagnosticLog& said, const std::string& label) {
     forward(said, label, {}, log_, Code::W5006);
     for (const Diagnostic& each : said.entries())
-      if (each.code == Code::W5006) empty_[each.message].push_back(label);
+      if (each.code == Code::W5006) misplaced_[{each.code, each.message}].push_back(label);
   }
 
-  // One warning for all views in which nothing is seen, for each reason.
-  void warn_of_empty_views() {
+  // One warning for all views in which nothing is seen or the camera is inside, for each reason.
+  void warn_of_places() {
     constexpr std::size_t kMostNamed = 8;
-    for (auto& [reason, labels] : empty_) {
+    for (auto& [problem, labels] : misplaced_) {
+      const auto& [code, reason] = problem;
       const std::size_t count = labels.size();
       if (count == 1) {
-        log_.report_file(Code::W5006, {}, labels[0].empty() ? reason : labels[0] + ": " + reason);
+        log_.report_file(code, {}, labels[0].empty() ? reason : labels[0] + ": " + reason);
         continue;
       }
       labels.resize(std::min(count, kMostNamed));
-      log_.report_file(Code::W5006, {},
+      log_.report_file(code, {},
                        fmt::format("{} views: {} ({}{})", count, reason, fmt::join(labels, ", "),
                                    count > kMostNamed ? ", …" : ""));
     }
-    empty_.clear();
+    misplaced_.clear();
   }
 
   // Imposters whose flux is far from what was asked: dark but for a few glints, mostly.
@@ -410,7 +433,9 @@ class Run {
   world::World current_;
   Drawer* drawer_ = nullptr;  // in use
   std::size_t done_ = 0;
-  std::map<std::string, std::vector<std::string>> empty_;  // labels of views, by W5006's reasons
+  // labels of views, by W5006's and W5016's reasons
+  std::map<std::pair<Code, std::string>, std::vector<std::string>> misplaced_;
+  world::Evaluation evaluation_;
   struct Uncertain {
     std::size_t views = 0;
     double flux_error = 0, asked = 0;  // of the worst

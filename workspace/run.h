@@ -63,7 +63,7 @@ struct RunOptions {
 // Fails, before anything is drawn: E0202 for an output of another kind, E0206 for one that is an
 // input or that of another view; E5011 for a pose of no target; E5030 for a world without targets,
 // E5001 and E5007 without OpenGL. Then: E0001, E0103, E5003; earlier outputs stay.
-// Reports: W5006, W5008, W5012, N5002.
+// Reports: W5006, W5008, W5012, W5016, N5002.
 Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
                               const RunOptions& options, DiagnosticLog& log, const Job& job = {});
 

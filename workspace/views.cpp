@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/angle_text.h"
 #include "base/text.h"
 #include "preview/image.h"
 #include "workspace/internal/forward.h"
@@ -43,6 +44,10 @@ class ViewReader {
     ok_ = false;
   }
   void failed_elsewhere() { ok_ = false; }
+  void check_angle(const char* name, const std::string& text) {
+    if (const auto warning = warning_of_radians(text))
+      log_.report(Code::W1214, {}, fmt::format("{}: {}", name, warning->message), warning->hint);
+  }
 
   std::optional<Vec3> vector(const char* name, const std::optional<std::string>& text,
                              bool direction) {
@@ -102,7 +107,7 @@ class ViewReader {
 void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) {
   if (!text.size) return;
   const std::string_view size = *text.size;
-  const std::size_t cross = size.find_first_of("xX");
+  const std::size_t cross = size.find_first_of("xX, ");
   const auto side = [&](std::string_view digits) -> std::uint32_t {
     std::uint32_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -110,7 +115,9 @@ void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) 
     return whole && value <= kMaxSide ? value : 0;
   };
   const std::uint32_t width = side(size.substr(0, std::min(cross, size.size())));
-  const std::uint32_t height = cross == size.npos ? width : side(size.substr(cross + 1));
+  const std::size_t second = cross == size.npos ? cross : size.find_first_not_of(", ", cross + 1);
+  const std::uint32_t height =
+      cross == size.npos ? width : side(second == size.npos ? "" : size.substr(second));
   if (width == 0 || height == 0)
     reader.fail("size", *text.size, "WIDTHxHEIGHT, each from 1 to 16384 pixels");
   camera.width = std::max(width, 1u);
@@ -138,7 +145,8 @@ bool read_lens(const ViewText& text, ViewReader& reader, world::Camera& camera) 
   } else if (text.intrinsics) {
     const auto numbers = parse_numbers(*text.intrinsics, 4);
     if (!numbers || !((*numbers)[0] > 0) || !((*numbers)[1] > 0)) {
-      reader.fail("intrinsics", *text.intrinsics, "fx,fy,cx,cy in pixels, fx and fy above 0");
+      reader.fail("intrinsics", *text.intrinsics,
+                  "four numbers fx fy cx cy in pixels, fx and fy above 0");
     } else {
       camera.projection = world::Projection::perspective;
       camera.focal = Vec2((*numbers)[0], (*numbers)[1]);
@@ -163,11 +171,26 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
 
+// Three lengths and four numbers.
+std::optional<std::vector<double>> position_and_attitude(std::string_view text) {
+  constexpr const char* kSeparators = " \t\n\r,";
+  std::size_t end = 0;
+  for (int word = 0; word < 3 && end < text.size(); ++word)
+    end = std::min(text.find_first_of(kSeparators, text.find_first_not_of(kSeparators, end)),
+                   text.size());
+  auto out = parse_lengths(text.substr(0, end), 3);
+  const auto quaternion = parse_numbers(text.substr(end), 4);
+  if (!out || !quaternion) return std::nullopt;
+  out->insert(out->end(), quaternion->begin(), quaternion->end());
+  return out;
+}
+
 std::optional<world::Pose> pose_of(const PoseText& text, ViewReader& reader) {
   const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
-  const auto numbers = parse_numbers(text.value, 7);
+  const auto numbers = position_and_attitude(text.value);
   if (!numbers) {
-    reader.fail(option, text.value, "seven numbers: a position and a quaternion w x y z");
+    reader.fail(option, text.value,
+                "seven numbers: a position x y z, with or without units, and a quaternion w x y z");
     return std::nullopt;
   }
   const auto q = reader.quaternion(option, text.value, *numbers, 3);
@@ -185,7 +208,7 @@ void read_pose(const PoseText& text, ViewReader& reader, world::World& world, Vi
     target = *found;
   } else if (world.size() != 1) {
     return reader.fail("pose", text.value,
-                       "the name of one of several targets, as NAME=\"X Y Z W I J K\"");
+                       "the name of one of several targets, as NAME=\"X Y Z QW QX QY QZ\"");
   }
   if (const auto pose = pose_of(text, reader)) {
     world.set_pose(target, *pose);
@@ -345,6 +368,7 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
     if (!joints.set(joint, log)) reader.failed_elsewhere();
   world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
   const bool lens = read_lens(text, reader, view.camera);
+  if (text.fov) reader.check_angle("fov", *text.fov);
   if (!reader.ok()) {
     read_output(text, view, log);  // every problem is reported at once
     return failed;

@@ -57,10 +57,10 @@ void show(const View& view, const world::World& world, world::World& shown);
 
 struct PoseText {
   std::string target;  // its name; empty: the only one
-  std::string value;   // "x y z w i j k"
+  std::string value;   // "x y z qw qx qy qz"
 };
 
-// Parses "NAME=x y z w i j k", or "x y z w i j k".
+// Parses "NAME=x y z qw qx qy qz", or "x y z qw qx qy qz".
 PoseText pose_text(std::string_view text);
 
 // View as typed; absent members are resolved by ViewMaker and draw_options().
@@ -74,16 +74,18 @@ struct ViewText {
   std::optional<std::string> camera_frame;    // "TARGET/FRAME", or "FRAME" of only one target
   std::optional<std::string> sun;             // "x y z", towards the Sun
   std::optional<std::string> sun_distance;    // AU
-  std::optional<std::string> sun_irradiance;  // "E" or "Er,Eg,Eb"
+  std::optional<std::string> sun_irradiance;  // "E" or "Er Eg Eb"
   std::optional<std::string> fov;             // angle; bare: degrees
   std::optional<std::string> ifov;            // angle; bare: degrees
-  std::optional<std::string> intrinsics;      // "fx,fy,cx,cy" pixels
+  std::optional<std::string> intrinsics;      // "fx fy cx cy" pixels
   std::optional<std::string> ortho;           // metres
   std::optional<std::string> size;            // "WxH"
   std::optional<std::string> ev;              // stops, or "auto"
   std::optional<std::string> tone;            // "linear" or "photo"
   std::optional<std::string> output;
   std::vector<std::string> more_outputs;
+  std::optional<std::string> layers;    // names of layers of .exr and .npz
+  std::optional<std::string> compress;  // flag
 
   // replacements for the models of the run
   std::vector<std::string> targets;  // "FILE" or "NAME=FILE"; empty: those of the run

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "schemas/generated/views_schema.h"
+#include "workspace/absent_options.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/json_text.h"
 #include "workspace/views.h"
@@ -23,6 +24,8 @@ using schemas::ViewOption;
 constexpr std::uint64_t kMaxViewsBytes = 256ull << 20;
 constexpr std::size_t kMaxViews = 1'000'000;
 constexpr std::size_t kMostOutputs = 16;
+constexpr const char* kExample =
+    "write a list of views, as [{\"camera\": [0, -5, 1], \"output\": \"a.png\"}] (docs/views.md)";
 
 using Field = std::optional<std::string> ViewText::*;
 
@@ -35,6 +38,10 @@ Field field_of(ViewOption option) {
       return &ViewText::ev;
     case ViewOption::tone:
       return &ViewText::tone;
+    case ViewOption::layers:
+      return &ViewText::layers;
+    case ViewOption::compress:
+      return &ViewText::compress;
     case ViewOption::camera:
       return &ViewText::camera;
     case ViewOption::look_at:
@@ -135,12 +142,13 @@ std::optional<std::string> as_typed(const json& value, unsigned forms, const cha
   if (value.is_boolean() && (forms & schemas::kViewFlag) != 0)
     return value.get<bool>() ? "true" : "false";
   if (value.is_number() && (forms & schemas::kViewNumber) != 0) return number_text(value);
-  if (!value.is_array() || value.empty() || (forms & schemas::kViewNumbers) == 0)
-    return std::nullopt;
+  if (!value.is_array() || value.empty()) return std::nullopt;
   std::string out;
   for (const json& item : value) {
-    if (!item.is_number()) return std::nullopt;
-    out += (out.empty() ? "" : between) + number_text(item);
+    const bool number = item.is_number() && (forms & schemas::kViewNumbers) != 0;
+    const bool text = item.is_string() && (forms & schemas::kViewTexts) != 0;
+    if (!number && !text) return std::nullopt;
+    out += (out.empty() ? "" : between) + (number ? number_text(item) : item.get<std::string>());
   }
   return out;
 }
@@ -214,9 +222,12 @@ class OneViewReader {
   void unknown(const std::string& key, const std::string& member) {
     std::vector<std::string_view> names;
     for (const ViewMember& each : schemas::kViewMembers) names.push_back(each.name);
+    const std::string_view instead = instead_of(member);
     const auto near = nearest_name(member, names);
     fail(fmt::format("unknown option {}", in_quotes(key)),
-         near ? fmt::format("did you mean '{}'?", *near) : std::string());
+         !instead.empty() ? std::string(instead)
+         : near           ? fmt::format("did you mean '{}'?", *near)
+                          : std::string());
   }
 
   void read_member(ViewOption option, const std::string& key, const json& value) {
@@ -377,7 +388,7 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
   };
   JsonProblem problem;
   const auto parsed = parse_json(text, problem);
-  if (!parsed) return fail(problem.message, problem.hint);
+  if (!parsed) return fail(problem.message, problem.other_format ? kExample : problem.hint);
   const json& list = parsed->value;
   if (!list.is_array() || list.empty())
     return fail(fmt::format("expected a list of at least one view, each an object, found {}",

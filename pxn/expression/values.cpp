@@ -113,7 +113,10 @@ std::optional<double> Values::real(std::uint32_t element, std::size_t attribute)
   if (given == nullptr) return std::nullopt;
   const Text text = text_of(*given);
   double out = 0;
-  if (!read_real(element, text, trimmed(text), known.value, 0, out)) return std::nullopt;
+  if (has_commas(element, text, known.value) ||
+      !read_real(element, text, trimmed(text), known.value, 0, out))
+    return std::nullopt;
+  check_radians(element, text, known.value);
   return out;
 }
 
@@ -127,7 +130,8 @@ bool Values::numbers(std::uint32_t element, std::size_t attribute, std::span<dou
   const xml::Attribute* given = find_attribute(doc_, element, known.name);
   if (given == nullptr) return false;
   const Text text = text_of(*given);
-  if (read_plain(text.text, known.value, out)) return true;
+  if (read_plain(text.text, known.value, out))
+    return check_radians(element, text, known.value), true;
   std::size_t count = 0;
   const bool ok = read_all(element, text, known.value, out, count);
   if (count == out.size()) return ok;
@@ -186,6 +190,7 @@ bool Values::quantities(std::uint32_t element, std::size_t attribute,
   value.count = static_cast<std::uint32_t>(dimensions.size());
   const Text text = text_of(*given);
   out.clear();
+  if (has_commas(element, text, value)) return false;
   std::size_t at = 0;
   Token token;
   bool ok = true;

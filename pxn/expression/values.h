@@ -30,7 +30,8 @@ namespace panwright::pxn {
 // Expects: elements have passed the grammar check, and their entry in the tables has the requested
 // value. Attributes are named by their index in the tables (schemas::attribute).
 //
-// Reports, in all functions: E1201 to E1203, E1211; with level 1 E1212, E1213, E1221 to E1224.
+// Reports, in all functions: E1201 to E1203, E1211, W1214; with level 1 E1212, E1213, E1221 to
+// E1224.
 class Values {
  public:
   Values(const xml::Document& document, const schemas::Language& language, Reporter& reporter)
@@ -144,6 +145,8 @@ class Values {
                        std::vector<double>& out) const;
   const char* read_plain_number(const char* at, const char* end, const Bare& bare,
                                 const schemas::Number& limits, double& out) const;
+  bool has_commas(std::uint32_t element, const Text& text, const schemas::Value& value);
+  void check_radians(std::uint32_t element, const Text& text, const schemas::Value& value);
   bool read_all(std::uint32_t element, const Text& text, const schemas::Value& value,
                 std::span<double> out, std::size_t& count);
 
@@ -172,6 +175,7 @@ class Values {
                  std::size_t count);
   void bad_tuples(std::uint32_t element, const schemas::Value& value, std::size_t count);
   std::string subject(std::uint32_t element, const schemas::Value& value, std::size_t index) const;
+  std::string subject(std::uint32_t element, const schemas::Value& value) const;
 
   const xml::Document& doc_;
   const schemas::Language& language_;

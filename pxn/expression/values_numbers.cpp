@@ -131,11 +131,14 @@ bool Values::read_plain_list(std::string_view text, const schemas::Value& value,
 
 bool Values::read_all(std::uint32_t element, const Text& text, const schemas::Value& value,
                       std::span<double> out, std::size_t& count) {
+  count = 0;
+  if (has_commas(element, text, value)) return false;
   std::size_t at = 0;
   Token token;
   bool ok = true;
   for (count = 0; next_token(text, at, token); ++count)
     if (count < out.size()) ok = read_real(element, text, token, value, count, out[count]) && ok;
+  check_radians(element, text, value);
   return ok;
 }
 
@@ -143,7 +146,7 @@ bool Values::numbers(std::uint32_t element, std::span<double> out) {
   const schemas::Value& value = schema(element).text;
   assert(value.kind == schemas::ValueKind::real && value.count == out.size());
   const Text text = text_of(element);
-  if (read_plain(text.text, value, out)) return true;
+  if (read_plain(text.text, value, out)) return check_radians(element, text, value), true;
   std::size_t count = 0;
   const bool ok = read_all(element, text, value, out, count);
   if (count == out.size()) return ok;
@@ -163,6 +166,7 @@ bool Values::list(std::uint32_t element, std::vector<double>& out) {
   out.clear();
   if (!read_plain_list(text.text, value, out)) {
     out.clear();
+    if (has_commas(element, text, value)) return false;
     std::size_t at = 0;
     Token token;
     bool ok = true;
@@ -183,6 +187,7 @@ bool Values::integers(std::uint32_t element, std::vector<std::uint32_t>& out) {
   assert(value.kind == schemas::ValueKind::integer && value.count == 0);
   out.clear();
   const Text text = text_of(element);
+  if (has_commas(element, text, value)) return false;
   std::size_t at = 0;
   Token token;
   bool ok = true;

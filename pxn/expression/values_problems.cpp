@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/angle_text.h"
+#include "base/math.h"
 #include "base/text.h"
 #include "pxn/expression/internal/number_rules.h"
 #include "pxn/expression/values.h"
@@ -89,9 +91,60 @@ std::string Values::number_hint(const Token& token) const {
     if (rest.find_first_of("*/^(") != std::string_view::npos)
       return "expressions go in braces: {…}";
   }
-  if (token.text.find(',') != std::string_view::npos)
-    return "numbers have a decimal point and are separated by blanks";
   return {};
+}
+
+// "size of <box>", "<diffuse>"
+std::string Values::subject(std::uint32_t element, const schemas::Value& value) const {
+  for (const schemas::Attribute& attribute : schema(element).attributes)
+    if (&attribute.value == &value)
+      return fmt::format("{} of <{}>", attribute.name, schema(element).name);
+  return fmt::format("<{}>", schema(element).name);
+}
+
+// Commas between numbers, or in place of their points: one problem, however many there are.
+bool Values::has_commas(std::uint32_t element, const Text& text, const schemas::Value& value) {
+  Token token, first;
+  std::size_t tokens = 0, commas = 0, ends = 0;
+  for (std::size_t at = 0; next_token(text, at, token); ++tokens) {
+    const bool number = token.text.find_first_not_of("+-.,0123456789") != 0;
+    if (!number || is_expression(token.text) || token.text.find('(') != std::string_view::npos)
+      continue;
+    const auto inside = std::ranges::count(token.text, ',');
+    if (inside == 0) continue;
+    commas += static_cast<std::size_t>(inside);
+    if (first.text.empty()) first = token;
+    ends += token.text.ends_with(',') || token.text.starts_with(',') ? 1 : 0;
+  }
+  if (first.text.empty()) return false;
+  reporter_.report(Code::E1201, place(text, first), doc_, element, [&]() -> Reporter::Text {
+    constexpr std::size_t kShown = 60;
+    // "0,5 1 2" has as many numbers as are needed
+    const bool points =
+        ends == 0 && (tokens == value.count || (value.one && tokens == 1 && commas == 1));
+    std::string plain;  // without doubled blanks
+    for (const char c : trimmed(text).text.substr(0, kShown)) {
+      const char better = c != ',' ? c : points ? '.' : ' ';
+      if (!(better == ' ' && plain.ends_with(' '))) plain += better;
+    }
+    return {fmt::format("commas in {}, expected {}", subject(element, value),
+                        points ? "decimal points" : "blanks between numbers"),
+            fmt::format("write {}{}", plain, trimmed(text).text.size() > kShown ? "…" : "")};
+  });
+  return true;
+}
+
+// Bare angles that are round as radians.
+void Values::check_radians(std::uint32_t element, const Text& text, const schemas::Value& value) {
+  if (value.dimension != Dimension::angle) return;
+  const Bare bare = bare_of(value);
+  const double factor = bare.unit != nullptr ? bare.unit->factor : bare.factor;
+  if (std::fabs(factor - kDegree) > 1e-9) return;
+  Token token;
+  for (std::size_t at = 0; next_token(text, at, token);)
+    if (const auto warning = warning_of_radians(token.text))
+      reporter_.report(Code::W1214, place(text, token), doc_, element,
+                       [&] { return Reporter::Text(warning->message, warning->hint); });
 }
 
 void Values::bad_number(Code code, std::uint32_t element, const Text& text, const Token& token,

@@ -271,6 +271,26 @@ class Checker {
     return fmt::format("'{}' belongs in <{}>", name, join_tags(owners));
   }
 
+  // Elements of scene formats that a model does not hold.
+  static std::string elsewhere(std::string_view name) {
+    constexpr std::pair<std::string_view, std::string_view> kElsewhere[] = {
+        {"light", "--sun \"X Y Z\""},        {"lights", "--sun \"X Y Z\""},
+        {"sun", "--sun \"X Y Z\""},          {"directional_light", "--sun \"X Y Z\""},
+        {"camera", "--camera \"X Y Z\""},    {"view", "--camera \"X Y Z\""},
+        {"viewpoint", "--camera \"X Y Z\""}, {"sensor", "--camera \"X Y Z\""}};
+    std::string plain(name);
+    for (char& c : plain)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    for (const auto& [other, option] : kElsewhere)
+      if (plain == other)
+        return fmt::format(
+            "a file holds a model alone: `panwright render` takes {}{}", option,
+            option.starts_with("--camera")
+                ? ", and --camera-frame NAME places the camera in a <frame name=\"NAME\">"
+                : "");
+    return {};
+  }
+
   void unknown_child(std::uint32_t element, std::uint32_t child) {
     report(Code::E1101, doc_.name_span(child), child, [&]() -> Reporter::Text {
       const schemas::Element& schema = entry(element);
@@ -283,6 +303,7 @@ class Checker {
         message = fmt::format("unknown element '{1}' in <{0}>, expected {2}", schema.name, name,
                               join(here));
       std::string hint = belongs(name);
+      if (hint.empty()) hint = elsewhere(name);
       if (hint.empty()) {
         std::vector<std::string_view> anywhere;
         for (const schemas::Element& other : language_.elements) anywhere.push_back(other.name);

@@ -167,6 +167,11 @@ TEST(NearestName, AllowsOneErrorInThreeLetters) {
   EXPECT_EQ(nearest_name("wings/slew", joints), "right/slew");
   EXPECT_FALSE(nearest_name("hinge", joints)) << "two end like it";
   EXPECT_FALSE(nearest_name("boom/", joints));
+  const std::string_view presets[] = {"mli_gold_kapton", "mli_kapton_tape", "osr_silica"};
+  EXPECT_EQ(nearest_name("gold_kapton", presets), "mli_gold_kapton");
+  EXPECT_EQ(nearest_name("tape_kapton", presets), "mli_kapton_tape");
+  EXPECT_FALSE(nearest_name("kapton", presets)) << "two have the word";
+  EXPECT_FALSE(nearest_name("gold_paint", presets)) << "none has both";
 }
 
 }  // namespace

@@ -70,6 +70,22 @@ TEST_F(File, NamesTheReasonWhenItCannotOpen) {
   EXPECT_EQ(log.errors(), 4u);
 }
 
+TEST_F(File, NamesTheNearestOfAFolderForOneThatIsMissing) {
+  ASSERT_TRUE(write_file(folder / "probe.pxn", as_bytes("x"), log));
+  const auto hint = [&](const std::filesystem::path& path) {
+    DiagnosticLog apart;
+    EXPECT_FALSE(require_file(path, apart));
+    EXPECT_EQ(apart.entries().at(0).code, Code::E0101);
+    return apart.entries()[0].hint;
+  };
+  EXPECT_EQ(hint(folder / "prob.pxn"), "did you mean '" + (folder / "probe.pxn").string() + "'?");
+  EXPECT_EQ(hint(folder / "none/a.pxn"), "there is no folder '" + (folder / "none").string() + "'");
+  EXPECT_EQ(hint(folder / "xyz"), "");
+  EXPECT_TRUE(require_file(folder / "probe.pxn", log));
+  EXPECT_FALSE(read_file(folder / "prob.pxn", 10, log));
+  EXPECT_NE(log.entries().back().hint, "");
+}
+
 TEST_F(File, MapsBytesAndTheEmptyFile) {
   ASSERT_TRUE(write_file(folder / "f", as_bytes("pan"), log));
   ASSERT_TRUE(write_file(folder / "empty", {}, log));

@@ -118,6 +118,11 @@ TEST(Material, EnergyOfColors) {
   f.diffuse = Vec3(0.2, 1.5, 0.2);
   EXPECT_EQ(settle(f).codes, Codes{Code::W1402});
   EXPECT_THAT(settle(f).messages, HasSubstr("1.5 in green"));
+  EXPECT_THAT(settle(f).messages, testing::Not(HasSubstr("8-bit")));
+  // IEC 61966-2-1 by a pocket calculator: ((128/255 + 0.055)/1.055)^2.4 = 0.2159
+  f.diffuse = Vec3(255, 128, 0);
+  EXPECT_THAT(settle(f).messages, HasSubstr("the 8-bit codes 255 128 0 of diffuse are 1 0.216 0"));
+  f.diffuse = Vec3(0.2, 1.5, 0.2);
   f.reflect = Vec3(0.5, 0, 0);
   EXPECT_EQ(settle(f).codes, Codes{});
 }

@@ -111,9 +111,7 @@ TEST(Diagnostics, PlacesAndWords) {
       {"E1201-nan",
        "3:31 E1201 'nan' is not a number, expected -1e+30 to 1e+30 for y of <translation>\n"},
       {"E1201-comma",
-       "3:29 E1201 '0,5' is not a number, expected -1e+30 to 1e+30 for x of <translation> (numbers "
-       "have a "
-       "decimal point and are separated by blanks)\n"},
+       "3:29 E1201 commas in <translation>, expected decimal points (write 0.5 1 0)\n"},
       {"E1201-fraction",
        "3:18 E1201 '4.0' is not a whole number, expected 2 to 100000 for rings of <sphere> (it has "
        "no "

@@ -24,8 +24,9 @@ struct JsonText {
 };
 
 struct JsonProblem {
-  std::string message;  // "invalid JSON at line 2, column 7: unexpected '}'"
-  std::string hint;     // may be empty
+  std::string message;        // "invalid JSON at line 2, column 7: unexpected '}'"
+  std::string hint;           // may be empty
+  bool other_format = false;  // the text begins like no JSON object or list
 };
 
 // Parses a text. Values may be nested 16 deep.

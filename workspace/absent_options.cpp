@@ -1,0 +1,64 @@
+#include "workspace/absent_options.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+
+namespace panwright::workspace {
+
+namespace {
+
+struct Absent {
+  std::initializer_list<std::string_view> names;
+  std::string_view instead;
+};
+
+constexpr std::string_view kSensor =
+    "images are radiance without noise: apply the detector to the .npz (docs/limits.md)";
+constexpr std::string_view kSky =
+    "the background is black, with coverage 0: put stars and the Earth behind the .npz "
+    "(docs/limits.md)";
+constexpr std::string_view kLayers =
+    ".npz and .exr hold depth, range, normals and ids; meta.json names the ids and has the "
+    "keypoints in pixels (docs/image-files.md)";
+
+const Absent kAbsent[] = {
+    {{"noise", "read-noise", "shot-noise", "dark-current", "gain", "full-well", "iso",
+      "quantum-efficiency", "detector", "sensor", "bit-depth"},
+     kSensor},
+    {{"stars", "star-catalog", "star-catalogue", "background", "sky", "skybox", "earth", "moon",
+      "planet", "environment", "hdri", "atmosphere"},
+     kSky},
+    {{"exposure", "exposure-time", "gamma", "brightness", "tone-mapping"},
+     "--ev STOPS, or --ev auto, sets the exposure of a PNG, --tone photo its curve; the other "
+     "formats "
+     "hold radiance"},
+    {{"labels", "label", "mask", "masks", "segmentation", "annotations", "boxes", "bbox",
+      "keypoints", "depth", "normals", "ids", "ground-truth"},
+     kLayers},
+    {{"distortion", "distort", "lens", "k1", "k2", "vignetting", "aperture", "dof", "motion-blur"},
+     "the camera is a pinhole: --intrinsics, --fov or --ifov set it, --psf blurs it; distort its "
+     "image afterwards (docs/limits.md)"},
+    {{"light", "lights", "lamp", "ambient"},
+     "the Sun is the only light: --sun \"X Y Z\", --sun-distance, --sun-irradiance"},
+    {{"resolution", "width", "height", "res"}, "--size WxH sets the pixels"},
+    {{"position", "eye", "location"}, "--camera \"X Y Z\" places the camera"},
+    {{"attitude", "quaternion", "orientation", "rotation"},
+     "--quat \"QW QX QY QZ\" turns the camera, --pose a target"},
+    {{"focal-length", "focal"}, "--intrinsics \"FX FY CX CY\", --fov or --ifov sets the lens"},
+    {{"time", "date", "epoch", "orbit", "tle", "trajectory"},
+     "there is no ephemeris: --views takes the camera, poses and Sun of each image "
+     "(docs/views.md)"},
+};
+
+}  // namespace
+
+std::string_view instead_of(std::string_view name) {
+  std::string plain(name);
+  std::ranges::replace(plain, '_', '-');
+  for (const Absent& absent : kAbsent)
+    if (std::ranges::find(absent.names, plain) != absent.names.end()) return absent.instead;
+  return {};
+}
+
+}  // namespace panwright::workspace
