@@ -79,6 +79,9 @@ class Screen {
     io.IniFilename = nullptr;
     io.ConfigInputTextCursorBlink = !scripted;
     ImGui::StyleColorsDark();
+    // values stand over the grabs of their sliders, and stay legible
+    ImGui::GetStyle().Colors[ImGuiCol_SliderGrab] = {0.17f, 0.36f, 0.62f, 1};
+    ImGui::GetStyle().Colors[ImGuiCol_SliderGrabActive] = {0.22f, 0.45f, 0.75f, 1};
     ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale_));
     ImGui::GetStyle().WindowRounding = 0;
     ImGui::GetStyle().WindowBorderSize = 1;
