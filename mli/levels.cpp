@@ -199,10 +199,9 @@ class Maker {
       const double apart = apart_of(flat);
       geometry::Mesh mesh = with_apart(flat, apart);
       const std::vector<Vec3> below = upright(mesh);
-      TiltSpread reached;
-      done.tilts = Tilts(mesh, below).towards(finest_.spread, reached);
+      done.tilts = Tilts(mesh, below).towards_all(finest_.spread);
       done.tilts.apart = apart;
-      tilt(mesh.normals, below, done.tilts);
+      tilt(mesh.normals, below, std::vector<Vec3>(mesh.normals.size(), Vec3(1, 0, 0)), done.tilts);
       done.off = SlopeDensity::distance(finest_.wanted, finest_.density.of(mesh));
     }
     out_.statistics = measured(out_.heights, out_.columns, out_.spacing, job_);
@@ -424,7 +423,7 @@ void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease
   geometry::compute_normals(surface, crease_angle);
   std::vector<Vec3> below = normals_below(mesh, surface);
   if (tilts.apart > 0) set_apart(mesh, below, surface, lower, tilts.apart);
-  tilt(mesh.normals, below, tilts);
+  tilt(mesh.normals, below, along_sheet(mesh, surface, lower), tilts);
 }
 
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,

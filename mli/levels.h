@@ -15,6 +15,10 @@ namespace panwright::mli {
 // their order.
 struct TiltMap {
   double factor = 1, power = 0, scale = 1;
+  // Then a slope along and up the sheet becomes (along·s, up·s): cells are cut along one diagonal,
+  // and slopes between vertices differ less along it than across it.
+  Vec2 along{1, 0}, up{0, 1};
+  bool leans() const { return along != Vec2(1, 0) || up != Vec2(0, 1); }
   // Above 0: each vertex has two normals, for the triangles below and above the diagonals of their
   // cells. They deviate from the vertex's own by this factor times the mean facets of either kind
   // around it. A pixel of a cell's width covers two facets here, a dozen on the finest sheet; these
@@ -42,7 +46,7 @@ struct Level {
 struct Similar {
   Sheet sheet;  // removed_slope_covariance is that of the filtering
   // Map of normals at vertices, which are farther apart than the slopes' correlation length. With
-  // it, variance and density about level of the normals between are the finest sheet's.
+  // it, covariance and density about level of the normals between are the finest sheet's.
   TiltMap tilts;
   double off = 0;  // of the density of the slopes, for narrow lobes; 0.1: a tenth, in the mean
 };

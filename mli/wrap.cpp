@@ -132,7 +132,7 @@ void Wrapper::finish() {
                     std::fabs(reached.level / wanted.level - 1) / kMostSpreadOff,
                     std::fabs(reached.mirror / wanted.mirror - 1) / kMostMirror}) > 1)
         break;
-      tilt(level.mesh.normals, level.below, map);
+      tilt(level.mesh.normals, level.below, {}, map);
       last = level.mesh.triangles.size();
       const double error = std::max(top, highest(level));
       out.levels.push_back({std::move(level.mesh), std::move(level.covers),

@@ -34,6 +34,26 @@ double stretch(const TiltMap& map, double square) {
                         : map.factor * det::pow(1 + square / map.scale, -0.5 * map.power);
 }
 
+Vec2 leant(const TiltMap& map, const Vec2& slope) {
+  return {glm::dot(map.along, slope), glm::dot(map.up, slope)};
+}
+
+// Symmetric 2×2 matrices: the square root, the inverse, and a·b·a.
+Covariance root(const Covariance& a) {
+  const double s = std::sqrt(std::max(a.xx * a.yy - a.xy * a.xy, 0.0));
+  const double t = std::sqrt(a.xx + a.yy + 2 * s);
+  return {(a.xx + s) / t, a.xy / t, (a.yy + s) / t};
+}
+Covariance inverse(const Covariance& a) {
+  const double det = a.xx * a.yy - a.xy * a.xy;
+  return {a.yy / det, -a.xy / det, a.xx / det};
+}
+Covariance between(const Covariance& a, const Covariance& b) {
+  const Vec2 x(a.xx * b.xx + a.xy * b.xy, a.xx * b.xy + a.xy * b.yy);
+  const Vec2 y(a.xy * b.xx + a.yy * b.xy, a.xy * b.xy + a.yy * b.yy);
+  return {x.x * a.xx + x.y * a.xy, x.x * a.xy + x.y * a.yy, y.x * a.xy + y.y * a.yy};
+}
+
 }  // namespace
 
 Tilts::Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below) {
@@ -60,16 +80,19 @@ Tilts::Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below) {
 
 TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
   std::vector<Corner> at = corners_;
-  if (map.factor != 1 || map.power != 0)
+  if (map.factor != 1 || map.power != 0 || map.leans())
     for (Corner& corner : at) {
       if (corner.along == 0) continue;
       corner.slope *= stretch(map, glm::dot(corner.slope, corner.slope));
+      if (map.leans()) corner.slope = Vec3(leant(map, Vec2(corner.slope)), 0);
       corner.along = 1 / std::sqrt(1 + glm::dot(corner.slope, corner.slope));
     }
   double sum = 0, squares = 0, level = 0, mirror = 0;
+  Covariance slopes;
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
     const geometry::Triangle& t = triangles_[k];
     double square_here = 0, level_here = 0, mirror_here = 0;
+    Covariance slopes_here;
     for (const Vec3& place : places()) {
       Vec3 slope(0);
       double along = 0;
@@ -78,8 +101,12 @@ TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
         slope += place[i] * corner.along * corner.slope;
         along += place[i] * corner.along;
       }
-      const double square = glm::dot(slope, slope) / (along * along);
+      slope /= along;
+      const double square = glm::dot(slope, slope);
       square_here += square;
+      slopes_here.xx += slope.x * slope.x;
+      slopes_here.xy += slope.x * slope.y;
+      slopes_here.yy += slope.y * slope.y;
       if (!with_level || !(unit_ > 0)) continue;
       const double here = det::exp(-square / unit_), cube = here * here * here;
       level_here += here;
@@ -87,10 +114,17 @@ TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
     }
     sum += weights_[k];
     squares += weights_[k] * square_here / 16;
+    slopes.xx += weights_[k] * slopes_here.xx / 16;
+    slopes.xy += weights_[k] * slopes_here.xy / 16;
+    slopes.yy += weights_[k] * slopes_here.yy / 16;
     level += weights_[k] * level_here / 16;
     mirror += weights_[k] * mirror_here / 16;
   }
-  return sum > 0 ? TiltSpread{squares / sum, level / sum, mirror / sum} : TiltSpread{};
+  if (!(sum > 0)) return {};
+  return {squares / sum,
+          level / sum,
+          mirror / sum,
+          {slopes.xx / sum, slopes.xy / sum, slopes.yy / sum}};
 }
 
 double Tilts::factor_for(TiltMap map, double variance) const {
@@ -108,10 +142,36 @@ double Tilts::factor_for(TiltMap map, double variance) const {
 TiltMap Tilts::towards(const TiltSpread& wanted, TiltSpread& reached) const {
   reached = {};
   if (!(wanted.variance > 0) || !(unit_ > 0)) return {};
+  return shaped({}, wanted, reached);
+}
+
+TiltMap Tilts::towards_all(const TiltSpread& wanted) const {
+  TiltSpread reached;
+  TiltMap map = towards(wanted, reached);
+  const Covariance& goal = wanted.slopes;
+  // one of nearly one direction has no inverse to speak of
+  if (!(goal.xx * goal.yy - goal.xy * goal.xy > 1e-6 * wanted.variance * wanted.variance))
+    return map;
+  for (int step = 0; step < 2; ++step) {
+    const Covariance& got = reached.slopes;
+    if (!(got.xx * got.yy - got.xy * got.xy > 1e-6 * wanted.variance * wanted.variance)) break;
+    // of all matrices that make one of the other, the symmetric one
+    const Covariance half = root(got);
+    const Covariance lean = between(inverse(half), root(between(half, goal)));
+    TiltMap next;
+    next.along = lean.xx * map.along + lean.xy * map.up;
+    next.up = lean.xy * map.along + lean.yy * map.up;
+    map = next;
+    map = shaped(map, wanted, reached);
+  }
+  return map;
+}
+
+TiltMap Tilts::shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached) const {
   Tilts like = *this;
   like.unit_ = wanted.variance;
   double low = -0.6, high = 0.9;
-  TiltMap map{1, 0, wanted.variance};
+  map.scale = wanted.variance;
   for (int step = 0; step < 9; ++step) {
     map.power = 0.5 * (low + high);
     map.factor = like.factor_for(map, wanted.variance);
@@ -121,12 +181,23 @@ TiltMap Tilts::towards(const TiltSpread& wanted, TiltSpread& reached) const {
   return map;
 }
 
-void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap& map) {
+void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, std::span<const Vec3> along,
+          const TiltMap& map) {
   for (std::size_t v = 0; v < normals.size(); ++v) {
-    const double along = glm::dot(normals[v], below[v]);
-    if (!(along > kSteep)) continue;
-    const Vec3 slope = normals[v] / along - below[v];
-    normals[v] = glm::normalize(below[v] + stretch(map, glm::dot(slope, slope)) * slope);
+    const double height = glm::dot(normals[v], below[v]);
+    if (!(height > kSteep)) continue;
+    Vec3 slope = normals[v] / height - below[v];
+    slope *= stretch(map, glm::dot(slope, slope));
+    if (map.leans()) {
+      const Vec3 x = along[v] - below[v] * glm::dot(along[v], below[v]);
+      const double length = glm::length(x);
+      if (length > 0) {
+        const Vec3 u = x / length, w = glm::cross(below[v], u);
+        const Vec2 all = leant(map, Vec2(glm::dot(slope, u), glm::dot(slope, w)));
+        slope = all.x * u + all.y * w;
+      }
+    }
+    normals[v] = glm::normalize(below[v] + slope);
   }
 }
 
@@ -197,6 +268,19 @@ void set_apart(geometry::Mesh& mesh, std::vector<Vec3>& below, const geometry::M
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
     if (lower[k] == 0)
       for (std::uint32_t& v : mesh.triangles[k]) v = other[v];
+}
+
+std::vector<Vec3> along_sheet(const geometry::Mesh& mesh, const geometry::Mesh& surface,
+                              std::span<const char> lower) {
+  std::vector<Vec3> out(mesh.normals.size());
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const geometry::Triangle& t = surface.triangles[k];
+    // a, b, c below the diagonal of a cell, a, c, d above it
+    const Vec3 edge = lower[k] != 0 ? surface.positions[t[1]] - surface.positions[t[0]]
+                                    : surface.positions[t[1]] - surface.positions[t[2]];
+    for (const std::uint32_t v : mesh.triangles[k]) out[v] += edge;
+  }
+  return out;
 }
 
 Moments moments_of(const geometry::Mesh& mesh, const Vec2& side) {

@@ -15,6 +15,7 @@ struct TiltSpread {
   double variance = 0;  // both axes together
   double level = 0;     // mean of exp(−|slope|²/variance): the nearly level share
   double mirror = 0;    // mean of its ninth power: for narrow lobes
+  Covariance slopes;    // about 0, along x and y
 };
 
 // Slopes of a mesh's normals against those of the surface below, with their visible areas.
@@ -27,6 +28,8 @@ class Tilts {
   // Returns the map with the spread nearest to `wanted`, by two parameters for two targets. Slopes
   // between distant vertices are smaller, and more often near 0, than those at them.
   TiltMap towards(const TiltSpread& wanted, TiltSpread& reached) const;
+  // The same of a flat mesh, with the covariance as well.
+  TiltMap towards_all(const TiltSpread& wanted) const;
 
  private:
   struct Corner {
@@ -35,6 +38,7 @@ class Tilts {
   };
   TiltSpread spread(const TiltMap& map, bool with_level) const;
   double factor_for(TiltMap map, double variance) const;
+  TiltMap shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached) const;
 
   std::vector<Corner> corners_;  // per vertex
   std::vector<geometry::Triangle> triangles_;
@@ -43,7 +47,16 @@ class Tilts {
 };
 
 // Tilts normals in place.
-void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap& map);
+//
+//   along  directions along the sheet, of any length, one per vertex; not needed by a map that does
+//          not lean
+void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, std::span<const Vec3> along,
+          const TiltMap& map);
+
+// Returns directions along the sheet on the surface below, at the vertices of a mesh.
+//   surface, lower  as of set_apart()
+std::vector<Vec3> along_sheet(const geometry::Mesh& mesh, const geometry::Mesh& surface,
+                              std::span<const char> lower);
 
 // Returns for each triangle of a form's grid true if it lies below the diagonal of its cell. For a
 // mesh without normals, whose vertices are the grid's.

@@ -78,7 +78,9 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
                                         {direction(0.78), direction(-0.78)},
                                         {direction(0.78), direction(0.78)},
                                         {direction(0.5), direction(-0.2)}};
+  constexpr std::size_t kSides = 16;
   FarLight sums[3][4];  // finest, levels
+  double sides[3][kSides] = {};
   for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
     const Sheet sheet = noise(0.2, seed, 128);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -95,6 +97,11 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
         sums[k][way].lambert += light.lambert;
         sums[k][way].mirrored += light.mirrored;
       }
+      for (std::size_t side = 0; side < kSides; ++side) {
+        const double about = static_cast<double>(side) * 2 * kPi / kSides;
+        const Vec3 l = glm::normalize(Vec3(std::cos(about), std::sin(about), 2));
+        sides[k][side] += far_light(*mesh, l, Vec3(0, 0, 1)).mirrored;
+      }
     }
   }
   for (std::size_t k = 1; k < 3; ++k)
@@ -106,6 +113,11 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
       EXPECT_NEAR(sums[k][way].mirrored / sums[0][way].mirrored, 1, k == 1 ? 0.02 : 0.05)
           << k << " " << way;
     }
+  // Cells are cut along one diagonal, which nothing of the finest sheet follows: half vectors that
+  // lean towards 16 sides. Measured 0.017 and 0.057.
+  for (std::size_t k = 1; k < 3; ++k)
+    for (std::size_t side = 0; side < kSides; ++side)
+      EXPECT_NEAR(sides[k][side] / sides[0][side], 1, k == 1 ? 0.03 : 0.08) << k << " " << side;
 }
 
 // Where the finest is level, and in the mean: heights of a plane stay, whatever is enlarged.
