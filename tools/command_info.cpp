@@ -278,18 +278,24 @@ void print_backs(const pan::Model& model) {
 }
 
 // "levels    mesh1: 57600 triangles, 14400 within 2.5 mm from 0.01 m, … a pixel": one line for each
-// mesh.
-void print_levels(const pan::Model& model) {
+// mesh, where it is placed largest.
+void print_levels(const pan::Model& model, const std::vector<Mat4>& world) {
+  std::map<std::uint32_t, double> stretches;  // by mesh
+  for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
+    double& largest = stretches[model.instances()[i].mesh];
+    largest = std::max(largest, stretch_of(world[model.instances()[i].node]).largest);
+  }
   std::set<std::uint32_t> known;
   for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
     const auto levels = model.levels(i);
     const std::uint32_t mesh = model.instances()[i].mesh;
     if (levels.empty() || !known.insert(mesh).second) continue;
+    const double stretch = stretches[mesh];
     std::string words;
     for (const pan::layout::Level& level : levels)
       words +=
           fmt::format(", {} within {} from {:.4g} m", model.meshes()[level.mesh].triangle_count,
-                      length_words(level.error), level.detail);
+                      length_words(stretch * level.error), stretch * level.detail);
     print("levels    {}: {}{} a pixel\n", model.mesh_name(mesh),
           counted(model.meshes()[mesh].triangle_count, "triangle"), words);
   }
@@ -310,7 +316,7 @@ void print_ground_truth(const pan::Model& model, const std::vector<Mat4>& world)
     print("foil      {}, {}: {:.4g} x {:.4g} m, seed {}, height {:.3g} m RMS, slope {:.3g} RMS\n",
           model.mesh_name(sheet.mesh), form_word(sheet), sheet.width, sheet.height, sheet.seed,
           sheet.height_rms, sheet.slope_rms);
-  print_levels(model);
+  print_levels(model, world);
   for (std::size_t i = 0; i < model.decals().size(); ++i) {
     const auto& decal = model.decals()[i];
     print("decal     {}{}: {:.4g} x {:.4g} m on {}\n",

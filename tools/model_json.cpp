@@ -186,13 +186,15 @@ Json ground_truth_json(const pan::Model& model, const std::vector<Mat4>& world) 
                              {"slope_rms", sheet.slope_rms},
                              {"correlation_length", sheet.correlation_length}});
   out["levels"] = Json::array();
-  for (const pan::layout::Level& level : model.levels())
+  for (const pan::layout::Level& level : model.levels()) {
+    const double stretch = stretch_of(world[model.instances()[level.instance].node]).largest;
     out["levels"].push_back({{"instance", level.instance},
                              {"mesh", level.mesh},
                              {"material", level.material},
-                             {"detail", level.detail},
-                             {"error", level.error},
+                             {"detail", stretch * level.detail},
+                             {"error", stretch * level.error},
                              {"triangles", model.meshes()[level.mesh].triangle_count}});
+  }
   out["decals"] = Json::array();
   for (std::size_t i = 0; i < model.decals().size(); ++i) {
     const auto& decal = model.decals()[i];

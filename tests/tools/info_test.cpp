@@ -156,6 +156,17 @@ TEST_F(Info, ShowsTheHeaviestMeshes) {
   EXPECT_EQ(object(contents)["meshes"].size(), 7u);
 }
 
+TEST_F(Info, LevelsAreInMetresAsPlaced) {
+  pan::Contents contents = support::small_contents();
+  contents.decals.clear();
+  contents.levels = {{0.25, 0.003, 0, 1, 1, 0}};
+  // its node is scaled by 2 2 -2
+  EXPECT_THAT(text(contents), HasSubstr("within 6 mm from 0.5 m a pixel\n"));
+  const json read = object(contents);
+  EXPECT_NEAR(read["levels"][0]["error"].get<double>(), 0.006, 1e-9);
+  EXPECT_EQ(read["levels"][0]["detail"], 0.5);
+}
+
 TEST_F(Info, CountsAndListsKeypointsAndDecals) {
   pan::Contents contents = support::small_contents();
   contents.materials[1].maps.albedo = contents.materials[1].maps.cutout = 0;
