@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "preview/frame/outline.h"
 #include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
@@ -17,6 +18,9 @@ namespace {
 
 // the largest side of an image, as the largest framebuffers of common contexts
 constexpr std::uint32_t kMaxSide = 16384;
+
+// N of N×N samples, at most
+constexpr unsigned kMostSamplesASide = 64;
 
 // items are told apart by floats, which count exactly to 2^24
 constexpr std::uint64_t kMostItems = (1u << 24) - 1;
@@ -30,8 +34,8 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples <= 64 && options.tile_side >= options.samples && options.flux_error > 0 &&
-         options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
+         options.samples <= kMostSamplesASide && options.tile_side >= options.samples &&
+         options.flux_error > 0 && options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
          is_shadow_side(options.shadow_side.value_or(0));
@@ -197,6 +201,7 @@ void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& option
   sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
   sun_disc.limb_darkening = sun.limb_darkening;
   sun_disc.always = options.shadows == Shadows::soft;
+  sun_disc.most = options.sun_points;
   sun_disc.points = sun_disc.always
                         ? options.sun_points
                         : std::min(options.sun_points, sun_points_for(options.pixel_error));
@@ -289,6 +294,12 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   frame.flat = options.flat;
   const VisibleSet* rest =
       imposters.empty() ? visible : look(world, camera, levels, drawn_sets, log);
+  frame.thin.clear();
+  const unsigned finest = options.samples > 0 ? options.samples : kMostSamplesASide;
+  if (rest)
+    for (const VisibleTarget& target : rest->targets)
+      if (Outline(camera, target.boxes).width() * finest < 1)
+        frame.thin.push_back(world[target.target].name());
   if (rest && submit_radiance({world, camera, states, *rest}, options, index, log) &&
       (!options.ground_truth ||
        submit_truth({world, camera, states, *visible}, options, index, log))) {
@@ -334,6 +345,12 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   }
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, frame.why_empty);
+  else
+    for (const std::string& name : frame.thin)
+      log.report_file(Code::W5006, {},
+                      fmt::format("'{}' is thinner than the sample spacing (--samples) and may be "
+                                  "missing; --imposters always shows it",
+                                  name));
   return image;
 }
 

@@ -113,8 +113,8 @@ struct RenderOptions {
 // shadow map is redrawn only if it would change.
 //
 // A pixel (docs/conventions.md) is the mean over its square of the radiance towards the camera,
-// under one directional Sun. A point is lit if its shading normal faces the Sun and no target
-// stands in between.
+// under one directional Sun. A point is lit if its shading normal faces a part of the Sun's disc
+// and no target stands in between.
 //
 // Edges of shadows are hard, or the mean of those of several points of the Sun's disc (Shadows).
 // They are right to a texel of the shadow map, which spans the lit target in light space. If its
@@ -141,11 +141,11 @@ class Renderer {
   //
   // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations;
   // no view under way.
-  // Reports: W5006 when every pixel stays empty, W5012 when a shadow map is too coarse for the
-  // image. Fails: E5001 when the context is lost or cannot be made current; E0001, between tiles;
-  // E5003 when the image, a model or the shadows do not fit. After E0001 and E5003 the renderer and
-  // earlier contents of the device stay usable. Cost: about one draw of the visible set per tile of
-  // tile_side² samples.
+  // Reports: W5006 when every pixel stays empty or samples may miss a thin target, W5012 when a
+  // shadow map is too coarse for the image. Fails: E5001 when the context is lost or cannot be made
+  // current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit. After
+  // E0001 and E5003 the renderer and earlier contents of the device stay usable. Cost: about one
+  // draw of the visible set per tile of tile_side² samples.
   Result<Image> render(const world::World& world, const world::Camera& camera,
                        const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
 

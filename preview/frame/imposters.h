@@ -46,6 +46,8 @@ struct Imposter {
   bool alone = true;
   // True if it is kept only when its pixels meet the requested error (pixel_error_of()).
   bool tried = false;
+  // True if shadow maps are finer than its texels ask for: relief changes much of its flux.
+  bool fine_shadows = false;
 
   // set by place_imposter()
   world::Camera camera;  // its pixels are texels

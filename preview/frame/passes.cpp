@@ -27,8 +27,10 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 }
 
 // what the fragments of a tile share
+//
+//   errors  ViewBlock::irradiance
 ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
-                     unsigned samples, bool predicting) {
+                     unsigned samples, float errors) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 view_ray = axes[2];
   Vec3 right(0);
@@ -47,7 +49,7 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   copy_floats(glm::normalize(sun.direction), block.to_sun);
   block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
   copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
-  block.irradiance[3] = predicting ? 1.0f : 0.0f;
+  block.irradiance[3] = errors;
   return block;
 }
 
@@ -190,8 +192,8 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
                     bool predicting) {
   // texels of imposters are samples of their pixels
   const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
-  const ViewBlock shared =
-      view_block(scene.camera, scene.world.sun(), tile.tile, samples, predicting);
+  const float errors = predicting ? 1.0f : scene.texels > 0 ? -1.0f : 0.0f;
+  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples, errors);
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct Renderer::Impl {
     std::size_t tiles = 0;  // submitted and not collected
     SamplingReport report;
     const char* why_empty = nullptr;  // of W5006
+    std::vector<std::string> thin;    // names of targets that samples may miss
     // If levels of detail fade: the weight of `image`, and the weighted sum of the others.
     double weight = 1;
     std::vector<float> other_radiance, other_coverage;
@@ -81,6 +83,9 @@ struct Renderer::Impl {
   bool draw_imposters(const world::World& world, const world::Camera& camera,
                       const RenderOptions& options, const LevelState& levels,
                       std::span<Imposter> imposters, std::size_t frame, DiagnosticLog& log);
+  bool draw_to_error(const world::World& world, const world::Camera& camera, RenderOptions& options,
+                     const LevelState& levels, Imposter& imposter, std::uint32_t most_side,
+                     std::size_t frame, double& flux_error, DiagnosticLog& log);
   bool draw_texels(const world::World& world, const RenderOptions& options,
                    const LevelState& levels, const Imposter& imposter, std::size_t frame,
                    DiagnosticLog& log);
@@ -132,6 +137,7 @@ struct Renderer::Impl {
   std::vector<float> sum_radiance, sum_coverage;  // of partial images
   VisibleSetFinder visible_sets;
   ImposterFinder imposter_finder;
+  double relief = 0;                 // of the last draw_texels(): of shadows, relative to the flux
   Image other_texels;                // of targets without imposters
   VisibleSetFinder drawn_sets;       // of partial draws, without some targets
   std::vector<std::uint8_t> hidden;  // of the world's targets: 1 to leave out

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "preview/frame/outline.h"
+
 namespace panwright::preview {
 namespace {
 
@@ -38,6 +40,11 @@ constexpr std::uint32_t kTinyPixels = 10;
 constexpr std::uint32_t kSmallPixels = 40;
 constexpr unsigned kTinySide = 64;
 constexpr unsigned kSmallSide = 16;
+// Targets thinner than so many pixels, which samples may miss: all pixels along them begin with so
+// many samples across their width.
+constexpr double kThinPixels = 1.5;
+constexpr double kAcrossThin = 16;
+constexpr double kBesideThin = 0.75;  // pixels, from a pixel's centre to their outline
 
 constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
 constexpr GLenum kColorFormats[] = {GL_RGBA32F};
@@ -174,6 +181,9 @@ bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
   // neighbours tell little of so few pixels
   if (std::max(frame.part.width, frame.part.height) <= kSmallPixels)
     std::fill(errors_.begin(), errors_.end(), INFINITY);
+  else
+    for_small_targets(
+        frame, [&](const Pixel& pixel, unsigned) { errors_[frame.index(pixel)] = INFINITY; });
   const double rest = kRest / samples;
   const double budget = rest * rest * sums_of(frame.image).squares;
   const unsigned sides[] = {1, samples};
@@ -249,23 +259,35 @@ bool Sampling::until_error(const Frame& frame) {
   return true;
 }
 
-// All pixels of targets so small that their neighbours tell little.
-void Sampling::want_small_targets(const Frame& frame, std::span<const unsigned> sides,
-                                  std::vector<std::vector<Pixel>>& wanted) {
+// Calls use(pixel, samples) for all pixels of targets so small that their neighbours tell little,
+// and of thin ones.
+template <class Use>
+void Sampling::for_small_targets(const Frame& frame, const Use& use) {
   for (const TileTarget& target :
        tile_scene(frame.scene, {0, 0, frame.image.width, frame.image.height}).targets) {
     const Tile& part = target.part;
     const std::uint32_t side = std::max(part.width, part.height);
-    if (side > kSmallPixels) continue;
-    const unsigned samples = side > kTinyPixels ? kSmallSide : kTinySide;
+    const bool small = side <= kSmallPixels;
+    const Outline outline(frame.scene.camera, frame.scene.visible.targets[target.visible].boxes);
+    if (!small && !(outline.width() < kThinPixels)) continue;
+    const unsigned samples =
+        small ? (side > kTinyPixels ? kSmallSide : kTinySide)
+              : static_cast<unsigned>(std::clamp(kAcrossThin / outline.width(), 1.0, 64.0));
+    for (std::uint32_t y = part.y; y < part.y + part.height; ++y)
+      for (std::uint32_t x = part.x; x < part.x + part.width; ++x)
+        if (small || outline.distance(Vec2(x, y) + 0.5) < kBesideThin) use(Pixel{x, y}, samples);
+  }
+}
+
+// What for_small_targets() finds begins with more samples.
+void Sampling::want_small_targets(const Frame& frame, std::span<const unsigned> sides,
+                                  std::vector<std::vector<Pixel>>& wanted) {
+  for_small_targets(frame, [&](const Pixel& pixel, unsigned samples) {
     const auto level = static_cast<std::uint8_t>(
         std::lower_bound(sides.begin(), sides.end(), samples) - sides.begin());
-    for (std::uint32_t y = 0; y < part.height; ++y)
-      for (std::uint32_t x = 0; x < part.width; ++x) {
-        std::uint8_t& at = levels_[frame.index({part.x + x, part.y + y})];
-        at = std::max(at, level);
-      }
-  }
+    std::uint8_t& at = levels_[frame.index(pixel)];
+    at = std::max(at, level);
+  });
   for (std::size_t i = 0; i < levels_.size(); ++i)
     if (levels_[i] > 0) wanted[levels_[i]].push_back(frame.pixel(i));
 }

@@ -61,6 +61,8 @@ class Sampling {
   bool until_error(const Frame& frame);
   void estimate(const ImageSums& sums);
   void raise_around_surprises(const Frame& frame);
+  template <class Use>
+  void for_small_targets(const Frame& frame, const Use& use);
   void want_small_targets(const Frame& frame, std::span<const unsigned> sides,
                           std::vector<std::vector<Pixel>>& wanted);
   bool measure(const Frame& frame, std::span<const unsigned> sides,

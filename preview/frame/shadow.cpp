@@ -109,8 +109,10 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
   const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
   const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
   block.id[3] = own_shape && !flat ? 1 : 0;
-  // a chord is as deep below the smooth surface as others stand out of it
-  block.normal_offset[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
+  // A chord is as deep below the smooth surface as others stand out of it; slivers are placed and
+  // drawn into maps with errors of their own.
+  block.normal_offset[0] =
+      flat ? 0.0f : static_cast<float>(std::max(2.0 * mesh.error, item.rounding));
 }
 
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,

@@ -119,10 +119,11 @@ class ShadowMaps {
   };
   // Layout of a map.
   struct Layout {
-    LightSpace bare;      // fitted to the receivers
-    LightSpace whole;     // the same, or wider for several points of the Sun
-    unsigned points = 1;  // of the Sun's disc
-    double penumbra = 0;  // the widest possible, pixels
+    LightSpace bare;       // fitted to the receivers
+    LightSpace whole;      // the same, or wider for several points of the Sun
+    unsigned points = 1;   // of the Sun's disc
+    double penumbra = 0;   // the widest possible, pixels
+    bool eclipse = false;  // it is wider than the receivers
     ViewKey view;
     ShadowTiles tiles;  // for this view
     double texel = 0;   // the coarsest relative to its pixel, metres

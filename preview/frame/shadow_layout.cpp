@@ -37,8 +37,10 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
 constexpr unsigned kFewPoints = 8;  // of the Sun's disc
 
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
-// show the steps between them.
-unsigned points_for(double penumbra, const SunDisc& disc) {
+// show the steps between them. In an eclipse all of a target has the error of one place of a
+// penumbra.
+unsigned points_for(double penumbra, bool eclipse, const SunDisc& disc) {
+  if (eclipse) return std::max(disc.points, disc.most);
   return !disc.always && penumbra <= 2 ? std::max((disc.points + 1) / 2, 2u) : disc.points;
 }
 
@@ -192,15 +194,21 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   Layout& layout = group.layout;
   const double pixel = nearest_pixel(camera, scene, group.receivers);
   layout.penumbra = 0;
-  if (disc_.points > 1)
+  layout.eclipse = false;
+  if (disc_.points > 1) {
+    const double width = 2 * disc_.tangent * throw_in(group, scene, layout.bare);
+    layout.eclipse = width > std::max(layout.bare.extent.x, layout.bare.extent.y);
     // no more of it shows than the image is wide
-    layout.penumbra = std::min(2 * disc_.tangent * throw_in(group, scene, layout.bare) / pixel,
-                               glm::length(Vec2(camera.width, camera.height)) / scene.pixel);
+    layout.penumbra =
+        std::min(width / pixel, glm::length(Vec2(camera.width, camera.height)) / scene.pixel);
+  }
   const bool soft = disc_.points > 1 && (disc_.always || layout.penumbra > kShownPenumbra);
   const bool was_soft = kept && kept->layout.points > 1;
-  // as much memory for many points as for few with finer texels
-  const bool many = soft && points_for(layout.penumbra, disc_) > kFewPoints;
-  const unsigned side = many ? soft_side : limits.side;
+  // as much memory for many points as for few with finer texels, and for those of an eclipse
+  const unsigned points =
+      std::min(points_for(layout.penumbra, layout.eclipse, disc_), scene.sun_points);
+  const unsigned many_side = points > disc_.points ? std::max(soft_side / 2, 16u) : soft_side;
+  const unsigned side = soft && points > kFewPoints ? many_side : limits.side;
   if (kept && kept->layout.view == view && soft == was_soft && layout.tiles.side == side) return;
   layout.points = soft ? 2 : 1;
   layout.whole = soft ? widened(layout.bare, disc_.tangent) : layout.bare;
@@ -254,7 +262,8 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
     if (layout.points > 1) {
       const auto room = static_cast<double>(most - std::min(most, hard_texels)) /
                         static_cast<double>(soft_texels);
-      const unsigned asked = points_for(layout.penumbra, disc_);
+      const unsigned asked =
+          std::min(points_for(layout.penumbra, layout.eclipse, disc_), scene.sun_points);
       layout.points = static_cast<unsigned>(std::clamp(std::floor(room), 2.0, 1.0 * asked));
       if (layout.points < missed.points) missed = {layout.points, asked};
       disc_points_ = disc_points_ > 1 ? std::min(disc_points_, layout.points) : layout.points;

@@ -18,13 +18,15 @@ constexpr double kLeastTexel = 0x1p-20;
 // the border that no receiver lies on, texels
 constexpr double kBorder = 2;
 
-// of a cell: a tile so deep that the Sun's disc reaches farther has penumbrae of hundreds of texels
-constexpr double kMostMargin = 0.25;
-
-// Depths are cut into so many steps, to which tiles are aligned: one of them stays free on each
-// side. A surface as steep as 128 texels a texel does not leave the tile from one to the next.
+// Depths are cut into so many steps: one of them at least stays free on each side. A surface as
+// steep as 128 texels a texel does not leave the tile from one to the next.
 constexpr double kDepthSteps = 16;
 constexpr double kLeastDepth = 2048;  // texels
+
+// The middle of a tile's depth lies near that of its receivers, so that rays to the Sun's disc move
+// these little (sun_shear()): within half a step of this size, of the depth of its receivers and of
+// kLeastDepth, whichever is larger.
+constexpr double kMiddleStep = 1.0 / 16;
 
 constexpr std::size_t kMostPieces = 1 << 15;
 
@@ -98,7 +100,7 @@ Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile) {
   const ShadowTile& one = tiles.tiles[tile];
   const Vec2 half = 0.5 * map_size(tiles);
   const Vec2 corner(one.x, one.y);
-  const double border = 1 + tiles.margin;
+  const double border = 1 + one.margin;
   return {(corner + border) / half - 1.0, (corner + (one.side - border)) / half - 1.0};
 }
 
@@ -123,18 +125,26 @@ double ShadowTileFinder::finest_of(const Fit& fit) {
   return stepped(std::max({deep * kLeastTexel, fit.across * kLeastTexel, 0x1p-900}));
 }
 
+// Border of a tile for rays to the Sun's disc from receivers of no depth, texels.
+double ShadowTileFinder::margin_of(unsigned side) const {
+  return std::min(sun_tangent_ * (0.5 * kMiddleStep * kLeastDepth), 0.25 * side);
+}
+
 // of a tile of so many texels, metres
 double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
   const Vec3 extent = fit.all.light.extent();
-  const double room = side - 2 * (kBorder + margin_) - side / 16;
-  return std::max(finest_of(fit), stepped(std::max({extent.x / room, extent.y / room, 0x1p-900})));
+  const double room = side - 2 * (kBorder + margin_of(side)) - side / 16;
+  const double moved = sun_tangent_ * (1 + 2 * kMiddleStep) * extent.z;
+  return std::max(finest_of(fit),
+                  stepped(std::max((std::max(extent.x, extent.y) + moved) / room, 0x1p-900)));
 }
 
-// The smallest tile whose texels are no wider than a pixel; of none, the largest.
+// The smallest tile of enough texels a pixel; of none, the largest.
 unsigned ShadowTileFinder::level_of(const Fit& fit) const {
-  const double pixel = pixel_of(fit.all.view.low.z);
+  const double pixel = pixel_of(fit.all.view.low.z) / finer_;
   for (unsigned level = kLevels; level > 0; --level)
-    if (side_ >> level >= kLeastSide + 3 * margin_ && texel_of(fit, side_ >> level) <= pixel)
+    if (side_ >> level >= kLeastSide + 3 * margin_of(side_) &&
+        texel_of(fit, side_ >> level) <= pixel)
       return level;
   return 0;
 }
@@ -275,7 +285,11 @@ std::size_t ShadowTileFinder::cells_of(std::span<const Cell> cells) const {
 }
 
 void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limits) {
-  set_tile_grid(tiles_, cells_of(cells), limits.cells_a_row);
+  // room that is left makes penumbrae sharper, to an eighth of a pixel
+  const std::size_t used = cells_of(cells);
+  finer_ = sun_tangent_ > 0 ? 8 : 1;
+  while (finer_ > 1 && cells_of(cells) > used) finer_ /= 2;
+  set_tile_grid(tiles_, used, limits.cells_a_row);
   double worst = 0;
   tiles_.depth = kLeastDepth;
   for (const Cell& cell : cells) {
@@ -284,12 +298,16 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
     ShadowTile tile;
     tile.side = side_ >> level_of(fit);
     tile.texel = texel_of(fit, tile.side);
+    const double range = fit.all.light.high.z - fit.all.light.low.z;
+    tile.margin = margin_of(tile.side) + sun_tangent_ * (0.5 + kMiddleStep) * range / tile.texel;
     const double step = tile.texel * (tile.side / 16);
     for (int axis = 0; axis < 2; ++axis)
-      tile.low[axis] = aligned(fit.all.light.low[axis] - (kBorder + margin_) * tile.texel, step);
-    tile.low.z = fit.all.light.low.z;
-    const double deep = std::max(
-        (fit.all.light.high.z - fit.all.light.low.z) * (kDepthSteps / (kDepthSteps - 3)), fit.deep);
+      tile.low[axis] =
+          aligned(fit.all.light.low[axis] - (kBorder + tile.margin) * tile.texel, step);
+    const double middle_step =
+        kMiddleStep * std::max(kLeastDepth * tile.texel, stepped(std::max(range, 0x1p-900)));
+    tile.low.z = aligned(fit.all.light.low.z + 0.5 * (range + middle_step), middle_step);
+    const double deep = std::max(range * (kDepthSteps / (kDepthSteps - 3)), fit.deep);
     while (tiles_.depth * tile.texel < deep) tiles_.depth *= 2;
     const double pixel = pixel_of(fit.all.view.low.z);
     if (tile.texel / pixel > worst) {
@@ -317,8 +335,7 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
       if (side_ >> k >= tile.side) level = k;
     }
     unit += kUnits >> 2 * level;
-    const double step = tile.texel * tiles_.depth / kDepthSteps;
-    tile.low.z = aligned(tile.low.z - step, step);
+    tile.low.z -= 0.5 * tile.texel * tiles_.depth;
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const ShadowTile& a, const ShadowTile& b) { return a.texel < b.texel; });
@@ -365,7 +382,8 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   frame_.light_from_camera[3] = Vec4(-(light_turn * Vec3(camera_from_model[3])), 1);
   side_ = limits.side;
   image_pixel_ = limits.pixel;
-  tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1, 0};
+  sun_tangent_ = limits.sun_tangent;
+  tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1};
   texel_ = std::max(whole.extent.x, whole.extent.y) / side_;
   pixel_ = INFINITY;
   finest_ = 0;
@@ -402,22 +420,6 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   }
   refine(view, texel_ / kMostPixelsATexel / pixel_of(1), items);
 
-  // rays to the edge of the disc leave a tile by as much as it is deep, which its tiles tell
-  const double slope = 0.5 * limits.sun_tangent;
-  const double most = side_ * kMostMargin;
-  const double texel = texel_;
-  margin_ = std::min(slope * kLeastDepth, most);
-  while (find_tiles(view, limits) && slope * tiles_.depth > margin_ && margin_ < most) {
-    margin_ = std::min(slope * tiles_.depth, most);
-    texel_ = texel;
-  }
-  tiles_.margin = margin_;
-  return tiles_;
-}
-
-// Finds tiles_ with margin_; false: none are needed.
-bool ShadowTileFinder::find_tiles(const ViewCell& view, const TileLimits& limits) {
-  tiles_.tiles.clear();
   cells_.clear();
   Cell& all = cells_.emplace_back();
   all.view = view;
@@ -425,13 +427,14 @@ bool ShadowTileFinder::find_tiles(const ViewCell& view, const TileLimits& limits
     all.parts.push_back({i, pieces_[i].shown});
     all.fit.add(pieces_[i].shown, pieces_[i]);
   }
-  if (all.parts.empty()) return false;
+  if (all.parts.empty()) return tiles_;
   pixel_ = pixel_of(all.fit.all.view.low.z);
-  if (texel_ <= kMostPixelsATexel * pixel_) return false;
+  if (texel_ <= kMostPixelsATexel * pixel_) return tiles_;
 
+  finer_ = 1;
   cut_up(limits);
   place(cells_, limits);
-  return true;
+  return tiles_;
 }
 
 }  // namespace panwright::preview

@@ -30,6 +30,7 @@ struct ShadowTile {
   unsigned x = 0;    // texels, in the map
   unsigned y = 0;
   unsigned side = 0;  // texels
+  double margin = 0;  // its border for rays to the Sun's disc, texels
   bool operator==(const ShadowTile&) const = default;
 };
 
@@ -41,7 +42,6 @@ struct ShadowTiles {
   unsigned side = 0;              // texels, of one cell
   unsigned columns = 1;           // cells
   unsigned rows = 1;
-  double margin = 0;  // border of each tile for rays to the Sun's disc, texels
   bool operator==(const ShadowTiles&) const = default;
 
   std::size_t cells() const { return std::size_t{columns} * rows; }
@@ -126,6 +126,7 @@ class ShadowTileFinder {
 
   double pixel_of(double depth) const;
   static double finest_of(const Fit& fit);
+  double margin_of(unsigned side) const;
   double texel_of(const Fit& fit, unsigned side) const;
   unsigned level_of(const Fit& fit) const;
   double coarseness(const Fit& fit) const {
@@ -140,12 +141,12 @@ class ShadowTileFinder {
               Fit& high_fit) const;
   std::size_t cells_of(std::span<const Cell> cells) const;
   void place(std::span<const Cell> cells, const TileLimits& limits);
-  bool find_tiles(const ViewCell& view, const TileLimits& limits);
 
   ViewFrame frame_;
   unsigned side_ = 0;
   double image_pixel_ = 1;
-  double margin_ = 0;  // texels
+  double sun_tangent_ = 0;
+  double finer_ = 1;  // texels a pixel of tiles, at least
   double texel_ = 0;
   double pixel_ = 0;
   double finest_ = 0;

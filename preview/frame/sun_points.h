@@ -13,6 +13,7 @@ struct SunDisc {
   double tangent = 0;         // of its angular radius; 0: a point
   double limb_darkening = 0;  // u of I = 1 − u·(1 − μ), 0 to 1
   unsigned points = 1;        // upper bound of its point samples
+  unsigned most = 1;          // the same in an eclipse: the penumbra is wider than what it falls on
   bool always = false;        // even for penumbrae narrower than half a pixel
   bool operator==(const SunDisc&) const = default;
 };

@@ -67,7 +67,10 @@ void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node)
 class Shapes {
  public:
   explicit Shapes(const pan::Model& model)
-      : model_(model), smooth_(model.meshes().size()), lobes_(model.materials().size()) {}
+      : model_(model),
+        smooth_(model.meshes().size()),
+        roundings_(model.meshes().size()),
+        lobes_(model.materials().size()) {}
 
   // The squared slope of the narrowest lobe on a mesh whose normals turn; none: none is narrow.
   std::optional<double> curved_lobe(std::uint32_t mesh, std::uint32_t material) {
@@ -79,9 +82,16 @@ class Shapes {
     return *smooth ? *lobe : std::nullopt;
   }
 
+  double rounding(std::uint32_t mesh) {
+    auto& rounding = roundings_[mesh];
+    if (!rounding) rounding = interpolation_error(model_.mesh(mesh));
+    return *rounding;
+  }
+
  private:
   const pan::Model& model_;
   std::vector<std::optional<bool>> smooth_;
+  std::vector<std::optional<double>> roundings_;
   std::vector<std::optional<std::optional<double>>> lobes_;
 };
 
@@ -127,6 +137,7 @@ DrawItem item_of(const pan::Model& model, Shapes& shapes, std::uint32_t index,
   }
   item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
   item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
+  item.rounding = shapes.rounding(mesh_index);
   return item;
 }
 
@@ -230,6 +241,33 @@ std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& m
     place(item, model, at.model_from_nodes[node]);
   }
   return items;
+}
+
+double interpolation_error(const pan::MeshView& mesh) {
+  constexpr double kRounding = 0x1p-24;
+  constexpr double kRest = 0.01;
+  constexpr int kLeast = -64;  // exponents
+  std::array<double, 128> areas{};
+  double total = 0;
+  const auto position = [&](std::size_t index) {
+    const pan::layout::Float3& p = mesh.positions[mesh.indices[index]];
+    return Vec3(p.x, p.y, p.z);
+  };
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const Vec3 sides[] = {position(i + 1) - position(i), position(i + 2) - position(i + 1),
+                          position(i) - position(i + 2)};
+    const double area = glm::length(glm::cross(sides[0], sides[1]));
+    if (!(area > 0)) continue;
+    const double square = std::max(
+        {glm::dot(sides[0], sides[0]), glm::dot(sides[1], sides[1]), glm::dot(sides[2], sides[2])});
+    // length squared over the height, area over the length
+    const int exponent = std::ilogb(kRounding * square / area * std::sqrt(square)) + 1;
+    areas[static_cast<std::size_t>(std::clamp(exponent - kLeast, 0, 127))] += area;
+    total += area;
+  }
+  std::size_t k = areas.size();
+  for (double rest = 0; k > 0 && rest <= kRest * total; --k) rest += areas[k - 1];
+  return total > 0 ? std::ldexp(1.0, static_cast<int>(k) + kLeast) : 0;
 }
 
 std::vector<float> triangle_normals(const pan::MeshView& mesh) {

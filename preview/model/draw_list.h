@@ -56,7 +56,8 @@ struct DrawItem {
   materials::Cells cells;  // for variants with cells
   Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};
-  bool shown = true;  // its node is
+  double rounding = 0;  // interpolation_error() of the mesh, metres in its frame
+  bool shown = true;    // its node is
   // Levels of detail (pan::layout::Level): visible for pixel footprints from this to the next,
   // metres in the model's frame.
   double detail = 0;  // in the mesh's own coordinates, of the level and of the one after it
@@ -92,6 +93,11 @@ std::vector<DrawItem> draw_list(const pan::Model& model);
 // the finest levels are visible.
 std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
                              const world::EvaluatedInstance& at);
+
+// Returns what positions interpolated in single precision are off within triangles, metres: their
+// length squared over their height, times a rounding. At most, of all but a hundredth of the mesh's
+// area; a power of two.
+double interpolation_error(const pan::MeshView& mesh);
 
 // Returns the geometric unit normals of a mesh's triangles in its own frame, by cross products in
 // double of the stored positions; 0 0 0 for triangles without area. 3*T

@@ -8,7 +8,7 @@ layout(std140, binding = 0) uniform View {
   vec4 view_ray_right;  // its change from sample to sample
   vec4 view_ray_down;
   vec4 to_sun;      // world, unit; w: an eighth of the square of its disc's radius
-  vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted
+  vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted, below 0 of imposters
 }
 view;
 
@@ -45,13 +45,33 @@ vec4 material_row(int i) { return texelFetch(materials, i); }
 
 // a: 1. Where errors are predicted (sampling.h), of solar cells, whose pattern is filtered to the sample
 // already: 1 and what the mean of the pattern shows, rms over the channels, in parts of
-// the irradiance's largest.
+// the irradiance's largest. Of imposters, 1 and what relief finer than the shadow map's texels may add, the
+// mean of the channels, in the same parts.
 layout(location = 0) out vec4 radiance;
 
 // Zero stays zero: such a point is not lit, and never a NaN.
 vec3 unit_or_zero(vec3 v) {
   float square = dot(v, v);
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
+}
+
+// The radius of a disc of one brightness as far from its centre on average as the Sun's, which is darker at
+// its limb.
+float sun_radius() {
+  float darkened = view.view_ray.w;
+  return sqrt(8.0 * view.to_sun.w) * (1.0 - 0.410951 * darkened) / (1.0 - 0.333333 * darkened);
+}
+
+// The direction to the Sun; where the horizon cuts its disc, lifted until the cosine is the mean over the
+// disc, as of what stands above: (2 + t²)·sqrt(1 - t²) + 3 t·asin(t), over 3 pi, by its series within 6e-5.
+vec3 to_mean_sun(vec3 normal) {
+  float radius = sun_radius();
+  float cosine = dot(normal, view.to_sun.xyz);
+  float t = cosine / radius;
+  float square = t * t;
+  if (!(square < 1.0)) return view.to_sun.xyz;
+  float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
+  return view.to_sun.xyz + normal * (max(mean, 0.0) * radius - cosine);
 }
 
 #ifdef SHADOWED
@@ -184,6 +204,7 @@ void main() {
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
   vec3 normal = unit_or_zero(normal_sample.xyz);
+  vec3 to_sun = to_mean_sun(normal);
 #ifdef ROUGH
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
@@ -200,11 +221,11 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
 #endif
-  radiance = vec4(surface_radiance(surface, view.to_sun.xyz, to_viewer, normal, view.irradiance.rgb), 1.0);
+  radiance = vec4(surface_radiance(surface, to_sun, to_viewer, normal, view.irradiance.rgb), 1.0);
 #ifdef ROUGH
     // Lambert's gaps between cells, without cover glass
     if (has_cells) {
-      float lit = max(dot(normal, view.to_sun.xyz), 0.0) * 0.31830988618379067;
+      float lit = max(dot(normal, to_sun), 0.0) * 0.31830988618379067;
       radiance.rgb = shares.y * radiance.rgb + (1.0 - shares.y) * (lit * albedo.a) *
                                                    material_gap_color(first_row) * view.irradiance.rgb;
     }
@@ -218,9 +239,14 @@ void main() {
   radiance.a += patternless / max(max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b)), 1e-30);
 #endif
 #ifdef SHADOWED
-  if (dot(normal_sample.xyz, view.to_sun.xyz) > 0.0) {
-    float visibility = sun_visibility(place);
-    radiance = mix(vec4(shaded_radiance(surface), 1.0), radiance, visibility);
+  if (dot(normal, to_sun) > 0.0) {
+    vec2 visibility = sun_visibility(place, dot(normal, view.to_sun.xyz) < 0.0);
+    vec3 shaded = shaded_radiance(surface);
+    // never below 0, whatever rounding does
+    if (view.irradiance.w < 0.0)
+      radiance.a += max(visibility.y - visibility.x, 0.0) * dot(radiance.rgb - shaded, vec3(1.0 / 3.0)) /
+                    max(max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b)), 1e-30);
+    radiance.rgb = mix(shaded, radiance.rgb, visibility.x);
   }
 #endif
 }

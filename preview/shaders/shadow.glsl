@@ -20,20 +20,24 @@ layout(binding = 14) uniform sampler2DArray shadow_slopes;
 // Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
 // in texels (a context's grid for vertices and half floats for slopes come to 1/100)
 const float kDepthSlack = 1e-6;
-// Relief finer than texels: each stands for what is lower or higher within it by up to so many texels.
-// Without, valleys would lie in the shadow of their own slopes (0.1 to 0.9 % of a spacecraft in
-// foil); contacts leak by no more than this.
-const float kRelief = 0.7;
 const float kTexelSlack = 1.0 / 16.0;
+// Relief finer than texels: each stands for what is lower or higher within it by up to so many texels,
+// or by twice what the two planes come apart over a texel. Without, valleys would lie in the shadow of
+// their own slopes (0.1 to 0.9 % of a spacecraft in foil); contacts leak by no more than this. Of parallel
+// planes the upper one is another surface, as a panel's: an eighth of a texel holds what is rounded.
+const float kRelief = 0.7;
+const float kReliefOfSlopes = 2.0;
+const float kReliefOfPlanes = 0.125;
 // A surface is followed down its slope by no more than so many texels: behind a wall that the Sun
 // grazes lies something else.
 const float kMostDown = 16.0;
 
-// From 0 to 1: the share of the four texels around a sample that do not hide it, weighted by how near
+// x, from 0 to 1: the share of the four texels around a sample that do not hide it, weighted by how near
 // they are. Whether one does: the texel and the sample are planes here; the texel's must lie above the
 // sample, and the texel above the sample's. Along an edge one of the two fails, whichever way it bends,
-// so no bias is needed that grows with the slope.
-float point_visibility(int layer, vec3 place, vec2 slope) {
+// so no bias is needed that grows with the slope. y: the same if relief of parallel planes may be as deep
+// as other relief: between the two lies the truth of what is finer than texels.
+vec2 point_visibility(int layer, vec3 place, vec2 slope) {
   vec2 half_size = vec2(shadow.half_width, shadow.half_height);
   vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
   vec2 first = floor(at);
@@ -47,34 +51,50 @@ float point_visibility(int layer, vec3 place, vec2 slope) {
   vec4 step_x = (first.x + vec4(0.5, 1.5, 1.5, 0.5)) / half_size.x - 1.0 - place.x;
   vec4 step_y = (first.y + vec4(1.5, 1.5, 0.5, 0.5)) / half_size.y - 1.0 - place.y;
   vec2 reach = kTexelSlack / half_size;
-  float relief = kDepthSlack + kRelief * shadow.texel_depth;
-  float slack = relief + dot(abs(slope), reach);
-  // note: where nothing was drawn, depth 0, slopes are those of another map
-  bvec4 above = greaterThan(depth, max(place.z + (slope.x * step_x + slope.y * step_y) + slack, vec4(0.0)));
+  // how far the planes come apart over a texel
+  vec4 apart = abs(its_slope_x - slope.x) / half_size.x + abs(its_slope_y - slope.y) / half_size.y;
+  float most = kRelief * shadow.texel_depth;
+  vec4 relief = min(kReliefOfPlanes * shadow.texel_depth + kReliefOfSlopes * apart, vec4(most));
+  // by how much the texel lies above the sample's plane, and its plane above the sample
+  vec4 above = depth - (place.z + (slope.x * step_x + slope.y * step_y) + (kDepthSlack + dot(abs(slope), reach)));
   vec4 down = min(its_slope_x * step_x + its_slope_y * step_y, vec4(kMostDown * shadow.texel_depth));
-  bvec4 below = greaterThan(depth - down, place.z + relief + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
+  vec4 below = depth - down - (place.z + kDepthSlack + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
+  vec4 height = min(above, below);
+  // note: where nothing was drawn, depth 0, slopes are those of another map
+  bvec4 drawn = greaterThan(depth, vec4(0.0));
+  bvec4 full = greaterThanEqual(depth, vec4(1.0));
   vec4 seen;
-  for (int i = 0; i < 4; ++i)
-    seen[i] = (depth[i] >= 1.0 ? place.z <= 1.0 : above[i] && below[i]) ? 0.0 : 1.0;
+  vec4 at_most;
+  for (int i = 0; i < 4; ++i) {
+    bool hidden = full[i] && place.z <= 1.0;
+    seen[i] = hidden || (!full[i] && drawn[i] && height[i] > relief[i]) ? 0.0 : 1.0;
+    at_most[i] = hidden || (!full[i] && drawn[i] && height[i] > most) ? 0.0 : 1.0;
+  }
   // note: a + (b - a)·t is exactly 1 where all four are
-  vec2 rows = seen.wx + (seen.zy - seen.wx) * share.x;
-  return rows.x + (rows.y - rows.x) * share.y;
+  vec4 rows = vec4(seen.wx, at_most.wx) + (vec4(seen.zy, at_most.zy) - vec4(seen.wx, at_most.wx)) * share.x;
+  return rows.xz + (rows.yw - rows.xz) * share.y;
 }
 
-// The mean over the points of the Sun's disc, each of which looks along a direction of its own. In
-// light space sheared by it rays to that point run along z.
-float sun_visibility(ivec2 sample_at) {
+// The mean over the points of the Sun's disc that stand above the surface's horizon, by the light that they
+// bring: each looks along a direction of its own. In light space sheared by it rays to that point run
+// along z. below: the disc's centre is below the horizon.
+vec2 sun_visibility(ivec2 sample_at, bool below) {
   uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
   vec2 slope = unpackHalf2x16(found.w);
+  vec2 seen = vec2(0.0);
   float sum = 0.0;
   for (int k = 0; k < shadow.points; ++k) {
     vec4 pair = shadow.sun[k >> 1];
     vec2 shear = (k & 1) == 0 ? pair.xy : pair.zw;
+    // the cosine to this point, in parts of that to the centre
     float facing = 1.0 - dot(slope, shear);
-    if (facing <= 0.0) continue;  // the point is below the surface's horizon
+    // one point stands for all
+    float light = below && shadow.points > 1 ? -facing : facing;
+    if (light <= 0.0) continue;
     vec3 there = vec3(place.xy - shear * (place.z - 0.5), place.z);
-    sum += point_visibility(k, there, slope / facing);
+    seen += light * point_visibility(k, there, slope / facing);
+    sum += light;
   }
-  return sum / float(shadow.points);
+  return sum > 0.0 ? seen / sum : vec2(0.0);
 }

@@ -42,6 +42,18 @@ struct Comparison {
   double worst = 0;  // |error| over the brightest pixel's channel
 };
 
+// The direction to the Sun; where the horizon of a normal cuts its disc, with the mean cosine of
+// the disc's part above it.
+Vec3 to_mean_sun(const Vec3& to_sun, const Vec3& normal) {
+  const double radius = std::sqrt(8 * materials::kSunAlpha2);
+  const double cosine = glm::dot(normal, to_sun);
+  const double t = cosine / radius;
+  if (std::fabs(t) >= 1) return to_sun;
+  const double mean =
+      t / 2 + ((2 + t * t) * std::sqrt(1 - t * t) + 3 * t * std::asin(t)) / (3 * kPi);
+  return to_sun + normal * (radius * mean - cosine);
+}
+
 // The radiance layer against the formulas at the ground truth layers' normals.
 Comparison compared(const Image& image, const View& view, const pan::Model& model) {
   std::vector<materials::Material> stored;
@@ -57,11 +69,11 @@ Comparison compared(const Image& image, const View& view, const pan::Model& mode
       if (image.material_id[pixel] == 0) continue;
       ++result.pixels;
       const float* n = &image.normal[3 * pixel];
-      const Vec3 exact =
-          materials::f64::radiance(stored[image.material_id[pixel] - 1], to_sun,
-                                   -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction,
-                                   glm::normalize(Vec3(n[0], n[1], n[2])), irradiance, Vec3(1),
-                                   {Vec3(0), materials::kSunAlpha2});
+      const Vec3 normal = glm::normalize(Vec3(n[0], n[1], n[2]));
+      const Vec3 exact = materials::f64::radiance(
+          stored[image.material_id[pixel] - 1], to_mean_sun(to_sun, normal),
+          -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction, normal, irradiance, Vec3(1),
+          {Vec3(0), materials::kSunAlpha2});
       const float* drawn = &image.radiance[3 * pixel];
       peak = glm::max(peak, exact);
       worst = glm::max(worst, glm::abs(Vec3(drawn[0], drawn[1], drawn[2]) - exact));

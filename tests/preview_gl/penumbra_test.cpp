@@ -231,5 +231,56 @@ TEST(Penumbra, OfATargetFarAway) {
   EXPECT_EQ(shares[0], shares[1]);
 }
 
+// The light of a plate under a Sun that its horizon cuts: the mean of max(0, cos) over the disc, by
+// a sum over it. Whatever the shadows.
+TEST(Penumbra, HorizonCutsTheDisc) {
+  const pan::Model model = model_of(single(plate(2, 2), lambert(1)));
+  constexpr int kRings = 400;
+  for (const double elevation : {0.3, 0.25, 0.1, 0.01, -0.1, -0.3}) {
+    double mean = 0;
+    for (int ring = 0; ring < kRings; ++ring)
+      for (int k = 0; k < kRings; ++k) {
+        const double radius = std::asin(world::kSunSineAtOneAu) * std::sqrt((ring + 0.5) / kRings);
+        const double up = elevation * kDegree + radius * std::cos(2 * kPi * (k + 0.5) / kRings);
+        mean += std::max(std::sin(up), 0.0) / (kRings * kRings);
+      }
+    const View view = above(16, 1, sun_at(90 - elevation, 0.3));
+    for (const Shadows shadows : {Shadows::soft, Shadows::hard}) {
+      RenderOptions options = soft(64);
+      options.shadows = shadows;
+      const Image image = rendered(model, view, options);
+      // measured 3e-7 at most
+      EXPECT_NEAR(image.radiance[3 * 136] * kPi, mean, 1e-6) << elevation;
+    }
+  }
+}
+
+// In an eclipse a target lies in one place of the penumbra: as many points as there may be.
+TEST(Penumbra, AnEclipseTakesMorePoints) {
+  const auto meadow = std::make_shared<const pan::Model>(model_of(single(plate(4, 4), lambert(1))));
+  const auto body =
+      std::make_shared<const pan::Model>(model_of(single(plate(4e3, 4e3), lambert(1))));
+  constexpr double kThrow = 1e5;
+  Renderer renderer(shared_device());
+  for (const double t : {-0.6, 0.0, 0.37}) {
+    world::World world;
+    DiagnosticLog log;
+    ASSERT_TRUE(world.add("meadow", meadow, {}, log));
+    ASSERT_TRUE(world.add("body", body,
+                          {Vec3(-2e3 - t * kThrow * kTangent, 0, kThrow), Quat(1, 0, 0, 0)}, log));
+    const View view = above(32, 2);
+    RenderOptions options;
+    options.samples = 0;
+    const auto lit = renderer.render(world, view.camera, options, log);
+    options.shadow_side = 0;
+    const auto all = renderer.render(world, view.camera, options, log);
+    ASSERT_TRUE(lit && all) << to_text(log);
+    options.shadow_side.reset();
+    const double share = double{lit->radiance[3 * 528]} / all->radiance[3 * 528];
+    printf("t %.2f: %.4f, exact %.4f\n", t, share, beyond_edge(t, 0));
+    EXPECT_NEAR(share, beyond_edge(t, 0), 0.03);  // 16 points: 1/16 and more
+  }
+}
+
 }  // namespace
 }  // namespace panwright::preview::penumbra_test

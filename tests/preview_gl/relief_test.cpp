@@ -60,5 +60,24 @@ TEST(Shadows, ReliefFinerThanTexelsKeepsItsLight) {
   }
 }
 
+// A panel that floats a third of a texel above a plate shades it, by its whole area: closed form.
+// It did not with room for 0.7 texels of relief.
+TEST(Shadows, PanelsThinnerThanATexelShade) {
+  pan::Contents contents = single(plate(8, 8), lambert(1));
+  const double gap = 8.0 / 256 / 3;
+  add(contents, plate(2, 2), {0, 0, gap});
+  add(contents, plate(2, 2), {3, 0, gap});
+  // the camera is between the two
+  const pan::Model model = model_of(contents);
+  View view = above(28, 1, Vec3(0.5, 0.2, 1));
+  view.camera.position.z = 0.5 * gap;
+  RenderOptions options;
+  options.shadow_side = 256;
+  const Pair pair = both(model, view, options);
+  double most = 0;
+  for (std::size_t i = 0; i < pair.with.pixels(); ++i) most = std::max(most, pair.sun(i));
+  EXPECT_EQ(most, 0);
+}
+
 }  // namespace
 }  // namespace panwright::preview::relief_test

@@ -324,5 +324,42 @@ TEST(Sampling, TilesChangeNothingOfWhatIsSampledInFull) {
   EXPECT_LE(rms(a, b), 0.005 * rms(a));
 }
 
+// A rod of a quarter of a pixel beside another target, 200 pixels long, wherever it stands, upright
+// and aslant: its area is a closed form. What is thinner than all samples is named.
+TEST(Sampling, ThinTargetsAreThere) {
+  const auto bus = std::make_shared<const pan::Model>(model_of(single(box(Vec3(3)), lambert(1))));
+  const auto rod =
+      std::make_shared<const pan::Model>(model_of(single(box({0.005, 0.005, 4}), lambert(1))));
+  for (const double turn : {0.0, 0.3})
+    for (int k = 0; k < 6; ++k) {
+      DiagnosticLog log;
+      world::World world;
+      ASSERT_TRUE(world.add("bus", bus, {}, log));
+      const Quat about = glm::angleAxis(turn, Vec3(0, 1, 0));
+      ASSERT_TRUE(world.add("rod", rod, {Vec3(2.5 + 0.02 * k / 6 + 0.001, 0, 0), about}, log));
+      View view;
+      world::set_orthographic(view.camera, 320, 320, 6.4);
+      view.camera.position = {0, -100, 0};
+      view.camera.world_from_camera = *world::looking_at(view.camera.position, {}, {}, log);
+      world::Sun sun = world.sun();
+      sun.direction = {0, -1, 0};
+      world.set_sun(sun);
+      Renderer renderer(shared_device());
+      RenderOptions options;
+      options.samples = 0;
+      const auto image = renderer.render(world, view.camera, options, log);
+      ASSERT_TRUE(image) << to_text(log);
+      double area = 0;
+      for (std::size_t y = 0; y < 320; ++y)
+        for (std::size_t x = 240; x < 320; ++x) area += image->coverage[320 * y + x] * 0.02 * 0.02;
+      EXPECT_NEAR(area, 0.02, 0.001) << turn << " " << k;  // a tenth was allowed; some were 0
+      EXPECT_FALSE(log.contains(Code::W5006)) << to_text(log);
+      options.samples = 1;
+      ASSERT_TRUE(renderer.render(world, view.camera, options, log));
+      EXPECT_TRUE(log.contains(Code::W5006));
+      EXPECT_NE(to_text(log).find("'rod' is thinner"), std::string::npos) << to_text(log);
+    }
+}
+
 }  // namespace
 }  // namespace panwright::preview::sampling_test

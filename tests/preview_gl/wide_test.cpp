@@ -131,6 +131,37 @@ TEST(WideModels, ALongTruss) {
   EXPECT_FALSE(log.contains(Code::W5012)) << to_text(log);
 }
 
+// Lit ground is lit, however much wider than the view it is and however many points the Sun has:
+// exactly 1, a closed form. A camera 9 cm above a plate of 30 m lost 1/16.
+TEST(WideModels, LitGroundStaysLit) {
+  DiagnosticLog log;
+  double worst = 0;
+  for (const double ratio : {10.0, 2e3, 1e5, 1e6}) {
+    const pan::Model model = model_of(single(plate(ratio, ratio), lambert(0.5)));
+    support::ModelRenderer renderer(shared_device(), model);
+    for (const double tilt : {30.0, 80.0})
+      for (const unsigned points : {1u, 16u, 64u, 256u}) {
+        View view;
+        view.to_sun = {std::sin(tilt * kDegree), 0.1, std::cos(tilt * kDegree)};
+        world::set_orthographic(view.camera, 32, 32, 1);
+        view.camera.position = {0.21 * ratio, -0.13 * ratio, 3};
+        view.camera.world_from_camera = *world::looking_at(
+            view.camera.position, view.camera.position - Vec3(0, 0, 1), Vec3(0, 1, 0), log);
+        RenderOptions options;
+        options.shadow_side = 256;
+        options.shadows = points > 1 ? Shadows::soft : Shadows::hard;
+        options.sun_points = std::max(points, 2u);
+        const auto image = renderer.render(view, options, log);
+        ASSERT_TRUE(image) << to_text(log);
+        const double lit = 0.5 / kPi * glm::normalize(view.to_sun).z;
+        for (std::size_t i = 0; i < image->pixels(); ++i)
+          worst = std::max(worst, std::fabs(image->radiance[3 * i] / lit - 1));
+      }
+  }
+  printf("lit ground: %.1e at most\n", worst);
+  EXPECT_LE(worst, 1e-5);
+}
+
 // Single precision places no triangle of 40 km to a millimetre: the image says so.
 TEST(WideModels, WhatIsTooCoarseIsSaid) {
   const View view = close_by(160);
