@@ -1,8 +1,12 @@
 #include "base/diagnostic.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <exception>
+#include <new>
 
 namespace panwright {
 
@@ -90,16 +94,27 @@ void DiagnosticLog::sort_by_place() {
 }
 
 int exit_code(const DiagnosticLog& log) {
-  bool usage = false, io = false, damaged = false, cancelled = false;
+  bool usage = false, io = false, damaged = false, cancelled = false, internal = false;
   for (const Diagnostic& entry : log.entries()) {
     const std::string_view name = code_info(entry.code).name;
-    if (name.starts_with("E00")) cancelled = true;
+    if (entry.code == Code::E0001) cancelled = true;
+    if (entry.code == Code::E0003) internal = true;
     if (name.starts_with("E02")) usage = true;
     if (name.starts_with("E01")) io = true;
     if (name.starts_with("E4")) damaged = true;
   }
   if (!log.has_errors()) return 0;
-  return cancelled ? 130 : usage ? 2 : io ? 3 : damaged ? 4 : 1;
+  return cancelled ? 130 : internal ? 70 : usage ? 2 : io ? 3 : damaged ? 4 : 1;
+}
+
+void report_exception(DiagnosticLog& log) {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    log.report(Code::E0002, {}, "there is not enough memory for this work");
+  } catch (const std::exception& error) {
+    log.report(Code::E0003, {}, fmt::format("internal error: {}", error.what()));
+  }
 }
 
 namespace {

@@ -97,8 +97,11 @@ class DiagnosticLog {
 };
 
 // Returns the process exit code of a log (docs/conventions.md 18): 0 without errors; otherwise the
-// first that occurs of 130 cancelled, 2 usage, 3 I/O, 4 damaged pan, 1 else.
+// first that occurs of 130 cancelled, 70 internal, 2 usage, 3 I/O, 4 damaged pan, 1 else.
 int exit_code(const DiagnosticLog& log);
+
+// Reports the exception that is being handled: E0002, E0003.
+void report_exception(DiagnosticLog& log);
 
 struct TextStyle {
   bool color = false;

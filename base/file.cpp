@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -78,8 +79,23 @@ void report_missing(const std::filesystem::path& path, int error, SourceSpan whe
 }
 
 int open_for_reading(const std::filesystem::path& path) {
-  // note: O_NONBLOCK so that a named pipe without a writer cannot hang the process
-  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  // note: O_NONBLOCK because nothing cancels an open() that waits for the writer of a named pipe
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd >= 0 || errno != ENXIO) return fd;
+  // a stream that is a socket has no name that opens it
+  const int stream = internal::write_target(path).stream;
+  errno = ENXIO;
+  return stream < 0 ? -1 : fcntl(stream, F_DUPFD_CLOEXEC, 0);
+}
+
+// Waits for bytes or the end of a pipe, from its first writer on. False: cancelled.
+bool wait_for_bytes(int fd, const FileUses* files) {
+  constexpr int kMilliseconds = 100;  // signals do not always end poll(), and may come before it
+  pollfd input{fd, POLLIN, 0};
+  do {
+    if (files && files->cancelled()) return false;
+  } while (poll(&input, 1, kMilliseconds) <= 0);
+  return true;
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes, std::uint64_t offset, bool positioned,
@@ -154,11 +170,15 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
   // note: with room for the reading that finds the end, so that the text need not move for it
   if (S_ISREG(status.st_mode)) text.reserve(static_cast<std::size_t>(status.st_size) + kLeastRoom);
   for (;;) {
+    if (!S_ISREG(status.st_mode) && !wait_for_bytes(fd.get(), log.files().get())) {
+      report_cancelled(log);
+      return failed;
+    }
     const std::size_t before = text.size();
     const std::size_t room = std::max(text.capacity() - before, kLeastRoom);
     text.resize(before + std::min(room, kPiece));
     const ssize_t got = ::read(fd.get(), text.data() + before, text.size() - before);
-    if (got < 0 && errno == EINTR) {
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) {
       text.resize(before);
       continue;
     }
@@ -184,8 +204,11 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path, Diagnosti
     return failed;
   }
   if (!S_ISREG(status.st_mode)) {
-    const int error = S_ISDIR(status.st_mode) ? EISDIR : ESPIPE;
-    log.report_file(Code::E0101, path.string(), reason("cannot map", path, error));
+    log.report_file(
+        Code::E0101, path.string(),
+        S_ISDIR(status.st_mode)
+            ? reason("cannot open", path, EISDIR)
+            : fmt::format("{} is a pipe or a device, expected a file", in_quotes(path.string())));
     return failed;
   }
   if (log.files()) log.files()->was_opened(fd.get(), path);

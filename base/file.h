@@ -19,9 +19,11 @@ namespace panwright {
 // name as a hint.
 bool require_file(const std::filesystem::path& path, DiagnosticLog& log);
 
-// Reads a whole regular file (or a pipe), at most max_bytes.
+// Reads a whole file, at most max_bytes. Pipes and devices are waited for, until the job of the
+// log's FileUses is cancelled.
 //
-// Fails: E0101, E0102, E0104. where: the place of the diagnostic (an include); none: the file.
+// Fails: E0001, E0101, E0102, E0104. where: the place of the diagnostic (an include); none: the
+// file.
 Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
                               DiagnosticLog& log, SourceSpan where = {});
 

@@ -114,11 +114,11 @@ struct FileUses::State {
   }
 };
 
-FileUses::FileUses() : state_(std::make_unique<State>()) {}
+FileUses::FileUses(Job job) : state_(std::make_unique<State>()), job_(std::move(job)) {}
 FileUses::~FileUses() = default;
 
 std::shared_ptr<FileUses> FileUses::next_run() const {
-  auto next = std::make_shared<FileUses>();
+  auto next = std::make_shared<FileUses>(job_);
   const std::lock_guard lock(state_->mutex);
   next->state_->inputs = state_->inputs;
   return next;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 
 namespace panwright {
 
@@ -20,8 +21,11 @@ class FileUses {
     diagnostics,  // is written even where another output is refused
   };
 
-  FileUses();
+  // job: of the run; cancelling it ends the wait for a pipe that nobody writes.
+  explicit FileUses(Job job = {});
   ~FileUses();
+
+  bool cancelled() const noexcept { return job_.cancelled(); }
 
   // Returns a copy with the inputs and no outputs, for the next run of one process.
   std::shared_ptr<FileUses> next_run() const;
@@ -46,6 +50,7 @@ class FileUses {
  private:
   struct State;
   std::unique_ptr<State> state_;
+  Job job_;
 };
 
 }  // namespace panwright

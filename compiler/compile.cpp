@@ -20,6 +20,7 @@
 #include "compiler/internal/kept_meshes.h"
 #include "compiler/internal/mesh_levels.h"
 #include "compiler/internal/size_check.h"
+#include "compiler/internal/sound.h"
 #include "compiler/internal/storage.h"
 #include "geometry/mesh/bytes.h"
 #include "geometry/tessellate/mapping.h"
@@ -34,6 +35,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using internal::MeshJob;
+using internal::place_of;
 using internal::Plan;
 
 std::string mesh_name(const MeshJob& job, std::size_t index) {
@@ -43,14 +45,18 @@ std::string mesh_name(const MeshJob& job, std::size_t index) {
 // The mesh's own error and that of rounding it. Exact shapes have it measured for their vertices as
 // rounded about the centre of the bounds; a sphere about its own centre, which need not be the
 // same.
-pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name) {
+//
+//   needed  afterwards; else the mesh frees its memory
+pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name,
+                             bool needed) {
   // exact as written: the rounding, which packing measures, is the only error
   const bool authored = std::holds_alternative<geometry::MeshShape>(shape);
   if (authored) mesh.error = 0;
-  pan::PackedMesh packed = pan::packed(mesh, std::move(name));
+  const auto* sphere = std::get_if<geometry::Sphere>(&shape);
+  pan::PackedMesh packed = needed || sphere ? pan::packed(mesh, std::move(name))
+                                            : pan::packed(std::move(mesh), std::move(name));
   if (authored) return packed;
   packed.error = mesh.error;
-  const auto* sphere = std::get_if<geometry::Sphere>(&shape);
   if (sphere && sphere->whole() && packed.origin != Vec3(0))
     packed.error = geometry::sphere_error(mesh, sphere->radius, packed.origin);
   return packed;
@@ -99,7 +105,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
         cache, Work::meshes, [&] { return internal::mesh_key(job, tessellation); },
         [&] {
           auto mesh = mesh_of(job, tessellation, log);
-          return mesh ? std::optional(packed_shape(*job.shape, *mesh, {})) : std::nullopt;
+          return mesh ? std::optional(packed_shape(*job.shape, *mesh, {}, false)) : std::nullopt;
         },
         internal::write_packed, internal::read_packed);
     if (!out.meshes[index]) return;
@@ -110,17 +116,17 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
         [&] { return internal::mesh_key(job, tessellation, internal::Kept::mesh); },
         [&] { return mesh_of(job, tessellation, log); }, geometry::write, geometry::read_mesh);
     if (!mesh) return;
-    out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
+    out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index), true);
     place_decals(scene, job, *mesh, out);
   }
-  // a mesh without texture coordinates takes the corner of its texture
   pan::PackedMesh& mesh = *out.meshes[index];
+  if (!internal::is_sound(mesh, log)) {
+    out.meshes[index].reset();
+    for (const std::uint32_t decal : job.decals) out.decals[decal].reset();
+    return;
+  }
+  // a mesh without texture coordinates takes the corner of its texture
   if (job.textured && mesh.texcoords.empty()) mesh.texcoords.resize(2 * mesh.vertex_count());
-}
-
-std::string place_of(const scene::Source& source) {
-  return source.line == 0 ? source.file
-                          : fmt::format("{}:{}:{}", source.file, source.line, source.column);
 }
 
 // Reports the problems of a shape at its location in the source.
@@ -546,6 +552,7 @@ pan::WriteOptions write_options(const Options& options) {
 Result<Report> compile(const scene::Scene& scene, const Options& options,
                        const std::filesystem::path& output, DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<Report> {
+    if (!internal::is_sound(scene, log)) return failed;
     Report report;
     internal::Fitted fitted =
         internal::fitted_to_budget(scene, options.max_error, options.cache, log, job);
@@ -563,12 +570,13 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
 Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options& options,
                                         DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<std::vector<std::byte>> {
+    if (!internal::is_sound(scene, log)) return failed;
     Report report;
     internal::Fitted fitted =
         internal::fitted_to_budget(scene, options.max_error, options.cache, log, job);
-    const auto contents = contents_of(fitted, options, report, log, job);
+    auto contents = contents_of(fitted, options, report, log, job);
     job.poll();
-    return pan::write_to_memory(contents, write_options(options));
+    return pan::write_to_memory(std::move(contents), write_options(options));
   });
 }
 

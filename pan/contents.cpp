@@ -383,8 +383,14 @@ bool write_sections(const Writing& writing, Writer& writer, DiagnosticLog& log,
 
 }  // namespace
 
-PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
+namespace {
+
+// owned: the same mesh, of which each array is freed once it is rounded; null: it stays whole
+PackedMesh packed_from(const geometry::Mesh& mesh, geometry::Mesh* owned, std::string name) {
   assert(!mesh.triangles.empty() && mesh.normals.size() == mesh.positions.size());
+  const auto done = [&](auto member) {
+    if (owned != nullptr) std::remove_cvref_t<decltype(owned->*member)>().swap(owned->*member);
+  };
   PackedMesh out;
   out.name = std::move(name);
   out.closed = mesh.closed;
@@ -400,8 +406,10 @@ PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
     const double moved = glm::length(stored - mesh.positions[i]);
     worst = moved > worst ? moved : worst;
   }
+  done(&geometry::Mesh::positions);
   out.error = mesh.error + worst;
   out.normals = rounded(mesh.normals);
+  done(&geometry::Mesh::normals);
   out.colors = rounded(mesh.colors);
   out.texcoords.reserve(2 * mesh.texcoords.size());
   for (const Vec2& t : mesh.texcoords) {
@@ -414,6 +422,16 @@ PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
   return out;
 }
 
+}  // namespace
+
+PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
+  return packed_from(mesh, nullptr, std::move(name));
+}
+
+PackedMesh packed(geometry::Mesh&& mesh, std::string name) {
+  return packed_from(mesh, &mesh, std::move(name));
+}
+
 Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
                        std::string_view options) {
   internal::IdentityHasher hasher;
@@ -422,6 +440,28 @@ Hash128 build_identity(std::span<const InputContent> inputs, std::string_view ve
 }
 
 namespace {
+
+// Bytes of the largest sections, as they are without compression.
+std::size_t expected_bytes(const Contents& contents) {
+  std::size_t sum = 0;
+  for (const PackedMesh& mesh : contents.meshes)
+    sum += mesh.stream_bytes.size() +
+           sizeof(float) * (mesh.texcoords.size() + mesh.colors.size() + mesh.positions.size() +
+                            mesh.normals.size()) +
+           (mesh.vertex_count() > layout::kMaxShortVertices ? 4 : 2) * mesh.indices.size();
+  for (const TextureContent& texture : contents.textures) sum += texture.rgba.size();
+  return sum;
+}
+
+std::vector<std::byte> in_memory(const Writing& writing, const WriteOptions& options) {
+  // a vector that grows is there twice
+  Writer writer =
+      Writer::in_memory(options, options.compress ? 0 : expected_bytes(writing.contents));
+  DiagnosticLog unused;
+  [[maybe_unused]] const bool done = write_sections(writing, writer, unused, nullptr, {});
+  assert(done);
+  return std::move(writer).take();
+}
 
 Result<WriteReport> write_to(const std::filesystem::path& path, const Writing& writing,
                              DiagnosticLog& log, const WriteOptions& options, const Job& job) {
@@ -454,11 +494,11 @@ Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path
 }
 
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options) {
-  Writer writer = Writer::in_memory(options);
-  DiagnosticLog unused;
-  [[maybe_unused]] const bool done = write_sections({contents}, writer, unused, nullptr, {});
-  assert(done);
-  return std::move(writer).take();
+  return in_memory({contents}, options);
+}
+
+std::vector<std::byte> write_to_memory(Contents&& contents, const WriteOptions& options) {
+  return in_memory({contents, &contents}, options);
 }
 
 }  // namespace panwright::pan

@@ -79,8 +79,10 @@ class Model {
   static Result<Model> read(const std::filesystem::path& path, std::uint64_t max_bytes,
                             DiagnosticLog& log);
 
-  // The same from bytes, which are copied. name: the file name in diagnostics.
+  // The same from bytes, which are copied, or kept. name: the file name in diagnostics.
   static Result<Model> from_bytes(std::span<const std::byte> bytes, std::string name,
+                                  DiagnosticLog& log);
+  static Result<Model> from_bytes(std::vector<std::byte>&& bytes, std::string name,
                                   DiagnosticLog& log);
 
   // The same from a mapping. name: the file name in diagnostics.
@@ -201,7 +203,7 @@ class Model {
 
   std::string name_;
   std::optional<MappedFile> mapped_;
-  std::unique_ptr<std::byte[]> owned_;
+  std::vector<std::byte> owned_;
   std::span<const std::byte> bytes_;
   std::array<std::uint32_t, layout::kSectionKinds + 1> entry_of_kind_{};  // 1-based; 0: absent
   std::array<std::span<const std::byte>, layout::kSectionKinds + 1> content_{};

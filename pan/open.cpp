@@ -248,11 +248,15 @@ Result<Model> Model::read(const std::filesystem::path& path, std::uint64_t max_b
 
 Result<Model> Model::from_bytes(std::span<const std::byte> bytes, std::string name,
                                 DiagnosticLog& log) {
+  return from_bytes(std::vector<std::byte>(bytes.begin(), bytes.end()), std::move(name), log);
+}
+
+Result<Model> Model::from_bytes(std::vector<std::byte>&& bytes, std::string name,
+                                DiagnosticLog& log) {
   Model model;
   model.name_ = std::move(name);
-  model.owned_ = std::make_unique_for_overwrite<std::byte[]>(bytes.size());
-  if (!bytes.empty()) std::memcpy(model.owned_.get(), bytes.data(), bytes.size());
-  model.bytes_ = {model.owned_.get(), bytes.size()};
+  model.owned_ = std::move(bytes);
+  model.bytes_ = model.owned_;
   if (!model.parse(log)) return failed;
   return model;
 }

@@ -127,9 +127,11 @@ Result<Writer> Writer::create(const std::filesystem::path& path, DiagnosticLog& 
   return Writer(std::move(state));
 }
 
-Writer Writer::in_memory(const WriteOptions& options) {
+Writer Writer::in_memory(const WriteOptions& options, std::size_t expected) {
   auto state = std::make_unique<State>();
   state->compress = options.compress;
+  constexpr std::size_t kRest = std::size_t{1} << 16;
+  state->memory.reserve(expected > 0 ? expected + kRest : 0);
   DiagnosticLog unused;
   const layout::Header header = empty_header(0);
   state->put(std::as_bytes(std::span(&header, 1)), unused);

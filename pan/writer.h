@@ -146,6 +146,8 @@ struct Contents {
 // Expects: at least one triangle; normals for every vertex; finite numbers; no extent over 1e38 m.
 // Cost: O(vertices + triangles). Calls on different meshes may run in parallel.
 PackedMesh packed(const geometry::Mesh& mesh, std::string name);
+// The same, consuming the mesh: each of its arrays is freed once it is rounded.
+PackedMesh packed(geometry::Mesh&& mesh, std::string name);
 
 // Hash of the inputs of a file (docs/pan-format.md, Build identity).
 Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
@@ -180,6 +182,7 @@ Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path
                           const Job& job = {});
 // The same bytes, in memory.
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options = {});
+std::vector<std::byte> write_to_memory(Contents&& contents, const WriteOptions& options = {});
 
 // ---- sections
 
@@ -206,7 +209,8 @@ class Writer {
   // Fails: E0103.
   static Result<Writer> create(const std::filesystem::path& path, DiagnosticLog& log,
                                const WriteOptions& options = {});
-  static Writer in_memory(const WriteOptions& options = {});
+  // expected: bytes for which memory is set aside
+  static Writer in_memory(const WriteOptions& options = {}, std::size_t expected = 0);
 
   Writer(Writer&&) noexcept;
   ~Writer();

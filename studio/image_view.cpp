@@ -92,6 +92,9 @@ bool ImageView::take_result() {
     // the last image stays, with the new messages
     auto both = std::make_shared<RenderResult>(result ? *result : *made);
     both->messages = made->messages;
+    both->request = made->request;
+    both->exact = made->exact;
+    both->failed = true;
     result = both;
     return false;
   }

@@ -1,6 +1,7 @@
 // panwright-studio: the window. `panwright view` starts it.
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -137,7 +138,11 @@ int main_of_studio(int argc, char** argv) {
   }
   if (arguments.size) std::tie(options.layout.width, options.layout.height) = *arguments.size;
   Report report;
-  ok = ok && run(options, log, &report);
+  try {
+    ok = ok && run(options, log, &report);
+  } catch (const std::exception&) {
+    report_exception(log);
+  }
   const int code = exit_code(log);
   if (arguments.json)
     print_report(report, code, log);

@@ -223,6 +223,12 @@ bool MainWindow::settled() const {
            result->request.world == models.world && result->request.view == state_.view));
 }
 
+std::string MainWindow::failure() const {
+  const RenderResult* result = state_.result.get();
+  if (result == nullptr || !result->failed) return {};
+  return result->messages.empty() ? "it could not be drawn" : result->messages[0].text;
+}
+
 bool MainWindow::idle() const {
   return settled() && !panels_.joints.playing() && !saving() && !recording() && !sampling() &&
          !state_.renderer.status().comparing && state_.image.comparison != "flicker";

@@ -31,7 +31,8 @@ class MainWindow {
 
   // Value of a name of the script step `expect`; none: unknown name.
   std::optional<std::string> state(const std::string& name) const;
-  bool settled() const;  // the image is exact, of the current models and view
+  bool settled() const;         // the image is exact, of the current models and view, or has failed
+  std::string failure() const;  // why there is no image of the current view; empty: there is one
   bool saving() const { return panels_.save.saving(); }
   bool recording() const { return panels_.save.recording(); }
   bool sampling() const { return panels_.materials.sampling(); }

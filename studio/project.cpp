@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <set>
 #include <utility>
@@ -73,6 +74,7 @@ Project::~Project() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
+    watching_.cancel();
     if (job_.state()) job_.cancel();
   }
   wake_.notify_all();
@@ -83,6 +85,14 @@ Project::~Project() {
 Project::State Project::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
+}
+
+std::shared_ptr<FileUses> Project::inputs() const {
+  const std::lock_guard lock(mutex_);
+  auto inputs = inputs_->next_run();
+  for (const std::string& file : files_) inputs->will_read(workspace::target_file(file).file);
+  for (const std::filesystem::path& file : state_.watched) inputs->will_read(file);
+  return inputs;
 }
 
 void Project::reload() {
@@ -149,7 +159,7 @@ void Project::watch() {
         saved = std::max(saved, now[i].time);
         large = large || now[i].size > kSmall;
       }
-    if (large) workspace::wait_until_still(now);
+    if (large) workspace::wait_until_still(now, watching_);
     lock.lock();
     if (watched_ != known) continue;
     watched_ = std::move(now);
@@ -197,7 +207,17 @@ void Project::read_once(const std::vector<std::string>& files, const workspace::
   }
   for (const std::filesystem::path& path : paths) stamps.push_back(workspace::stamp_of(path));
   DiagnosticLog log(200);
-  auto world = workspace::open_world(targets, open, log, job);
+  log.set_files(std::make_shared<FileUses>(job));
+  {
+    const std::lock_guard lock(mutex_);
+    inputs_ = log.files();
+  }
+  Result<world::World> world = failed;
+  try {
+    world = workspace::open_world(targets, open, log, job);
+  } catch (const std::exception&) {
+    report_exception(log);
+  }
   log.sort_by_place();
   const bool foreign = std::none_of(targets.begin(), targets.end(), is_pxn);
   // without an earlier version, the targets that can be read stand for all

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/file_uses.h"
 #include "base/job.h"
 #include "workspace/targets.h"
 #include "workspace/watch.h"
@@ -59,6 +60,8 @@ class Project {
   };
   State state() const;
   const std::vector<std::string>& files() const { return files_; }
+  // The files of the last reading, which no output may replace.
+  std::shared_ptr<FileUses> inputs() const;
 
   void reload();                      // even without a change
   void add(const std::string& file);  // another target
@@ -84,6 +87,8 @@ class Project {
   std::chrono::steady_clock::time_point changed_;  // time of the last change found
   std::function<void()> notify_;
   Job job_;  // of the reading in progress
+  Job watching_{JobOptions{}};
+  std::shared_ptr<FileUses> inputs_ = std::make_shared<FileUses>();
   bool pending_ = true;
   bool ending_ = false;
   std::thread reader_;

@@ -258,7 +258,13 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
     result->level_scale = effort.level_scale;
   }
   const bool full = effort.scale == 1 && effort.level_scale == 1;
-  auto drawn = draw(resources, request, exact, effort, log, job);
+  std::optional<workspace::Drawn> drawn;
+  try {
+    drawn = draw(resources, request, exact, effort, log, job);
+  } catch (const std::exception&) {
+    report_exception(log);
+    resources.drawer.reset();  // what it holds may be half made
+  }
   if (job.cancelled()) return full;
   result->failed = !drawn;
   // a lost context cannot be used again: the next image gets a new one

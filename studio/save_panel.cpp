@@ -54,22 +54,23 @@ void SavePanel::save() {
   std::vector<std::string> files;
   for (const std::string& each : state_.project.files())
     files.push_back(workspace::target_file(each).file.string());
-  saving_ =
-      std::async(std::launch::async,
-                 [text, world = state_.models.world, path, files = std::move(files),
-                  open = state_.options.open, context = state_.options.context]() -> std::string {
-                   DiagnosticLog log;
-                   const auto view = workspace::ViewMaker(*world).view(text, log);
-                   const auto draw = workspace::draw_options(text, context, log);
-                   if (view && draw) {
-                     workspace::RunOptions options{*draw, {}, {files, open}};
-                     if (workspace::run_views(*world, std::span(&*view, 1), options, log))
-                       return "saved " + path.string();
-                   }
-                   for (const Message& each : messages_of(log))
-                     if (each.severity == Severity::error) return each.text;
-                   return "not saved";
-                 });
+  saving_ = std::async(std::launch::async,
+                       [text, world = state_.models.world, path, files = std::move(files),
+                        inputs = state_.project.inputs(), open = state_.options.open,
+                        context = state_.options.context]() -> std::string {
+                         DiagnosticLog log;
+                         log.set_files(inputs);
+                         const auto view = workspace::ViewMaker(*world).view(text, log);
+                         const auto draw = workspace::draw_options(text, context, log);
+                         if (view && draw) {
+                           workspace::RunOptions options{*draw, {}, {files, open}};
+                           if (workspace::run_views(*world, std::span(&*view, 1), options, log))
+                             return "saved " + path.string();
+                         }
+                         for (const Message& each : messages_of(log))
+                           if (each.severity == Severity::error) return each.text;
+                         return "not saved";
+                       });
 }
 
 void SavePanel::video() {
@@ -124,7 +125,8 @@ void SavePanel::start_video() {
   video_.start({video_settings_, state_.output_path(video_settings_.output), state_.models.world,
                 video_views(view, video_settings_, ev),
                 static_cast<std::uint32_t>(state_.image_size.x),
-                static_cast<std::uint32_t>(state_.image_size.y), state_.options.context});
+                static_cast<std::uint32_t>(state_.image_size.y), state_.options.context,
+                state_.project.inputs()});
 }
 
 }  // namespace panwright::studio

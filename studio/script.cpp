@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@ using ScriptJson = nlohmann::json;
 constexpr std::uint64_t kMaxScriptBytes = 1 << 20;
 constexpr int kMaxRepeatDepth = 8;
 constexpr std::size_t kMaxSteps = 100000;  // unrolled
+constexpr int kMaxAmount = 100000;         // frames, pixels, steps of the wheel
 
 struct ScriptError {
   std::string what;
@@ -31,7 +33,10 @@ std::string script_text(const ScriptJson& json, const char* what) {
 Vec2 script_pair(const ScriptJson& json, const char* what) {
   if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number())
     throw ScriptError{fmt::format("{} must be two numbers", what)};
-  return {json[0].get<double>(), json[1].get<double>()};
+  const Vec2 pair(json[0].get<double>(), json[1].get<double>());
+  if (!(std::fabs(pair.x) <= kMaxAmount && std::fabs(pair.y) <= kMaxAmount))
+    throw ScriptError{fmt::format("{} must be two numbers of at most {}", what, kMaxAmount)};
+  return pair;
 }
 
 const ScriptJson& script_member(const ScriptJson& json, const char* name) {
@@ -47,6 +52,7 @@ Step parsed_step(const std::string& kind, const ScriptJson& json) {
                 : kind == "key" ? Step::Kind::key
                                 : Step::Kind::screenshot;
     step.name = script_text(json, kind.c_str());
+    if (step.name.empty()) throw ScriptError{fmt::format("{} is without a name", in_quotes(kind))};
   } else if (kind == "type" || kind == "expect") {
     step.kind = kind == "type" ? Step::Kind::type : Step::Kind::expect;
     if (!json.is_array() || json.size() != 2)
@@ -68,21 +74,24 @@ Step parsed_step(const std::string& kind, const ScriptJson& json) {
     step.amount = 12;
     if (json.contains("frames")) {
       const ScriptJson& frames = json["frames"];
-      if (!frames.is_number_integer() || frames < 1 || frames > 100000)
-        throw ScriptError{"'frames' is 1 to 100000"};
+      if (!frames.is_number_integer() || frames < 1 || frames > kMaxAmount)
+        throw ScriptError{fmt::format("'frames' is 1 to {}", kMaxAmount)};
       step.amount = frames.get<double>();
     }
   } else if (kind == "scroll") {
     step.kind = Step::Kind::scroll;
-    if (!json.is_number()) throw ScriptError{"'scroll' takes the wheel's steps, as 3 or -3"};
-    step.amount = json.get<double>();
+    step.amount = json.is_number() ? json.get<double>() : HUGE_VAL;
+    if (!(std::fabs(step.amount) <= kMaxAmount))
+      throw ScriptError{"'scroll' takes the wheel's steps, as 3 or -3"};
   } else if (kind == "wait") {
     step.kind = Step::Kind::wait;
     if (json.is_number())
       step.amount = json.get<double>();
     else
       step.name = script_text(json, "'wait'");
-    if (!step.name.empty() && step.name != "exact" && step.name != "read" && step.name != "saved" &&
+    if (!(step.amount >= 0 && step.amount <= kMaxAmount))
+      throw ScriptError{fmt::format("'wait' takes 0 to {} frames", kMaxAmount)};
+    if (!json.is_number() && step.name != "exact" && step.name != "read" && step.name != "saved" &&
         step.name != "compared" && step.name != "sampled" && step.name != "video")
       throw ScriptError{
           "'wait' takes exact, compared, sampled, read, saved, video or a number of frames"};

@@ -6,10 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 
+#include "base/file.h"
 #include "base/text.h"
 
 namespace panwright::studio {
@@ -17,6 +15,7 @@ namespace {
 
 constexpr int kMaxWaitFrames = 40000;  // minutes
 constexpr int kWidgetFrames = 60;      // frames to wait for a widget
+constexpr std::uint64_t kMaxReplacedBytes = std::uint64_t{1} << 30;
 
 int key_of(const std::string& name) {
   if (name.size() == 1 && name[0] >= 'A' && name[0] <= 'Z') return GLFW_KEY_A + name[0] - 'A';
@@ -110,6 +109,10 @@ bool ScriptRunner::wait(const Step& step, MainWindow& window) {
       fail("no curves of a material are displayed");
     return !window.sampling();
   }
+  if (const std::string why = window.settled() ? window.failure() : std::string(); !why.empty()) {
+    fail("there is no image of this view: " + why);
+    return true;
+  }
   if (step.name == "compared" && window.settled()) {
     if (window.state("compare") == "off") fail("no comparison is active: see compare/split");
     return !window.state("reference samples")->empty();
@@ -165,20 +168,18 @@ bool ScriptRunner::move(const Step& step, MainWindow& window) {
 
 bool ScriptRunner::replace(const Step& step) {
   const std::filesystem::path path = folder_ / step.name;
-  std::ifstream in(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const auto at = text.find(step.value);
-  if (!in || at == std::string::npos) {
+  DiagnosticLog log;
+  auto text = read_file(path, kMaxReplacedBytes, log);
+  const auto at = text ? text->find(step.value) : std::string::npos;
+  if (text && at == std::string::npos) {
     fail(fmt::format("{} does not contain {}", path.string(), in_quotes(step.value)));
     return false;
   }
-  text.replace(at, step.value.size(), step.with);
   // replaced as a whole, as editors do
-  const std::filesystem::path whole = path.string() + ".new";
-  std::ofstream(whole, std::ios::binary) << text;
-  std::error_code error;
-  std::filesystem::rename(whole, path, error);
-  if (error) fail(fmt::format("{} cannot be written: {}", path.string(), error.message()));
+  if (!text || !write_file(path, as_bytes(text->replace(at, step.value.size(), step.with)), log)) {
+    fail(log.entries()[0].message);
+    return false;
+  }
   return true;
 }
 

@@ -46,7 +46,7 @@ std::optional<std::string> MainWindow::state(const std::string& name) const {
         std::count_if(models.messages.begin(), models.messages.end(),
                       [](const Message& each) { return each.severity == Severity::error; }));
   // of the image
-  if (name == "exact") return boolean(result != nullptr && result->exact);
+  if (name == "exact") return boolean(result != nullptr && result->exact && !result->failed);
   if (name == "edges")
     return std::to_string(
         result != nullptr ? std::count(result->edges.begin(), result->edges.end(), 255) : 0);

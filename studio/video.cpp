@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -114,7 +115,13 @@ void Video::start(VideoRequest request) {
     job_ = Job(JobOptions{});
   }
   thread_ = std::thread([this, request = std::move(request), job = job_] {
-    work(request, job);
+    try {
+      work(request, job);
+    } catch (const std::exception&) {
+      DiagnosticLog log;
+      report_exception(log);
+      set_message(log.entries()[0].message);
+    }
     const std::lock_guard lock(mutex_);
     status_.busy = false;
   });
@@ -122,6 +129,7 @@ void Video::start(VideoRequest request) {
 
 bool Video::draw(const VideoRequest& request, const std::vector<fs::path>& frames, const Job& job) {
   DiagnosticLog log;
+  log.set_files(request.files);
   workspace::ViewMaker maker(*request.world);
   std::vector<workspace::View> views;
   std::optional<workspace::DrawOptions> options;
@@ -165,6 +173,9 @@ void Video::work(const VideoRequest& request, const Job& job) {
                                     extension) == std::end(kVideoExtensions))
     return set_message(
         fmt::format("videos are .mp4, .mkv, .mov, .webm, .avi or .gif, not '{}'", extension));
+  DiagnosticLog log;
+  if (!program.empty() && !request.files->may_write(request.output, log))
+    return set_message(log.entries()[0].message);
   fs::path folder = request.output;
   folder.replace_extension();
   folder += "-frames";

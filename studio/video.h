@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/file_uses.h"
 #include "base/job.h"
 #include "preview/context.h"
 #include "studio/view_state.h"
@@ -45,6 +46,7 @@ struct VideoRequest {
   std::vector<ViewState> views;
   std::uint32_t width = 0, height = 0;  // pixels
   preview::ContextKind context = preview::ContextKind::automatic;
+  std::shared_ptr<FileUses> files = std::make_shared<FileUses>();  // of the models
 };
 
 // Makes one video at a time, on a thread of its own.

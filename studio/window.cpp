@@ -15,7 +15,10 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_uses.h"
 #include "base/png.h"
+#include "base/text.h"
+#include "preview/image.h"
 #include "studio/main_window.h"
 #include "studio/script_runner.h"
 
@@ -124,6 +127,12 @@ class Screen {
   }
 
   bool screenshot(const std::filesystem::path& path, DiagnosticLog& log) {
+    if (!log.files()->will_write(path, "the screenshot", log)) return false;
+    if (preview::image_format(path) != preview::ImageFormat::png) {
+      log.report(Code::E0202, {},
+                 fmt::format("screenshots are written as .png, not {}", in_quotes(path.string())));
+      return false;
+    }
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     std::vector<std::uint8_t> pixels(4 * static_cast<std::size_t>(width) *
@@ -265,6 +274,8 @@ class FrameLoop {
     if (actions.size)
       glfwSetWindowSize(screen_.window(), static_cast<int>(actions.size->x),
                         static_cast<int>(actions.size->y));
+    // one after the other may have the same name
+    log.set_files(contents_.project().inputs());
     if (!actions.screenshot.empty() && !screen_.screenshot(actions.screenshot, log)) return false;
     return !actions.end;
   }

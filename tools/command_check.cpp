@@ -21,6 +21,8 @@ namespace panwright::tools {
 namespace command_check {
 namespace {
 
+constexpr int kCancelled = 130;
+
 struct Options {
   CommonOptions common;
   ReadOptions read;
@@ -93,18 +95,17 @@ int watch(const Options& options, const Host& host) {
     std::vector<workspace::FileStamp> known;
     for (const std::filesystem::path& file : files) known.push_back(workspace::stamp_of(file));
     bool cancelled = false;
-    const int code = check_all(options, host, files, cancelled);
-    if (cancelled) return code;
+    (void)check_all(options, host, files, cancelled);
+    if (cancelled) return kCancelled;
     for (const std::filesystem::path& file : files)
       if (std::none_of(known.begin(), known.end(),
                        [&](const auto& stamp) { return stamp.path == file; }))
         known.push_back(workspace::stamp_of(file));
     print("watching {}\n", counted(known.size(), "file"));
     std::fflush(stdout);
-    while (!workspace::have_changed(known)) {
-      if (host.job.cancelled()) return code;
+    while (!workspace::have_changed(known, host.job) && !host.job.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
+    if (host.job.cancelled()) return kCancelled;
     print("\n");
   }
 }

@@ -72,14 +72,25 @@ std::string make_escaped(const std::string& path) {
   return out;
 }
 
-bool write_depfile(const Options& options, const std::string& output,
-                   const std::vector<scene::Input>& inputs, DiagnosticLog& log) {
+// The dependency file; nothing where a name does not fit into one: reported.
+Result<std::string> dependencies(const Options& options, const std::string& output,
+                                 const std::vector<scene::Input>& inputs, DiagnosticLog& log) {
   const auto folder = std::filesystem::path(options.input).parent_path();
-  std::string text = make_escaped(output) + ":";
+  bool good = true;
+  const auto named = [&](const std::string& path) {
+    if (path.find_first_of("\n\r") != path.npos) {
+      log.report_file(Code::E0103, options.depfile,
+                      fmt::format("the name {} has a line end, which dependency files cannot hold",
+                                  in_quotes(path)));
+      good = false;
+    }
+    return make_escaped(path);
+  };
+  std::string text = named(output) + ":";
   for (const scene::Input& input : inputs)
-    text += " \\\n  " + make_escaped((folder / input.path).lexically_normal().string());
-  text += "\n";
-  return write_file(options.depfile, as_bytes(text), log);
+    text += " \\\n  " + named((folder / input.path).lexically_normal().string());
+  if (!good) return failed;
+  return text + "\n";
 }
 
 nlohmann::ordered_json as_json(const compiler::Report& report) {
@@ -125,7 +136,12 @@ int run(const Options& options, const Host& host) {
     if (!read->cache.empty()) context.add_work(steps.work);
     return context.finish();
   }
-  const std::vector<scene::Input> inputs = scene->inputs;
+  std::string rule;
+  if (!options.depfile.empty()) {
+    const auto made = dependencies(options, output, scene->inputs, log);
+    if (!made) return context.finish();
+    rule = *made;
+  }
   const auto report = workspace::write_pan(*scene, *read,
                                            {.output = output,
                                             .strip_sources = options.strip_sources,
@@ -138,7 +154,7 @@ int run(const Options& options, const Host& host) {
   if (!read->cache.empty()) context.add_work(steps.work);
   // what was cancelled has made nothing that could depend on the inputs
   if (!options.depfile.empty() && !context.job().cancelled() &&
-      write_depfile(options, output, inputs, log))
+      write_file(options.depfile, as_bytes(rule), log))
     context.wrote(options.depfile);
   if (!report) return context.finish();
   context.wrote(output, counted(report->triangles, "triangle") +

@@ -79,7 +79,7 @@ CommandContext::CommandContext(std::string command, const CommonOptions& options
   (*result_)["schema"] = 1;  // the number that schema_id ends with
   (*result_)["schema_id"] = fmt::format("panwright/{}/1", command_);
   (*result_)["command"] = command_;
-  log_.set_files(std::make_shared<FileUses>());
+  log_.set_files(std::make_shared<FileUses>(job_));
   if (!options.sarif.empty())
     files().will_write(options.sarif, "--sarif", log_, FileUses::Output::diagnostics);
 }

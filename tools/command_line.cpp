@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
-#include <new>
 #include <span>
 
 #include "base/text.h"
@@ -25,11 +25,15 @@ constexpr int kInternal = 70;
 constexpr int kCancelled = 130;
 
 // --json promises one object on standard output, whatever happens.
-int usage_error(const std::string& command, std::string message,
-                const std::vector<std::string>& words) {
+CommandContext context_of(const std::string& command, const std::vector<std::string>& words) {
   CommonOptions common;
   common.json = std::find(words.begin(), words.end(), "--json") != words.end();
-  CommandContext context(command, common, {});
+  return {command, common, {}};
+}
+
+int usage_error(const std::string& command, std::string message,
+                const std::vector<std::string>& words) {
+  CommandContext context = context_of(command, words);
   context.log().report(Code::E0201, {}, std::move(message));
   return context.finish();
 }
@@ -49,7 +53,13 @@ int run_command(DescribedCommand& command, const std::string& program,
   }
   if (auto error = command.arguments->parse(program, words))
     return usage_error(command.command.name, std::move(error->message), words);
-  return command.command.run(host);
+  try {
+    return command.command.run(host);
+  } catch (const std::exception&) {
+    CommandContext context = context_of(command.command.name, words);
+    report_exception(context.log());
+    return context.finish();
+  }
 }
 
 // A program that is one command.
@@ -115,12 +125,12 @@ int run_unchecked(int argc, const char* const* argv, const Host& host) {
     if (name == "vrmltopan" || name == "gltftopan")
       return run_single(importer_command(name), std::move(words), host);
     return run_panwright(words, host);
-  } catch (const std::bad_alloc&) {
-    print(stderr, "panwright: out of memory\n");
-  } catch (const std::exception& error) {
-    print(stderr, "panwright: internal error: {}\n", error.what());
+  } catch (const std::exception&) {
+    DiagnosticLog log;
+    report_exception(log);
+    print(stderr, "{}", to_text(log));
+    return exit_code(log);
   }
-  return kInternal;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "base/text.h"
@@ -44,6 +45,33 @@ bool is_name(std::string_view name) {
   return !name.empty() && name[0] != '-' && std::all_of(name.begin(), name.end(), plain);
 }
 
+// What is made, until all of it is there.
+class Unfinished {
+ public:
+  ~Unfinished() {
+    std::error_code ignored;
+    for (auto made = made_.rbegin(); made != made_.rend(); ++made) fs::remove(*made, ignored);
+  }
+  void add(const fs::path& made) { made_.push_back(made); }
+  void keep() { made_.clear(); }
+
+  // Makes a folder and those around it.
+  std::error_code make_folders(const fs::path& folder) {
+    std::error_code error;
+    std::vector<fs::path> missing;
+    for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path())
+      missing.push_back(at);
+    for (auto at = missing.rbegin(); at != missing.rend(); ++at) {
+      if (fs::create_directory(*at, error)) add(*at);
+      if (error) break;
+    }
+    return error;
+  }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
 int run(const Options& options, const Host& host) {
   CommandContext context("new", options.common, host);
   DiagnosticLog& log = context.log();
@@ -62,19 +90,24 @@ int run(const Options& options, const Host& host) {
     log.report_file(Code::E0103, folder.string(), "it already exists and is not an empty folder");
     return context.finish();
   }
-  fs::create_directories(folder, error);
-  if (error) {
-    log.report_file(Code::E0103, folder.string(), error.message());
+  Unfinished unfinished;
+  if (const std::error_code failure = unfinished.make_folders(folder)) {
+    log.report_file(Code::E0103, folder.string(), failure.message());
     return context.finish();
   }
   std::string text = project_text();
   for (std::size_t at = 0; (at = text.find("@NAME@", at)) != std::string::npos;)
     text.replace(at, 6, name);
+  const std::pair<fs::path, std::string> contents[] = {{folder / (name + ".pxn"), text},
+                                                       {folder / "pxn.xsd", schema_text()}};
+  for (const auto& [file, content] : contents) {
+    if (!write_file(file, as_bytes(content), log)) return context.finish();
+    unfinished.add(file);
+  }
+  unfinished.keep();
   context.result()["folder"] = folder.string();
   context.result()["files"] = nlohmann::ordered_json::array();
-  for (const auto& [file, content] :
-       {std::pair{folder / (name + ".pxn"), text}, std::pair{folder / "pxn.xsd", schema_text()}}) {
-    if (!write_file(file, as_bytes(content), log)) return context.finish();
+  for (const auto& [file, content] : contents) {
     context.wrote(file.string());
     context.result()["files"].push_back(file.string());
   }

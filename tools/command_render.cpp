@@ -280,6 +280,10 @@ bool follow_record(const Options& options, workspace::ViewText typed, Work& work
   if (given.max_error) work.open.max_error = given.max_error;
   if (!given.budget.empty()) work.open.budget = given.budget;
   if (options.gl == "auto") work.context = *preview::context_kind_from_name(record->context);
+  const bool lens = typed.fov || typed.ifov || typed.intrinsics || typed.ortho;
+  const bool keeps = record->view.field_of_view && !lens;
+  if (keeps && typed.size) workspace::keep_field_of_view(record->view, *typed.size);
+  typed.field_of_view = keeps;
   work.views = {workspace::with_defaults(std::move(typed), record->view)};
   work.record = *std::move(record);
   return true;

@@ -71,7 +71,7 @@ class Lines {
 
 // The first of the order of exit_code() that occurs.
 int worse(int a, int b) {
-  constexpr int kOrder[] = {130, 2, 3, 4, 1, 0};
+  constexpr int kOrder[] = {130, 70, 2, 3, 4, 1, 0};
   for (const int code : kOrder)
     if (a == code || b == code) return code;
   return a;
@@ -163,7 +163,11 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
     workspace::RunListener own = listener;
     own.step = {};  // a process may answer for as long as it likes: nothing is kept
     own.written = [&](const workspace::Written& image) { answer.take(image); };
-    if (good) (void)session.run({&view, 1}, own, log, job);
+    try {
+      if (good) (void)session.run({&view, 1}, own, log, job);
+    } catch (const std::exception&) {
+      report_exception(log);  // the next view may fit
+    }
     answer.print_line(view, log);
     if (log.has_errors()) code = worse(code, exit_code(log));
     if (std::ferror(stdout) != 0) return code;

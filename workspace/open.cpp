@@ -335,9 +335,9 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   // a guessed unit has been said with the sizes by it; one cause has one warning
   // and what an error has left out, or a unit that was not read, leaves no size to judge
   compile.check_size = guessed_units(log) == guesses && log.errors() == errors;
-  const auto bytes = compiler::compiled(*scene, compile, log, job);
+  auto bytes = compiler::compiled(*scene, compile, log, job);
   if (!bytes) return failed;
-  auto model = pan::Model::from_bytes(*bytes, path.string(), log);
+  auto model = pan::Model::from_bytes(*std::move(bytes), path.string(), log);
   if (!model || !model->check(log, job)) return failed;
   return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -24,6 +25,26 @@ constexpr int kSchema = 1;
 constexpr std::size_t kMaxRecordBytes = 64u << 20;
 
 Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+// Names of files may hold any bytes, JSON texts only UTF-8.
+Json as_written(const std::string& name) {
+  if (to_utf8(name, Encoding::utf8) == name) return name;
+  std::string hex;
+  for (const char c : name) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  return {{"bytes", hex}};
+}
+
+std::optional<std::string> from_hex(std::string_view hex) {
+  std::string out;
+  if (hex.size() % 2 != 0) return std::nullopt;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    unsigned value = 0;
+    const char* const end = hex.data() + i + 2;
+    if (std::from_chars(hex.data() + i, end, value, 16).ptr != end) return std::nullopt;
+    out += static_cast<char>(value);
+  }
+  return out;
+}
 
 // Options of reading that are not as they are by default. `visit(name, member)` sees all of them.
 template <class Open, class Visit>
@@ -54,6 +75,8 @@ Json reading(const OpenOptions& open) {
     return [&out](const char* name, const auto& value) {
       if constexpr (requires { value.has_value(); })
         out[name] = value ? Json(*value) : Json();
+      else if constexpr (requires { value.size(); })
+        out[name] = as_written(value);
       else
         out[name] = value;
     };
@@ -206,7 +229,13 @@ Json keypoints_of(const world::World& world, const world::Camera& camera) {
 
 bool read_option(const json& value, std::string& out) {
   if (value.is_string()) out = value.get<std::string>();
-  return value.is_string();
+  if (value.is_string()) return true;
+  const auto bytes = value.is_object() ? value.find("bytes") : value.end();
+  const auto name = value.is_object() && bytes != value.end() && bytes->is_string()
+                        ? from_hex(bytes->get_ref<const std::string&>())
+                        : std::nullopt;
+  if (name) out = *name;
+  return name.has_value();
 }
 bool read_option(const json& value, bool& out) {
   if (value.is_boolean()) out = value.get<bool>();
@@ -226,8 +255,9 @@ bool read_option(const json& value, std::uint32_t& out) {
 }
 
 std::string text_of(const json& object, const char* name) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  std::string out;
+  if (const auto found = object.find(name); found != object.end()) (void)read_option(*found, out);
+  return out;
 }
 
 // Why a record cannot be read; empty: it can.
@@ -259,6 +289,7 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
   if (view == value.end() || !view->is_object()) return "no view";
   if (!parse_view(view->dump(), 0, {}, record.view, log)) return "its view";
   record.view.label.clear();
+  record.view.field_of_view = value.contains("field_of_view");
   return {};
 }
 
@@ -268,7 +299,7 @@ std::string recorded_program() { return "panwright " PANWRIGHT_VERSION; }
 
 std::string record_text(const world::World& world, const world::Camera& camera,
                         std::optional<double> ev, const DrawOptions& draw,
-                        const RecordSource& source) {
+                        const RecordSource& source, bool field_of_view) {
   Json record;
   record["schema"] = kSchema;
   record["program"] = recorded_program();
@@ -276,12 +307,14 @@ std::string record_text(const world::World& world, const world::Camera& camera,
   for (std::size_t i = 0; i < world.size(); ++i) {
     Json target;
     target["name"] = world[i].name();
-    if (i < source.files.size()) target["file"] = source.files[i];
+    if (i < source.files.size()) target["file"] = as_written(source.files[i]);
     target["build_id"] = world[i].model()->build_id().hex();
     record["targets"].push_back(std::move(target));
     moved = moved || !world[i].node_states().empty() || !world[i].visible();
   }
   if (moved) record["nodes_moved"] = true;
+  if (field_of_view && camera.projection == world::Projection::perspective)
+    record["field_of_view"] = true;
   if (const Json options = reading(source.open); !options.empty()) record["reading"] = options;
   if (draw.engine == Engine::gl && draw.context != preview::ContextKind::automatic)
     record["context"] = draw.context == preview::ContextKind::egl ? "egl" : "osmesa";
@@ -339,6 +372,15 @@ Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& lo
   log.report_file(Code::E0207, image.string(),
                   "the record of how the image was made cannot be read: " + wrong);
   return failed;
+}
+
+void keep_field_of_view(ViewText& view, std::string_view size) {
+  const auto before = image_size(view.size.value_or("")), now = image_size(size);
+  const auto lens = parse_numbers(view.intrinsics.value_or(""), 4);
+  if (!before || !now || !lens || *before == *now) return;
+  const double times = static_cast<double>(now->first) / before->first;
+  view.intrinsics = fmt::format("{} {} {} {}", times * (*lens)[0], times * (*lens)[1],
+                                now->first / 2.0, now->second / 2.0);
 }
 
 std::filesystem::path find_recorded(const std::string& file, const std::filesystem::path& image) {

@@ -24,10 +24,12 @@ struct RecordSource {
 // Returns one JSON object in ASCII: schema, program (with its version), targets (name, file, build
 // identity), options of reading them, and the view with all choices, in the form of a views file.
 // Keypoints are in it with their pixels and depths. No output, time or machine-specific path: files
-// are as in `source`.
+// are as in `source`; those that are not UTF-8 are {"bytes": "…"}, hexadecimal.
+//
+//   field_of_view  the lens was given as one: with another size it stays
 std::string record_text(const world::World& world, const world::Camera& camera,
                         std::optional<double> ev, const DrawOptions& draw,
-                        const RecordSource& source);
+                        const RecordSource& source, bool field_of_view = false);
 
 // Adds to a record the names of an image's ids: paths of nodes and names of materials by target,
 // each by its number in the layer. Only those that the image has; nothing without ground truth.
@@ -55,6 +57,9 @@ std::string recorded_program();
 //
 // Fails: E0101, E0102, E0202; E0207 without one that this program can read.
 Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& log);
+
+// Fits the intrinsics that stand for a field of view to another image size, as "640x480".
+void keep_field_of_view(ViewText& view, std::string_view size);
 
 // Finds the file of a recorded target: as recorded, from the working directory, else from the
 // folder of the image or the nearest folder around it that has it. If not found: as recorded.

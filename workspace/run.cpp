@@ -9,6 +9,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -80,6 +81,13 @@ std::vector<std::string> outputs_of(const View& view) {
   std::vector<std::string> outputs{view.output};
   outputs.insert(outputs.end(), view.more_outputs.begin(), view.more_outputs.end());
   return outputs;
+}
+
+bool stores_ground_truth(const View& view, const DrawOptions& draw) {
+  const std::vector<std::string> outputs = outputs_of(view);
+  return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
+    return preview::stores_ground_truth(*preview::image_format(output), draw.files);
+  });
 }
 
 const DrawOptions& options_of(const View& view, const RunOptions& options) {
@@ -167,6 +175,28 @@ class Run {
         job_(job),
         current_(world) {}
 
+  // An image that does not fit into memory. False: another lack of it.
+  bool report_memory() {
+    constexpr std::uint64_t kSmall = std::uint64_t{1} << 24;  // pixels
+    const std::uint64_t pixels =
+        current_view_ ? std::uint64_t{current_view_->camera.width} * current_view_->camera.height
+                      : 0;
+    if (pixels < kSmall) return false;
+    log_.report_file(
+        Code::E5003, {},
+        fmt::format("{}{}there is not enough memory for an image of {} by {} pixels, which takes "
+                    "{:.3g} GB and as much again while it is drawn",
+                    current_view_->label, current_view_->label.empty() ? "" : ": ",
+                    current_view_->camera.width, current_view_->camera.height,
+                    1e-9 * static_cast<double>(
+                               pixels * (stores_ground_truth(*current_view_,
+                                                             options_of(*current_view_, options_))
+                                             ? 48
+                                             : 16))),
+        "a smaller --size; PNG and NPY take a third of EXR");
+    return true;
+  }
+
   Result<std::size_t> run() {
     if (!are_sound(world_, views_, log_)) return failed;
     if (views_.empty()) return std::size_t{0};
@@ -236,6 +266,7 @@ class Run {
   bool begin(std::size_t index, Phase& phase) {
     job_.poll();
     const View& view = views_[index];
+    current_view_ = &view;
     const DrawOptions& draw = options_of(view, options_);
     if (auto& wanted = drawers_.of(draw); !wanted || &*wanted != drawer_) {
       // images of two engines end in their order, too
@@ -245,10 +276,7 @@ class Run {
     }
     drawer_->set_options(draw);
     show(view, world_, current_);
-    bool ground_truth = false;
-    for (const std::string& output : outputs_of(view))
-      ground_truth =
-          ground_truth || preview::stores_ground_truth(*preview::image_format(output), draw.files);
+    const bool ground_truth = stores_ground_truth(view, draw);
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
     warn_of_inside(view);
@@ -263,7 +291,7 @@ class Run {
     describe(
         current_, view.camera, draw,
         record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev),
-                    draw, options_.source),
+                    draw, options_.source, view.field_of_view),
         drawing.metadata);
     drawing.seconds = seconds_since(start);
     drawing_.push_back(std::move(drawing));
@@ -275,6 +303,7 @@ class Run {
     Drawing drawing = std::move(drawing_.front());
     drawing_.pop_front();
     const View& view = views_[drawing.view];
+    current_view_ = &view;
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
     auto drawn = drawing.drawer->collect(apart, job_);
@@ -329,6 +358,7 @@ class Run {
 
   // Waits for the image that is being written. False: it could not be.
   bool retire() {
+    if (writing_) current_view_ = &views_[writing_->what.view];
     if (pending_.valid()) pending_.get();
     const std::unique_ptr<Writing> writing = std::move(writing_);
     if (writing == nullptr) return true;
@@ -431,7 +461,8 @@ class Run {
   DiagnosticLog& log_;
   const Job& job_;
   world::World current_;
-  Drawer* drawer_ = nullptr;  // in use
+  Drawer* drawer_ = nullptr;            // in use
+  const View* current_view_ = nullptr;  // that the work is on
   std::size_t done_ = 0;
   // labels of views, by W5006's and W5016's reasons
   std::map<std::pair<Code, std::string>, std::vector<std::string>> misplaced_;
@@ -458,12 +489,30 @@ Runner::~Runner() = default;
 
 Result<std::size_t> Runner::run(const world::World& world, std::span<const View> views,
                                 const RunOptions& options, DiagnosticLog& log, const Job& job) {
-  auto done =
-      run_job(job, log, [&] { return Run(world, views, options, *drawers_, log, job).run(); });
-  if (!done)
+  bool whole = true;
+  const auto drop_drawers = [&] {
     for (std::optional<Drawer>* drawer : {&drawers_->gl, &drawers_->reference})
-      if (*drawer && ((*drawer)->in_flight() > 0 || log.contains(Code::E5001))) drawer->reset();
-  return done;
+      if (*drawer && (!whole || (*drawer)->in_flight() > 0 || log.contains(Code::E5001)))
+        drawer->reset();
+  };
+  try {
+    auto done = run_job(job, log, [&]() -> Result<std::size_t> {
+      Run run(world, views, options, *drawers_, log, job);
+      try {
+        return run.run();
+      } catch (const std::bad_alloc&) {
+        whole = false;
+        if (!run.report_memory()) throw;
+        return failed;
+      }
+    });
+    if (!done) drop_drawers();
+    return done;
+  } catch (...) {
+    whole = false;
+    drop_drawers();  // what they hold may be half made
+    throw;
+  }
 }
 
 }  // namespace panwright::workspace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <tuple>
 
 #include "base/angle_text.h"
 #include "base/text.h"
@@ -20,6 +21,10 @@ constexpr double kDefaultFieldOfView = 30 * kDegree;
 constexpr double kMargin = 1.1;        // of the targets' radius, around it in the image
 constexpr double kWidestDefault = 90;  // degrees
 constexpr std::uint32_t kMaxSide = 16384;
+// of focal lengths, pixels; orthographic: pixels per metre
+constexpr double kLeastFocal = 1e-30;
+constexpr double kMostFocal = 1e15;
+constexpr double kLargestModel = 1e30;  // metres, as coordinates of models
 
 // Reads texts one by one and remembers whether any of them failed.
 class ViewReader {
@@ -104,9 +109,9 @@ class ViewReader {
   bool ok_ = true;
 };
 
-void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) {
-  if (!text.size) return;
-  const std::string_view size = *text.size;
+}  // namespace
+
+std::optional<std::pair<std::uint32_t, std::uint32_t>> image_size(std::string_view size) {
   const std::size_t cross = size.find_first_of("xX, ");
   const auto side = [&](std::string_view digits) -> std::uint32_t {
     std::uint32_t value = 0;
@@ -118,10 +123,17 @@ void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) 
   const std::size_t second = cross == size.npos ? cross : size.find_first_not_of(", ", cross + 1);
   const std::uint32_t height =
       cross == size.npos ? width : side(second == size.npos ? "" : size.substr(second));
-  if (width == 0 || height == 0)
-    reader.fail("size", *text.size, "WIDTHxHEIGHT, each from 1 to 16384 pixels");
-  camera.width = std::max(width, 1u);
-  camera.height = std::max(height, 1u);
+  if (width == 0 || height == 0) return std::nullopt;
+  return std::pair(width, height);
+}
+
+namespace {
+
+void read_size(const ViewText& text, ViewReader& reader, world::Camera& camera) {
+  if (!text.size) return;
+  const auto size = image_size(*text.size);
+  if (!size) reader.fail("size", *text.size, "WIDTHxHEIGHT, each from 1 to 16384 pixels");
+  std::tie(camera.width, camera.height) = size.value_or(std::pair(1u, 1u));
 }
 
 // Focal lengths and principal point, when the text gives them.
@@ -156,6 +168,17 @@ bool read_lens(const ViewText& text, ViewReader& reader, world::Camera& camera) 
     if (const auto width = reader.positive("ortho", text.ortho, "a width in metres above 0"))
       world::set_orthographic(camera, camera.width, camera.height, *width);
   }
+  for (int k = 0; k < 2 && reader.ok() && given > 0; ++k) {
+    if (camera.focal[k] >= kLeastFocal && camera.focal[k] <= kMostFocal) continue;
+    const char* name = text.fov ? "fov" : text.ifov ? "ifov" : text.ortho ? "ortho" : "intrinsics";
+    const std::string& value = text.fov     ? *text.fov
+                               : text.ifov  ? *text.ifov
+                               : text.ortho ? *text.ortho
+                                            : *text.intrinsics;
+    reader.fail(name, value,
+                text.ortho ? "a width with pixels of 1e-15 to 1e30 m"
+                           : "a focal length of at most 1e15 pixels");
+  }
   return given > 0;
 }
 
@@ -165,8 +188,11 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   const double sine = std::min(1.0, kMargin * sphere.radius / std::max(distance, 1e-300));
   const double widest = 0.5 * kWidestDefault * kDegree;
   const double half = std::min(widest, std::asin(sine));
-  // the shorter side decides
-  const double aspect = double(camera.width) / std::min(camera.width, camera.height);
+  // the shorter side decides, or a fourth of the longer one: in a line of pixels the targets would
+  // be a dot
+  const double shorter = std::max(double(std::min(camera.width, camera.height)),
+                                  0.25 * std::max(camera.width, camera.height));
+  const double aspect = camera.width / shorter;
   const double fov = std::min(2 * std::atan(aspect * std::tan(half)), 0.99 * kPi);
   world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
@@ -228,6 +254,13 @@ void read_attitude(const ViewText& text, const Sphere& sphere, ViewReader& reade
     camera.position = *position;
   } else {
     const BoundingSphere around = sphere();
+    if (!(around.radius <= kLargestModel)) {
+      log.report(Code::E0201, {},
+                 fmt::format("the targets are {:.3g} m large, expected at most {} m where no "
+                             "--camera is given",
+                             2 * around.radius, kLargestModel));
+      return reader.failed_elsewhere();
+    }
     const double distance = kMargin * around.radius / std::sin(0.5 * kDefaultFieldOfView);
     camera.position = around.centre + distance * glm::normalize(Vec3(-0.5, -1, 0.4));
   }
@@ -360,6 +393,7 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   View view;
   view.label = text.label;
+  view.field_of_view = text.field_of_view || !(text.ifov || text.intrinsics || text.ortho);
   world::World posed = world_;
   read_size(text, reader, view.camera);
   for (const PoseText& pose : text.poses) read_pose(pose, reader, posed, view, log);

@@ -2,6 +2,7 @@
 // views file. Syntax: docs/conventions.md 2–7.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ struct View {
   std::string output;               // .png, .exr, .npy or .npz
   double ev = 0;                    // stops, of a PNG
   bool auto_ev = false;             // from the image: workspace/exposure.h
+  bool field_of_view = false;       // the lens was given as one, or fitted
   std::vector<std::string> more_outputs;  // further files of the same image
   std::optional<DrawOptions> draw;        // none: those of the run
 };
@@ -114,6 +116,8 @@ struct ViewText {
   std::optional<std::string> no_sun_disc;       // flag
   std::optional<std::string> max_image_memory;  // bytes, as "2GB"
 
+  bool field_of_view = false;  // intrinsics stand for one, of an image of `size`
+
   std::string name;   // given by its author
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: options of a command
   std::string file;   // views file of origin; empty: none
@@ -139,6 +143,9 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
 // False: E0203.
 bool parse_view(std::string_view text, std::size_t index, const ViewText& defaults, ViewText& view,
                 DiagnosticLog& log);
+
+// Parses the size of an image, as "640x480" or "512": width and height, each 1 to 16384.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> image_size(std::string_view size);
 
 // Reports invalid values of a view, as far as possible without its targets: E0201 (of a views file:
 // E0203), E0202.

@@ -25,16 +25,16 @@ std::vector<FileStamp> stamps_of(const std::vector<FileStamp>& files) {
   return out;
 }
 
-bool have_changed(std::vector<FileStamp>& known) {
+bool have_changed(std::vector<FileStamp>& known, const Job& job) {
   std::vector<FileStamp> now = stamps_of(known);
   if (now == known) return false;
-  wait_until_still(now);
+  wait_until_still(now, job);
   known = std::move(now);
   return true;
 }
 
-void wait_until_still(std::vector<FileStamp>& known) {
-  for (;;) {
+void wait_until_still(std::vector<FileStamp>& known, const Job& job) {
+  while (!job.cancelled()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     std::vector<FileStamp> later = stamps_of(known);
     if (later == known) return;

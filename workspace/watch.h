@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "pan/model.h"
 
 namespace panwright::workspace {
@@ -23,9 +24,9 @@ FileStamp stamp_of(const std::filesystem::path& path);
 std::vector<FileStamp> stamps_of(const std::vector<FileStamp>& files);
 
 // Returns true if a file has changed. It then waits until all are stable for 30 ms, as editors
-// write in several steps, and updates `known`.
-bool have_changed(std::vector<FileStamp>& known);
-void wait_until_still(std::vector<FileStamp>& known);  // the second half of it
+// write in several steps, or the job is cancelled, and updates `known`.
+bool have_changed(std::vector<FileStamp>& known, const Job& job);
+void wait_until_still(std::vector<FileStamp>& known, const Job& job);  // the second half of it
 
 // Adds the inputs of a model besides the file `path`; and the files of diagnostics.
 void add_inputs(const pan::Model& model, const std::filesystem::path& path,

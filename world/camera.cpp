@@ -1,5 +1,6 @@
 #include "world/camera.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -57,12 +58,18 @@ void set_orthographic(Camera& camera, std::uint32_t width, std::uint32_t height,
 
 Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::optional<Vec3>& up,
                         DiagnosticLog& log) {
-  const Vec3 forward = target - position;
-  if (forward == Vec3(0) || !is_finite(forward)) {
+  const Vec3 line = target - position;
+  if (line == Vec3(0) || !is_finite(line)) {
     log.report_file(Code::E0201, {},
-                    "the camera is at the point that it looks at, expected another --look-at");
+                    line == Vec3(0)
+                        ? "the camera is at the point that it looks at, expected another --look-at"
+                        : "the camera is too far from the point that it looks at, expected less");
     return failed;
   }
+  // squares of the largest and the smallest lengths overflow or underflow a double; powers of two
+  // change no bit of the direction
+  const double longest = std::max({std::fabs(line.x), std::fabs(line.y), std::fabs(line.z)});
+  const Vec3 forward = line * std::ldexp(1.0, std::min(-std::ilogb(longest), 1000));
   if (up && (*up == Vec3(0) || !is_finite(*up))) {
     log.report_file(Code::E0201, {}, "--up is \"0 0 0\", expected a direction of another length");
     return failed;

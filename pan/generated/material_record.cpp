@@ -292,6 +292,18 @@ std::optional<std::string> material_limit_broken(const layout::Material& r) {
     default:
       break;
   }
+  if (!(r.diffuse[0] <= 1000000.0F)) return broken("diffuse[0]", r.diffuse[0], "at most 1e6");
+  if (!(r.diffuse[1] <= 1000000.0F)) return broken("diffuse[1]", r.diffuse[1], "at most 1e6");
+  if (!(r.diffuse[2] <= 1000000.0F)) return broken("diffuse[2]", r.diffuse[2], "at most 1e6");
+  if (!(r.specular[0] <= 1000000.0F)) return broken("specular[0]", r.specular[0], "at most 1e6");
+  if (!(r.specular[1] <= 1000000.0F)) return broken("specular[1]", r.specular[1], "at most 1e6");
+  if (!(r.specular[2] <= 1000000.0F)) return broken("specular[2]", r.specular[2], "at most 1e6");
+  if (!(r.emissive[0] <= 1000000.0F)) return broken("emissive[0]", r.emissive[0], "at most 1e6");
+  if (!(r.emissive[1] <= 1000000.0F)) return broken("emissive[1]", r.emissive[1], "at most 1e6");
+  if (!(r.emissive[2] <= 1000000.0F)) return broken("emissive[2]", r.emissive[2], "at most 1e6");
+  if (!(r.weight_d <= 1000000.0F)) return broken("weights[0]", r.weight_d, "at most 1e6");
+  if (!(r.weight_s <= 1000000.0F)) return broken("weights[1]", r.weight_s, "at most 1e6");
+  if (!(r.weight_e <= 1000000.0F)) return broken("weights[2]", r.weight_e, "at most 1e6");
   if (r.coat_index != 0) {
     if (!(r.coat_index >= 1.0F)) return broken("coat.index", r.coat_index, "at least 1");
   }
@@ -305,6 +317,12 @@ std::optional<std::string> material_limit_broken(const layout::Material& r) {
   if (!(r.cell_gap[1] <= 0.9F)) return broken("cells.gap[1]", r.cell_gap[1], "at most 0.9");
   if (!(r.fingers <= 10000.0F)) return broken("cells.fingers", r.fingers, "at most 1e4");
   if (!(r.finger_width <= 0.9F)) return broken("cells.finger_width", r.finger_width, "at most 0.9");
+  if (!(r.gap_color[0] <= 1000000.0F)) return broken("cells.gap_color[0]", r.gap_color[0], "at most 1e6");
+  if (!(r.gap_color[1] <= 1000000.0F)) return broken("cells.gap_color[1]", r.gap_color[1], "at most 1e6");
+  if (!(r.gap_color[2] <= 1000000.0F)) return broken("cells.gap_color[2]", r.gap_color[2], "at most 1e6");
+  if (!(r.finger_color[0] <= 1000000.0F)) return broken("cells.finger_color[0]", r.finger_color[0], "at most 1e6");
+  if (!(r.finger_color[1] <= 1000000.0F)) return broken("cells.finger_color[1]", r.finger_color[1], "at most 1e6");
+  if (!(r.finger_color[2] <= 1000000.0F)) return broken("cells.finger_color[2]", r.finger_color[2], "at most 1e6");
   if (!(r.cutout_threshold <= 1.0F)) return broken("maps.threshold", r.cutout_threshold, "at most 1");
   return std::nullopt;
 }

@@ -109,16 +109,18 @@ void check_elements(const Model& model, SectionKind kind, std::uint64_t begin, s
     }
     case SectionKind::texcoords: {
       const layout::Float2* first = &model.texcoords()[begin];
-      if (all_finite(&first->x, 2 * n)) break;
+      constexpr auto kMost = static_cast<float>(layout::kMaxNumber);
+      if (all_between(&first->x, 2 * n, -kMost, kMost)) break;
       for (std::size_t i = 0; i < n; ++i)
-        if (!all_finite(&first[i].x, 2)) found.values.add(begin + i);
+        if (!all_between(&first[i].x, 2, -kMost, kMost)) found.values.add(begin + i);
       break;
     }
     case SectionKind::colors: {
       const layout::Float3* first = &model.colors()[begin];
-      if (all_finite_not_negative(&first->x, 3 * n)) break;
+      if (all_between(&first->x, 3 * n, 0, static_cast<float>(layout::kMaxColor))) break;
       for (std::size_t i = 0; i < n; ++i)
-        if (!all_finite_not_negative(&first[i].x, 3)) found.values.add(begin + i);
+        if (!all_between(&first[i].x, 3, 0, static_cast<float>(layout::kMaxColor)))
+          found.values.add(begin + i);
       break;
     }
     case SectionKind::indices:
@@ -181,16 +183,17 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
   } else if (kind == SectionKind::texcoords) {
     const layout::Float2& t = model.texcoords()[at];
     problems.push_back(
-        {Code::E4012, fmt::format("texcoords[{}] is {} {}, expected finite numbers{}", at, t.x, t.y,
-                                  others(found.values))});
+        {Code::E4012, fmt::format("texcoords[{}] is {} {}, expected magnitudes of at most {}{}", at,
+                                  t.x, t.y, layout::kMaxNumber, others(found.values))});
   } else {
     const bool normal = kind == SectionKind::normals;
     const layout::Float3& v = (normal ? model.normals() : model.colors())[at];
     problems.push_back(
         {Code::E4012,
-         fmt::format("{}[{}] is {} {} {}, expected {}{}", normal ? "normals" : "colours", at, v.x,
-                     v.y, v.z, normal ? "a unit vector" : "finite numbers of at least 0",
-                     others(found.values))});
+         fmt::format(
+             "{}[{}] is {} {} {}, expected {}{}", normal ? "normals" : "colours", at, v.x, v.y, v.z,
+             normal ? "a unit vector" : fmt::format("numbers from 0 to {}", layout::kMaxColor),
+             others(found.values))});
   }
 }
 

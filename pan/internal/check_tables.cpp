@@ -51,7 +51,13 @@ bool number_holds(FieldRuleKind kind, double value) {
 
 bool holds(const FieldRule& rule, const std::byte* at, std::uint64_t limit) {
   if (rule.type == FieldType::f64) return number_holds(rule.kind, load<double>(at));
-  if (rule.type == FieldType::f32) return number_holds(rule.kind, load<float>(at));
+  if (rule.type == FieldType::f32) {
+    const float value = load<float>(at);
+    // products of few parameters stay within single precision
+    const bool fits = rule.section != SectionKind::materials ||
+                      std::fabs(value) <= static_cast<float>(layout::kMaxNumber);
+    return fits && number_holds(rule.kind, value);
+  }
   const auto value = load<std::uint32_t>(at);
   switch (rule.kind) {
     case FieldRuleKind::zero:

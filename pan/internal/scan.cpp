@@ -45,28 +45,16 @@ bool all_below(const std::uint32_t* values, std::size_t n, std::uint32_t limit) 
   return below<U4>(values, n, limit);
 }
 
-bool all_finite(const float* values, std::size_t n) {
-  // note: x - x is 0 for finite x and NaN for the others
-  I4 bad{};
+bool all_between(const float* values, std::size_t n, float low, float high) {
+  const F4 least = F4{} + low, most = F4{} + high;
+  I4 in = ~I4{};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4) {
     const F4 v = load_lanes<F4>(values + i);
-    bad |= (v - v) != F4{};
+    in &= (v >= least) & (v <= most);
   }
-  bool good = none(bad);
-  for (; i < n; ++i) good &= values[i] - values[i] == 0;
-  return good;
-}
-
-bool all_finite_not_negative(const float* values, std::size_t n) {
-  I4 bad{};
-  std::size_t i = 0;
-  for (; i + 4 <= n; i += 4) {
-    const F4 v = load_lanes<F4>(values + i);
-    bad |= ((v - v) != F4{}) | (v < F4{});
-  }
-  bool good = none(bad);
-  for (; i < n; ++i) good &= values[i] - values[i] == 0 && values[i] >= 0;
+  bool good = none(~in);
+  for (; i < n; ++i) good &= values[i] >= low && values[i] <= high;
   return good;
 }
 

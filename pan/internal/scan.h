@@ -15,9 +15,8 @@ inline constexpr float kUnitTolerance = 1e-5f;
 bool all_below(const std::uint16_t* values, std::size_t n, std::uint32_t limit);
 bool all_below(const std::uint32_t* values, std::size_t n, std::uint32_t limit);
 
-// Returns true if n values are finite; and, with not_negative, at least 0.
-bool all_finite(const float* values, std::size_t n);
-bool all_finite_not_negative(const float* values, std::size_t n);
+// Returns true if n values are at least `low` and at most `high`; NaN is neither.
+bool all_between(const float* values, std::size_t n, float low, float high);
 
 // Returns true if n vectors of three lie in a box with finite corners; NaN lies in none.
 bool all_within(const float* vectors, std::size_t n, const float low[3], const float high[3]);

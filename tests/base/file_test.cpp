@@ -6,8 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <memory>
+#include <thread>
+
+#include "base/file_uses.h"
+#include "base/job.h"
 
 namespace panwright::file_test {
 namespace {
@@ -162,6 +168,38 @@ TEST_F(File, SaysWhyItCannotWrite) {
 }
 
 // They stay what they are.
+TEST_F(File, PipesAreWaitedFor) {
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string text(200'000, 'x');  // more than a pipe holds
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    std::ofstream out(pipe, std::ios::binary);
+    out << text.substr(0, 100'000) << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    out << text.substr(100'000);
+  });
+  const auto read = read_file(pipe, 1 << 20, log);
+  writer.join();
+  ASSERT_TRUE(read);
+  EXPECT_EQ(*read, text);
+}
+
+TEST_F(File, CancellingEndsTheWaitForAPipe) {
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const Job job(JobOptions{});
+  log.set_files(std::make_shared<FileUses>(job));
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    job.cancel();
+  });
+  EXPECT_FALSE(read_file(pipe, 1 << 20, log));
+  canceller.join();
+  EXPECT_TRUE(log.contains(Code::E0001));
+  EXPECT_FALSE(MappedFile::open(pipe, log));
+}
+
 TEST_F(File, DevicesAndPipesTakeWhatIsWritten) {
   EXPECT_TRUE(write_file("/dev/null", as_bytes("x"), log));
   const fs::path pipe = folder / "pipe";

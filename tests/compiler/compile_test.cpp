@@ -50,6 +50,46 @@ pan::Model load(const scene::Scene& scene, const Options& options = {}) {
   return std::move(*model);
 }
 
+// What readers of a pan refuse is an error at the element.
+TEST(Compile, NumbersOutOfRangeAreErrorsAtTheirElements) {
+  const auto problem = [](const scene::Scene& scene) {
+    EXPECT_EQ(scene::check(scene), "");
+    DiagnosticLog log;
+    const auto bytes = compiled(scene, {}, log);
+    if (bytes) {
+      const auto model = pan::Model::from_bytes(*bytes, "test.pan", log);
+      EXPECT_TRUE(model && model->check(log)) << to_text(log);
+    }
+    EXPECT_EQ(exit_code(log), 1);
+    for (const Diagnostic& each : log.entries())
+      if (each.severity() == Severity::error)
+        return std::string(code_info(each.code).name) + " " + each.message;
+    return std::string();
+  };
+  for (const geometry::Shape& shape : {geometry::Shape(geometry::Dish{1, 2, 1e-30}),
+                                       geometry::Shape(geometry::Dish{2, 1e-29, 0.1})}) {
+    scene::Scene thin = scene_with_nodes(1);
+    thin.shapes = {shape};
+    thin.instances = {at(1, 0)};
+    EXPECT_EQ(problem(thin).substr(0, 23), "E2011 model.pxn:3:7: pa");
+  }
+  // 1e9 to the 40th
+  scene::Scene chain = scene_with_nodes(41);
+  for (std::int32_t i = 1; i <= 41; ++i) {
+    chain.nodes[static_cast<std::size_t>(i)].source = {"model.pxn", static_cast<unsigned>(i), 1};
+    scene::Joint joint;
+    joint.node = i;
+    joint.kind = scene::JointKind::prismatic;
+    if (i == 1) joint.value = {1};
+    if (i > 1) joint.mimic = i - 2;
+    joint.multiplier = 1e9;
+    chain.joints.push_back(joint);
+  }
+  chain.shapes = {geometry::Box{Vec3(1)}};
+  chain.instances = {at(1, 0)};
+  EXPECT_EQ(problem(chain).substr(0, 38), "E2010 model.pxn:24:1: node 'n23' lies ");
+}
+
 TEST(Compile, EqualShapesAreStoredOnce) {
   scene::Scene scene = scene_with_nodes(4);
   scene.shapes = {geometry::Sphere{1, {{20, 30}}}, plate(0), geometry::Sphere{1, {{20, 30}}},

@@ -46,14 +46,17 @@ TEST(Scan, IndicesBelowALimit) {
   EXPECT_TRUE(all_below(&largest, 1, 0x10001));
 }
 
-TEST(Scan, FiniteNumbers) {
-  const std::vector<float> good(11, std::numeric_limits<float>::max());
-  at_each_place<float>(good, {kNan, kInfinity, -kInfinity},
-                       [](const auto& v) { return all_finite(v.data(), v.size()); });
-  at_each_place<float>(good, {kNan, kInfinity, -kInfinity, -1e-45f},
-                       [](const auto& v) { return all_finite_not_negative(v.data(), v.size()); });
+TEST(Scan, NumbersBetweenLimits) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  const std::vector<float> good(11, kMost);
+  at_each_place<float>(good, {kNan, kInfinity, -kInfinity}, [](const auto& v) {
+    return all_between(v.data(), v.size(), -kMost, kMost);
+  });
+  at_each_place<float>(std::vector<float>(11, 2),
+                       {kNan, kInfinity, -kInfinity, -1e-45f, 2.0000002f},
+                       [](const auto& v) { return all_between(v.data(), v.size(), 0, 2); });
   const float minus_zero = -0.0f;
-  EXPECT_TRUE(all_finite_not_negative(&minus_zero, 1));
+  EXPECT_TRUE(all_between(&minus_zero, 1, 0, 2));
 }
 
 TEST(Scan, VectorsInABox) {

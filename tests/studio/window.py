@@ -153,6 +153,19 @@ def main():
     with open(model, encoding="utf-8") as file:
         expect("one number of the text is another", file.read() == before.replace("0.5 0.5 0.5", "0.9 0.5 0.5"))
 
+    # no screenshot replaces a file of the models, or is of another kind
+    before = open(model, encoding="utf-8").read()
+    for name, code in (("door.pxn", "E0206"), ("door.jpg", "E0202")):
+        report = view(program, folder, [{"wait": "read"}, {"screenshot": name}], "door.pxn", code=2)
+        expect(f"{report['diagnostics']}", [each["code"] for each in report["diagnostics"]] == [code])
+    expect("the model is as it was", open(model, encoding="utf-8").read() == before)
+
+    # a view that cannot be drawn ends the script with the reason
+    report = view(program, folder, [
+        {"wait": "exact"}, {"click": "tab/Joints"}, {"type": ["joint/door/swivel/0", "1e300"]}, {"wait": "exact"}],
+        "door.pxn", code=2)
+    expect(f"{report['diagnostics']}", "there is no image of this view" in report["diagnostics"][0]["message"])
+
     # a number beyond the range of a slider is reported; small windows have all widgets and an image
     view(program, folder, [
         {"wait": "exact"}, {"type": ["camera/field of view", "1000"]}, {"expect": ["fov", "170"]},

@@ -312,6 +312,9 @@ void tables(Collection& add) {
            [](Material& m) { m.diffuse[1] = static_cast<float>(kNan); });
   material(Code::E4012, "a negative weight", [](Material& m) { m.weight_s = -0.5f; });
   material(Code::E4012, "a refractive index of zero", [](Material& m) { m.refract[2] = 0; });
+  material(Code::E4012, "a colour that overflows", [](Material& m) { m.finger_color[0] = 2e38f; });
+  material(Code::E4012, "a number that overflows",
+           [](Material& m) { m.albedo_deficit[3] = -2e12f; });
   material(Code::E4012, "a slope of zero", [](Material& m) { m.cook[1] = 0; });
   material(Code::E4012, "an unknown diffuse BRDF", [](Material& m) { m.diffuse_brdf = 5; });
   material(Code::E4012, "an unknown specular BRDF",

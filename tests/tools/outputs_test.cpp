@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace panwright::outputs_test {
 namespace {
@@ -154,6 +158,81 @@ TEST_F(Outputs, AreDifferentFilesBehindLinks) {
   refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", folder_ / "rule.d"}, "one file");
   refuses({"compile", model_, "-o", folder_ / "a.pan", "--sarif", folder_ / "rule.d"}, "one file");
 }
+
+// A full disk: nothing that is half made stays.
+TEST_F(Outputs, NewLeavesNothingHalfMade) {
+  const std::string folder = folder_ / "models/probe";
+  const Outcome full = shell("ulimit -f 1; \"$P\" new " + folder);
+  EXPECT_EQ(full.code, 3);
+  EXPECT_THAT(full.err, HasSubstr("E0103"));
+  EXPECT_FALSE(fs::exists(folder_ / "models"));
+  EXPECT_EQ(panwright({"new", folder}).code, 0);
+}
+
+// A line end ends a name in a dependency file.
+TEST_F(Outputs, DependencyFilesRefuseNamesWithLineEnds) {
+  const std::string odd = folder_ / "a\nb.pxn";
+  fs::copy_file(part_, odd);
+  const Outcome refused =
+      panwright({"compile", odd, "-o", folder_ / "odd.pan", "-M", folder_ / "odd.d"});
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("line end"));
+  EXPECT_FALSE(fs::exists(folder_ / "odd.pan") || fs::exists(folder_ / "odd.d"));
+  EXPECT_EQ(panwright({"compile", odd, "-o", folder_ / "odd.pan"}).code, 0);
+}
+
+TEST_F(Outputs, InputsMayBePipesWithLateWriters) {
+  const std::string moving = folder_.write(
+      "moving.pxn",
+      R"(<pangu_model ver="1"><joint name="a" type="continuous" axis="1 0 0"><box size="1"/></joint></pangu_model>)");
+  const std::string pipe = folder_ / "pipe";
+  const Outcome done = shell("mkfifo " + pipe + "; (sleep 0.3; echo '{\"a\": 10}' >" + pipe +
+                             ") & \"$P\" joints " + moving + " --joints " + pipe + "; wait");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("10 deg"));
+  // nobody writes: the first signal ends the wait
+  const Outcome ended =
+      support::run_and_signal({kProgram, "joints", moving, "--joints", pipe}, SIGTERM, 500'000);
+  EXPECT_EQ(ended.code, 128 + SIGTERM);
+}
+
+#ifndef PANWRIGHT_SANITIZED
+// One object, whatever happens; one code and one exit code of all commands.
+TEST_F(Outputs, JsonSaysThatThereIsNoMemory) {
+  const std::string large = folder_.write(
+      "large.pxn",
+      R"(<pangu_model ver="1"><ellipsoid radii="1" segments="100000" rings="100"/></pangu_model>)");
+  for (const std::string command : {"check", "info", "compile -o " + (folder_ / "large.pan")}) {
+    SCOPED_TRACE(command);
+    const Outcome out = shell("ulimit -v 600000; \"$P\" " + command + " " + large + " --json");
+    EXPECT_EQ(out.code, 1);
+    const auto result = nlohmann::json::parse(out.out, nullptr, false);
+    ASSERT_FALSE(result.is_discarded()) << out.out << out.err;
+    EXPECT_EQ(result["exit_code"], 1);
+    ASSERT_EQ(result["diagnostics"].size(), 1u) << out.out;
+    EXPECT_EQ(result["diagnostics"][0]["code"], "E0002");
+  }
+}
+
+// One view that does not fit is answered, and the next is drawn.
+TEST_F(Outputs, StreamsOfViewsGoOnWithoutMemory) {
+  const std::string lines = folder_.write(
+      "lines", "{\"output\": \"" + (folder_ / "a.npy") + "\", \"size\": \"8x8\"}\n{\"output\": \"" +
+                   (folder_ / "b.exr") + "\", \"size\": \"8000x8000\"}\n{\"output\": \"" +
+                   (folder_ / "c.npy") + "\", \"size\": \"8x8\"}\n");
+  const Outcome out = shell("ulimit -v 2000000; \"$P\" render " + part_ +
+                            " --engine reference --samples 1 --views - <" + lines);
+  EXPECT_EQ(out.code, 1) << out.err;
+  std::istringstream answers(out.out);
+  std::vector<bool> ok;
+  for (std::string line; std::getline(answers, line);) {
+    const auto answer = nlohmann::json::parse(line);
+    ok.push_back(answer["ok"]);
+    if (!ok.back()) EXPECT_EQ(answer["diagnostics"][0]["code"], "E5003") << line;
+  }
+  EXPECT_EQ(ok, (std::vector{true, false, true})) << out.out << out.err;
+}
+#endif
 
 TEST_F(Outputs, MayBeDevicesAndPipes) {
   EXPECT_EQ(panwright({"check", model_, "--sarif", "/dev/null"}).code, 0);
