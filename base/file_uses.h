@@ -21,7 +21,7 @@ class FileUses {
     diagnostics,  // is written even where another output is refused
   };
 
-  // job: of the run; cancelling it ends the wait for a pipe that nobody writes.
+  // job: of the run; cancelling it ends the wait for a pipe without a writer.
   explicit FileUses(Job job = {});
   ~FileUses();
 

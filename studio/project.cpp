@@ -34,6 +34,24 @@ bool is_pxn(const workspace::TargetFile& target) {
   return workspace::extension_of(target.file) == ".pxn";
 }
 
+// As workspace::open_world(), also without memory for it.
+Result<world::World> opened(const std::vector<workspace::TargetFile>& targets,
+                            const workspace::OpenOptions& open, DiagnosticLog& log,
+                            const Job& job) {
+  try {
+    return workspace::open_world(targets, open, log, job);
+  } catch (const std::exception&) {
+    report_exception(log);
+    return failed;
+  }
+}
+
+void add_inputs(const world::World& world, const std::vector<workspace::TargetFile>& targets,
+                std::set<std::filesystem::path>& files) {
+  for (std::size_t i = 0; i < world.size(); ++i)
+    workspace::add_inputs(*world[i].model(), targets[i].file, files);
+}
+
 }  // namespace
 
 std::vector<Message> messages_of(const DiagnosticLog& log) {
@@ -201,23 +219,15 @@ void Project::read_once(const std::vector<std::string>& files, const workspace::
     targets.push_back(workspace::target_file(file));
     paths.insert(targets.back().file);
   }
-  {
-    const std::lock_guard lock(mutex_);
-    for (const workspace::FileStamp& each : watched_) paths.insert(each.path);
-  }
-  for (const std::filesystem::path& path : paths) stamps.push_back(workspace::stamp_of(path));
   DiagnosticLog log(200);
   log.set_files(std::make_shared<FileUses>(job));
   {
     const std::lock_guard lock(mutex_);
+    for (const workspace::FileStamp& each : watched_) paths.insert(each.path);
     inputs_ = log.files();
   }
-  Result<world::World> world = failed;
-  try {
-    world = workspace::open_world(targets, open, log, job);
-  } catch (const std::exception&) {
-    report_exception(log);
-  }
+  for (const std::filesystem::path& path : paths) stamps.push_back(workspace::stamp_of(path));
+  auto world = opened(targets, open, log, job);
   log.sort_by_place();
   const bool foreign = std::none_of(targets.begin(), targets.end(), is_pxn);
   // without an earlier version, the targets that can be read stand for all
@@ -225,22 +235,19 @@ void Project::read_once(const std::vector<std::string>& files, const workspace::
   std::vector<workspace::TargetFile> good;
   if ((!world || log.has_errors()) && targets.size() > 1 && !state().world) {
     for (const workspace::TargetFile& each : targets) {
-      DiagnosticLog alone;
+      DiagnosticLog alone = log.apart();
       const std::vector<workspace::TargetFile> one{each};
-      if (workspace::open_world(one, open, alone, job) && (!alone.has_errors() || !is_pxn(each)))
+      if (opened(one, open, alone, job) && (!alone.has_errors() || !is_pxn(each)))
         good.push_back(each);
     }
-    DiagnosticLog ignored;
+    DiagnosticLog ignored = log.apart();
     if (!good.empty())
-      if (auto part = workspace::open_world(good, open, ignored, job)) some = *std::move(part);
+      if (auto part = opened(good, open, ignored, job)) some = *std::move(part);
   }
   // included files: known from good models, and from diagnostics
   std::set<std::filesystem::path> more;
-  if (world)
-    for (std::size_t i = 0; i < world->size(); ++i)
-      workspace::add_inputs(*(*world)[i].model(), targets[i].file, more);
-  for (std::size_t i = 0; some && i < some->size(); ++i)
-    workspace::add_inputs(*(*some)[i].model(), good[i].file, more);
+  if (world) add_inputs(*world, targets, more);
+  if (some) add_inputs(*some, good, more);
   workspace::add_sources(log, more);
   for (const std::filesystem::path& path : more)
     if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));

@@ -59,8 +59,10 @@ std::vector<OptionGroup> option_groups(const Arguments& arguments) {
 }
 
 std::string exit_code_words() {
-  return "0 success, 1 errors in a model or not enough memory (diff: models differ; fmt --check: files "
-         "would change), 2 wrong usage, 3 input or output error, 4 damaged pan file, 70 internal error, 130 stopped "
+  return "0 success, 1 errors in a model or not enough memory (diff: models differ; fmt --check: "
+         "files "
+         "would change), 2 wrong usage, 3 input or output error, 4 damaged pan file, 70 internal "
+         "error, 130 stopped "
          "by Ctrl-C (143, 129 by SIGTERM, SIGHUP)";
 }
 

@@ -256,9 +256,8 @@ void read_attitude(const ViewText& text, const Sphere& sphere, ViewReader& reade
     const BoundingSphere around = sphere();
     if (!(around.radius <= kLargestModel)) {
       log.report(Code::E0201, {},
-                 fmt::format("the targets are {:.3g} m large, expected at most {} m where no "
-                             "--camera is given",
-                             2 * around.radius, kLargestModel));
+                 fmt::format("the targets reach further than {} m, where a --camera must be given",
+                             kLargestModel));
       return reader.failed_elsewhere();
     }
     const double distance = kMargin * around.radius / std::sin(0.5 * kDefaultFieldOfView);

@@ -57,7 +57,7 @@ TEST(Compile, NumbersOutOfRangeAreErrorsAtTheirElements) {
     DiagnosticLog log;
     const auto bytes = compiled(scene, {}, log);
     if (bytes) {
-      const auto model = pan::Model::from_bytes(*bytes, "test.pan", log);
+      auto model = pan::Model::from_bytes(*bytes, "test.pan", log);
       EXPECT_TRUE(model && model->check(log)) << to_text(log);
     }
     EXPECT_EQ(exit_code(log), 1);

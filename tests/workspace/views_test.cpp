@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "compiler/compile.h"
+#include "preview/image.h"
+#include "tests/support/process.h"
+#include "workspace/record.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace::views_test {
@@ -120,6 +123,67 @@ TEST(MakeView, FieldOfViewIsHorizontalAndFull) {
   options.ifov.reset();
   options.intrinsics = "1000,1100,300,200";
   EXPECT_EQ(view_of(options).camera.focal, Vec2(1000, 1100));
+}
+
+// Of a line of pixels the model takes a share that can be seen.
+TEST(MakeView, LinesOfPixelsShowTheModel) {
+  for (const char* size : {"16384x1", "1x16384"}) {
+    ViewText text;
+    text.size = size;
+    const View view = view_of(text);
+    const double distance = glm::length(view.camera.position - Vec3(10, 20, 30));
+    // across, of a ball of radius 2
+    const double pixels = 2 * view.camera.focal.x * std::tan(std::asin(2 / distance));
+    EXPECT_GT(pixels, 16384 / 5.0) << size;
+    EXPECT_LT(pixels, 16384 / 4.0) << size;
+  }
+}
+
+TEST(MakeView, LensesHaveAFiniteFocalLength) {
+  const auto with = [](auto member, const char* value) {
+    ViewText text;
+    text.*member = value;
+    return text;
+  };
+  EXPECT_EQ(error_of(with(&ViewText::fov, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::ifov, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::ortho, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::intrinsics, "1e300,1,1,1")), Code::E0201);
+  EXPECT_GT(view_of(with(&ViewText::fov, "1e-11")).camera.focal.x, 1e14);
+}
+
+// A recorded field of view stays one; what a record says of it and of names that are not UTF-8
+// comes back.
+TEST(Record, KeepsFieldsOfViewAndNamesOfAnyBytes) {
+  const world::World world = world_of({"m"});
+  ViewText text;
+  text.size = "640x480";
+  text.fov = "20";
+  const View view = view_of(text, world);
+  EXPECT_TRUE(view.field_of_view);
+  const std::string name = "odd\xff\xfe.pxn";
+  preview::Image image;
+  image.width = image.height = 1;
+  image.radiance = {0, 0, 0};
+  image.coverage = {0};
+  image.metadata = {{preview::kRecordName,
+                     record_text(world, view.camera, 0.0, {}, {{name}, {}}, view.field_of_view)}};
+  const support::TemporaryFolder folder;
+  DiagnosticLog log;
+  ASSERT_TRUE(preview::write_image(folder / "a.png", image, 0, log));
+  auto record = read_record(folder / "a.png", log);
+  ASSERT_TRUE(record) << to_text(log);
+  EXPECT_EQ(record->targets[0].file, name);
+  ASSERT_TRUE(record->view.field_of_view);
+  keep_field_of_view(record->view, "1280x96");
+  record->view.size = "1280x96";
+  record->view.ev.reset();
+  text.size = "1280x96";
+  EXPECT_EQ(view_of(record->view, world).camera.focal, view_of(text, world).camera.focal);
+  EXPECT_EQ(view_of(record->view, world).camera.principal, Vec2(640, 48));
+  text.fov.reset();
+  text.intrinsics = "500,500,320,240";
+  EXPECT_FALSE(view_of(text, world).field_of_view);
 }
 
 TEST(MakeView, LooksAtTheOriginAndSeesTheSunOverTheLeftShoulder) {
