@@ -66,8 +66,9 @@ TEST(Compile, NumbersOutOfRangeAreErrorsAtTheirElements) {
         return std::string(code_info(each.code).name) + " " + each.message;
     return std::string();
   };
-  for (const geometry::Shape& shape : {geometry::Shape(geometry::Dish{1, 2, 1e-30}),
-                                       geometry::Shape(geometry::Dish{2, 1e-29, 0.1})}) {
+  for (const geometry::Shape& shape :
+       {geometry::Shape(geometry::Dish{1, 2, 1e-30}),
+        geometry::Shape(geometry::Dish{2, 1e-29, 0.1, {500, 100}})}) {
     scene::Scene thin = scene_with_nodes(1);
     thin.shapes = {shape};
     thin.instances = {at(1, 0)};

@@ -202,7 +202,8 @@ TEST_F(Outputs, JsonSaysThatThereIsNoMemory) {
   const std::string large = folder_.write(
       "large.pxn",
       R"(<pangu_model ver="1"><ellipsoid radii="1" segments="100000" rings="100"/></pangu_model>)");
-  for (const std::string command : {"check", "info", "compile -o " + (folder_ / "large.pan")}) {
+  for (const std::string& command :
+       std::vector<std::string>{"check", "info", "compile -o " + (folder_ / "large.pan")}) {
     SCOPED_TRACE(command);
     const Outcome out = shell("ulimit -v 600000; \"$P\" " + command + " " + large + " --json");
     EXPECT_EQ(out.code, 1);
