@@ -7,6 +7,7 @@
 #include <cctype>
 #include <exception>
 #include <new>
+#include <system_error>
 
 namespace panwright {
 
@@ -108,10 +109,19 @@ int exit_code(const DiagnosticLog& log) {
 }
 
 void report_exception(DiagnosticLog& log) {
+  const auto report_memory = [&] {
+    log.report(Code::E0002, {}, "there is not enough memory for this work");
+  };
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    log.report(Code::E0002, {}, "there is not enough memory for this work");
+    report_memory();
+  } catch (const std::system_error& error) {
+    // a thread without memory for its stack
+    if (error.code() == std::errc::resource_unavailable_try_again ||
+        error.code() == std::errc::not_enough_memory)
+      return report_memory();
+    log.report(Code::E0003, {}, fmt::format("internal error: {}", error.what()));
   } catch (const std::exception& error) {
     log.report(Code::E0003, {}, fmt::format("internal error: {}", error.what()));
   }

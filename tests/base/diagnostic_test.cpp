@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
 
 namespace panwright::diagnostic_test {
 namespace {
@@ -27,6 +32,23 @@ struct Sample {
     return std::make_shared<const std::string>(std::move(s));
   }
 };
+
+TEST(Diagnostics, ExceptionsHaveCodesAndExitCodes) {
+  const auto reported = [](const auto& exception) {
+    DiagnosticLog log;
+    try {
+      throw exception;
+    } catch (const std::exception&) {
+      report_exception(log);
+    }
+    return std::pair(log.entries().at(0).code, exit_code(log));
+  };
+  const std::pair memory(Code::E0002, 1), internal(Code::E0003, 70);
+  EXPECT_EQ(reported(std::bad_alloc()), memory);
+  EXPECT_EQ(reported(std::system_error(EAGAIN, std::generic_category())), memory);
+  EXPECT_EQ(reported(std::system_error(EIO, std::generic_category())), internal);
+  EXPECT_EQ(reported(std::out_of_range("at")), internal);
+}
 
 TEST(Registry, CodesAreUniqueAndExplained) {
   std::set<std::string_view> names;
