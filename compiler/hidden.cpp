@@ -183,6 +183,7 @@ class Pruner {
       part.mesh = mesh->second;
       part.world_from_mesh = world_from_node_[node];
       part.transparent =
+          instance.see_through ||
           scene_.materials[static_cast<std::size_t>(instance.material)].maps.cutout >= 0;
       part.candidate = allowed_[i] != 0;
       Key key{part.mesh, part.transparent, {}};

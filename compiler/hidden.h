@@ -56,7 +56,8 @@ struct HiddenReport {
 // double; surfaces within 1e-5 of the model's radius are one; gaps narrower than 3e-6 of it count
 // as closed.
 //
-// Surfaces are visible and occlude from both sides; cut-out materials occlude nothing. Shapes
+// Surfaces are visible and occlude from both sides; cut-out materials and see-through
+// instances occlude nothing. Shapes
 // shared by several instances lose only triangles hidden in all of them. Exact shapes are hidden as
 // a whole or not at all. Meshes with decals stay whole. Parts that a joint can move occlude nothing
 // but themselves, and are occluded by nothing else: triangles uncovered in some joint position

@@ -274,7 +274,8 @@ class Exporter {
     const Vec3 at(origins_[origin][0], origins_[origin][1], origins_[origin][2]);
     if (at != Vec3(0)) {
       ordered_json below = {
-          {"name", std::string(model_.mesh_name(static_cast<std::size_t>(parts[0][0])))}};
+          {"name", std::string(model_.mesh_name(static_cast<std::size_t>(parts[0][0])))},
+          {"extras", {{"kind", "origin"}}}};
       place(below, at, Quat(1, 0, 0, 0), Vec3(1));
       node = add(std::move(below), node);
     }

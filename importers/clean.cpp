@@ -31,6 +31,8 @@ constexpr double kLeastWhole = 0.005;
 // what a whole spacecraft measures, mostly
 constexpr double kLikelySmallest = 0.3;
 constexpr double kLikelyLargest = 150;
+// relative difference of units that are the same
+constexpr double kSameUnit = 1e-9;
 
 struct Unit {
   std::string_view name;
@@ -320,7 +322,7 @@ Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& o
   });
 }
 
-AxisBox bounds_of(const scene::Scene& scene) {
+std::vector<AxisBox> instance_bounds(const scene::Scene& scene) {
   std::vector<MeshShape> meshes(scene.shapes.size());
   parallel_for(meshes.size(), [&](std::size_t i) {
     if (const auto* mesh = std::get_if<MeshShape>(&scene.shapes[i]))
@@ -329,8 +331,9 @@ AxisBox bounds_of(const scene::Scene& scene) {
       meshes[i] = std::make_shared<const Mesh>(std::move(*made));
   });
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
-  AxisBox bounds;
+  std::vector<AxisBox> out;
   for (const scene::Instance& instance : scene.instances) {
+    AxisBox& bounds = out.emplace_back();
     const MeshShape& mesh = meshes[static_cast<std::size_t>(instance.shape)];
     if (!mesh) continue;
     const Mat4& matrix = world[static_cast<std::size_t>(instance.node)];
@@ -343,6 +346,12 @@ AxisBox bounds_of(const scene::Scene& scene) {
       if (is_finite(p)) bounds.add(p);
     }
   }
+  return out;
+}
+
+AxisBox bounds_of(const scene::Scene& scene) {
+  AxisBox bounds;
+  for (const AxisBox& box : instance_bounds(scene)) bounds.add(box);
   return bounds;
 }
 
@@ -412,25 +421,80 @@ void warn_of_unit(const Imported& model, double size, const UnitGuess& guess, Di
         "--units m or --units mm says which");
 }
 
+// Name of a unit; a length of a number otherwise.
+std::string unit_name(double metres) {
+  for (const Unit& unit : kUnits)
+    if (std::fabs(unit.metres / metres - 1) < kSameUnit) return std::string(unit.name);
+  return fmt::format("{:.6g} m", metres);
+}
+
+// A file that states its unit, or should; lengths of the scene are metres.
+double scale_of_stated(Imported& model, std::optional<double> unit, double size,
+                       DiagnosticLog& log) {
+  const std::string file = model.scene.inputs.empty() ? "" : model.scene.inputs.front().path;
+  if (!unit) {
+    if (!model.lacks_unit) return 1;
+    model.assumed_unit = unit_name(model.file_unit);
+    if (size > 0)
+      log.report_file(Code::W6006, file,
+                      fmt::format("the file states no unit: the model is {:.4g} m large if it is "
+                                  "{}, as is assumed, {:.4g} m if it is m",
+                                  size, model.assumed_unit, size / model.file_unit),
+                      "--units says which");
+    return 1;
+  }
+  if (model.file_unit == 0) {
+    log.report_file(
+        Code::W6013, file,
+        fmt::format("the file states several units, and {} is not used", unit_name(*unit)));
+    return 1;
+  }
+  const double scale = *unit / model.file_unit;
+  if (std::fabs(scale - 1) < kSameUnit) return 1;
+  if (!model.lacks_unit)
+    log.report_file(
+        Code::W6013, file,
+        fmt::format("the unit of the file is {}, and {} is used instead: the model is {:.4g} m "
+                    "large, not {:.4g} m",
+                    unit_name(model.file_unit), unit_name(*unit), size * scale, size));
+  return scale;
+}
+
+// Metres of a length of the scene.
+double scale_of(Imported& model, std::optional<double> unit, double size, DiagnosticLog& log) {
+  if (model.in_metres) return scale_of_stated(model, unit, size, log);
+  const UnitGuess guess = guessed_unit(size);
+  if (!unit) {
+    warn_of_unit(model, size, guess, log);
+    if (is_unitless(model.format) || guess.unit != 1) model.assumed_unit = guess.name;
+    return guess.unit;
+  }
+  // where metres are implausible, the file breaks the rule of its format
+  const bool plausible = guess.plausible && guess.unit == 1 && size >= kLeastWhole;
+  if (!is_unitless(model.format) && *unit != 1 && plausible)
+    log.report_file(Code::W6013, model.scene.inputs.empty() ? "" : model.scene.inputs.front().path,
+                    fmt::format("the unit of the format is the metre, and {} is used instead: the "
+                                "model is {:.4g} m large, not {:.4g} m",
+                                unit_name(*unit), size * *unit, size));
+  return *unit;
+}
+
 }  // namespace
 
 Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up, bool recentre,
            DiagnosticLog& log) {
   scene::Scene& scene = model.scene;
   if (scene.nodes.empty()) return Vec3(0);
+  const bool contradicted = unit && *unit != (model.in_metres ? model.file_unit : 1.0);
   AxisBox bounds;
-  if (!unit && model.in_metres) unit = 1;
-  if (!unit || recentre) bounds = bounds_of(scene);
+  if (recentre || contradicted || model.lacks_unit || !(unit || model.in_metres))
+    bounds = bounds_of(scene);
   scene::Transform transform;
-  if (!unit) {
-    const UnitGuess guess = guessed_unit(bounds.longest());
-    warn_of_unit(model, bounds.longest(), guess, log);
-    unit = guess.unit;
-    if (is_unitless(model.format) || guess.unit != 1) model.assumed_unit = guess.name;
-  }
-  transform.scale = Vec3(*unit);
-  if (up.value_or(usual_up(model.format)) == UpAxis::y)
-    transform.rotation = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // a quarter turn about x
+  transform.scale = Vec3(scale_of(model, unit, bounds.longest(), log));
+  // quarter turns about x
+  const bool y_up = up.value_or(usual_up(model.format)) == UpAxis::y;
+  if (y_up && !model.z_up) transform.rotation = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);
+  if (!y_up && model.z_up) transform.rotation = Quat(std::sqrt(0.5), -std::sqrt(0.5), 0, 0);
   Vec3 moved(0);
   if (recentre && !bounds.empty()) {
     moved = Vec3(0) - Vec3(transform.matrix() * Vec4(bounds.centre(), 1));

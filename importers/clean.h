@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/axis_box.h"
 #include "base/diagnostic.h"
@@ -31,6 +32,8 @@ Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& o
 // Returns the bounds in the world, of meshes by their vertices and of exact shapes by their
 // tessellation to a hundredth of their size.
 AxisBox bounds_of(const scene::Scene& scene);
+// The same of each instance.
+std::vector<AxisBox> instance_bounds(const scene::Scene& scene);
 
 // Unit that gives a spacecraft's size to a model.
 struct UnitGuess {
@@ -49,8 +52,9 @@ std::optional<UpAxis> up_of(std::string_view name);
 // Applies unit, axes and position to a scene by a node "model" below the root, added only if
 // something changes.
 //
-//   unit      metres; none: the file's, else its format's, unless the size contradicts. Reports
-//             W6006 if the unit is assumed or the size unlikely
+//   unit      metres that a number of the file measures; none: the file's, else its format's,
+//             unless the size contradicts. Reports W6006 if the unit is assumed or the size
+//             unlikely, W6013 if the given one contradicts that of the file or of its format
 //   up        none: usual_up()
 //   recentre  moves the middle of the bounds to the origin
 //   returns   displacement of the model, in metres of the scene

@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
+#include "base/math.h"
 #include "importers/internal/image_codecs.h"
 
 namespace panwright::importers {
@@ -102,6 +104,24 @@ ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_by
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, max_bytes, out);
   if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, max_bytes, out);
   return {Code::E3001, "unknown image format, expected PPM (P6 or P3), PNG or JPEG"};
+}
+
+std::optional<std::string> normal_map_problem(std::span<const std::uint8_t> rgba) {
+  constexpr double kLength = 0.25;  // rounding, filtering and lossy compression change it by less
+  constexpr double kMost = 0.5;     // of all texels: the room between the pieces of an atlas
+  std::size_t used = 0, wrong = 0;
+  for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
+    if (rgba[i + 3] == 0) continue;
+    ++used;
+    const Vec3 n = Vec3(rgba[i], rgba[i + 1], rgba[i + 2]) / 127.5 - Vec3(1);
+    if (!(n.z > 0) || std::fabs(glm::length(n) - 1) > kLength) ++wrong;
+  }
+  const double share =
+      static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(used, 1));
+  if (!(share > kMost)) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of its texels are no unit vectors out of the surface, as those of a normal map are",
+      100 * share);
 }
 
 }  // namespace panwright::importers

@@ -34,4 +34,9 @@ struct ImageProblem {
 ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                           DecodedImage& out);
 
+// Judges an image in the place of a normal map: colours stand for unit vectors out of the surface.
+// Returns the problem if most of its texels are something else, as in a colour image. Texels of
+// alpha 0 are not used.
+std::optional<std::string> normal_map_problem(std::span<const std::uint8_t> rgba);
+
 }  // namespace panwright::importers

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cassert>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
+#include "importers/internal/appearance.h"
 #include "importers/internal/gzip.h"
 #include "importers/internal/import_part.h"
 #include "importers/internal/storable.h"
@@ -196,7 +198,11 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
   auto imported = read_as(format.value_or(Format::vrml97), files, file, options, log);
   drop_texts(first, log);
   if (text.size() >= kHuge) give_back_memory();
-  if (imported) make_storable(imported->scene, name, log);
+  if (imported) {
+    settle_appearance(*imported, name, log);
+    make_storable(imported->scene, name, log);
+    assert(scene::check(imported->scene).empty());
+  }
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }

@@ -67,9 +67,10 @@ struct Options {
 struct CadMaterial {
   std::string name;  // as in the file; may be empty or repeated
   Vec3 base_color{0.8};
-  double metallic = 0;   // 0 to 1
-  double roughness = 1;  // 0 to 1, perceptual
-  double opacity = 1;    // 0 to 1
+  double metallic = 0;       // 0 to 1
+  double roughness = 1;      // 0 to 1, perceptual
+  double opacity = 1;        // 0 to 1; 0: not visible
+  bool see_through = false;  // partly transparent in other ways: textures, transmission
   bool textured = false;
   std::int32_t palette = -1;      // texture of the scene that gave its colour, by split_palettes()
   std::vector<std::string> lost;  // properties absent from the scene's material
@@ -81,7 +82,11 @@ struct CadMaterial {
 // transform.
 struct Imported {
   Format format = Format::gltf;
-  bool in_metres = false;    // the file gives its unit, and lengths are metres by it
+  bool in_metres = false;  // the file gives its unit or should, and lengths are metres by it
+  // Metres of a number of the file, if in_metres. 0: the file has several units.
+  double file_unit = 1;
+  bool lacks_unit = false;   // file_unit is assumed
+  bool z_up = false;         // unlike its format, as in glTF files that panwright wrote
   std::string assumed_unit;  // by place(), if neither file nor caller gives it: "mm"
   scene::Scene scene;
   std::vector<CadMaterial> materials;  // one for each of scene.materials

@@ -88,6 +88,7 @@ struct Instance {
   Mat4 texture_from_shape{1};       // for Mapping::sphere
   std::optional<double> tolerance;  // metres in the world: overrides the budget
   bool prunable = false;            // a mesh whose hidden faces may be removed
+  bool see_through = false;  // partly transparent where it was authored: it hides nothing behind it
   Source source;
 };
 

@@ -209,9 +209,13 @@ COMMANDS = {
     },
     "diff": {
         "equal": "boolean: exit code 0; otherwise 1",
-        "model": ("differences of the model", [{"where": "string: place", "what": "string: both values"}]),
-        "provenance": ("of the inputs", [{"where": "string: place", "what": "string: both values"}]),
-        "storage": ("of the storage", [{"where": "string: place", "what": "string: both values"}]),
+        "model?": ("differences of the model", [{"where": "string: place", "what": "string: both values"}]),
+        "provenance?": ("of the inputs", [{"where": "string: place", "what": "string: both values"}]),
+        "storage?": ("of the storage", [{"where": "string: place", "what": "string: both values"}]),
+        "geometry?": ("with --geometry, instead of the others", {
+            "triangles_a": "integer: triangles of a", "triangles_b": "integer: triangles of b", "tolerance": "number: metres", "largest_distance": "number: metres, of corresponding corners",
+            "parts": ("with triangles that the other model does not have at their place", [{
+                "where": "string: mesh and node", "in": "string: a or b", "unmatched": "integer: triangles without a counterpart", "triangles": "integer: triangles of the part"}])}),
     },
     "fmt": {"files": ("in the order of the command line", [{"file": "string: as typed", "changed": "boolean: whether it is changed, or with --check would be"}])},
     "upgrade": {"files": ("in the order of the command line", [{"file": "string: as typed", "upgraded": "boolean: false: already of level 1", "paths_changed": "integer: number of them"}])},

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "pan/place_diff.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/print.h"
@@ -22,13 +23,16 @@ struct Options {
   ReadOptions read;
   std::string a;
   std::string b;
-  bool all = false;  // provenance too
+  bool all = false;       // provenance too
+  bool geometry = false;  // surfaces by place alone
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("a", options.a, "Model: a .pan or .pxn file").required().type("A");
   arguments.add("b", options.b, "Model: a .pan or .pxn file").required().type("B");
   arguments.flag("--all", options.all, "Count differences of provenance and storage too");
+  arguments.flag("--geometry", options.geometry,
+                 "Compare the triangles by their place alone, whatever tree, names and materials");
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.common);
@@ -55,6 +59,39 @@ std::string unseen_words(const pan::Differences& differences) {
   return fmt::format(" (their {} differs: --all shows it)", what);
 }
 
+bool same_places(const pan::Model& a, const pan::Model& b, const Options& options,
+                 CommandContext& context) {
+  const pan::PlaceDifferences found = pan::diff_by_place(a, b);
+  constexpr std::size_t kMost = 200;
+  Json parts = Json::array();
+  for (const pan::UnmatchedPart& part : found.parts) {
+    if (parts.size() == kMost) break;
+    parts.push_back({{"where", part.where},
+                     {"in", part.in_a ? "a" : "b"},
+                     {"unmatched", part.unmatched},
+                     {"triangles", part.triangles}});
+  }
+  if (!options.common.json) {
+    for (const Json& part : parts)
+      tools::print("{}: {} of {} only in {}\n", part["where"].get<std::string>(),
+                   part["unmatched"].get<std::uint64_t>(),
+                   counted(part["triangles"].get<std::uint64_t>(), "triangle"),
+                   part["in"].get<std::string>());
+    if (found.parts.size() > kMost)
+      tools::print("{} not shown\n", counted(found.parts.size() - kMost, "more part"));
+    if (found.same())
+      tools::print("the surfaces are equal: {} within {:.3g} m (tolerance {:.3g} m)\n",
+                   counted(found.triangles_a, "triangle"), found.largest, found.tolerance);
+  }
+  context.result()["equal"] = found.same();
+  context.result()["geometry"] = {{"triangles_a", found.triangles_a},
+                                  {"triangles_b", found.triangles_b},
+                                  {"tolerance", found.tolerance},
+                                  {"largest_distance", found.largest},
+                                  {"parts", std::move(parts)}};
+  return found.same();
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("diff", options.common, host);
   const auto read = options.read.opening(context.log());
@@ -76,6 +113,7 @@ int run(const Options& options, const Host& host) {
   context.add_timings(report.steps);
   if (!a || !b) return context.finish();
   context.step("compare");
+  if (options.geometry) return context.finish(same_places(**a, **b, options, context) ? 0 : 1);
   const pan::Differences differences = pan::diff(**a, **b);
   const bool equal = options.all ? differences.empty() : differences.same_model();
   context.result()["equal"] = equal;

@@ -36,11 +36,11 @@ bool may_be_celestial(const scene::Scene& scene) {
 }
 
 // "wing/panel2", below the root.
-std::string path_of(const pan::Contents& contents, std::uint32_t node) {
-  std::string path = contents.nodes[node].name;
-  for (std::int32_t at = contents.nodes[node].parent; at > 0;
-       at = contents.nodes[static_cast<std::size_t>(at)].parent)
-    path = contents.nodes[static_cast<std::size_t>(at)].name + "/" + path;
+std::string path_of(const scene::Scene& scene, std::int32_t node) {
+  std::string path = scene.nodes[static_cast<std::size_t>(node)].name;
+  for (std::int32_t at = scene.nodes[static_cast<std::size_t>(node)].parent; at > 0;
+       at = scene.nodes[static_cast<std::size_t>(at)].parent)
+    path = scene.nodes[static_cast<std::size_t>(at)].name + "/" + path;
   return path;
 }
 
@@ -66,38 +66,51 @@ void report_whole(const std::string& file, double size, DiagnosticLog& log) {
 }  // namespace
 
 void check_size(const scene::Scene& scene, const pan::Contents& contents, DiagnosticLog& log) {
-  if (contents.instances.empty() || may_be_celestial(scene)) return;
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
+  std::vector<PartBox> parts;
+  for (const pan::InstanceContent& instance : contents.instances)
+    parts.push_back({static_cast<std::int32_t>(instance.node),
+                     box_of(contents.meshes[instance.mesh], world[instance.node])});
+  check_sizes(scene, parts, log);
+}
+
+}  // namespace panwright::compiler::internal
+
+namespace panwright::compiler {
+
+void check_sizes(const scene::Scene& scene, std::span<const PartBox> parts, DiagnosticLog& log) {
+  if (parts.empty() || internal::may_be_celestial(scene)) return;
   const std::string file = scene.inputs.empty() ? "" : scene.inputs.front().path;
   AxisBox whole;
   double least = HUGE_VAL, most = 0;
-  std::uint32_t smallest = 0, largest = 0;  // their nodes
-  for (const pan::InstanceContent& instance : contents.instances) {
-    const AxisBox box = box_of(contents.meshes[instance.mesh], world[instance.node]);
+  std::int32_t smallest = 0, largest = 0;  // their nodes
+  for (const auto& [node, box] : parts) {
     whole.add(box);
     const double size = box.longest();
     // what has no extent is reported elsewhere
     if (!(size > 0) || !std::isfinite(size)) continue;
     if (size < least) {
       least = size;
-      smallest = instance.node;
+      smallest = node;
     }
     if (size > most) {
       most = size;
-      largest = instance.node;
+      largest = node;
     }
   }
   if (!(most > 0)) return;
-  if (most > kMostRatio * least) {
-    log.report_file(Code::W2023, file,
-                    fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
-                                path_of(contents, smallest), length_in_words(least),
-                                path_of(contents, largest), length_in_words(most), most / least),
-                    "check their units; a unit after a number sets it, as 6mm");
+  if (most > internal::kMostRatio * least) {
+    log.report_file(
+        Code::W2023, file,
+        fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
+                    internal::path_of(scene, smallest), length_in_words(least),
+                    internal::path_of(scene, largest), length_in_words(most), most / least),
+        "check their units; a unit after a number sets it, as 6mm");
     return;
   }
   const double size = whole.longest();
-  if (size > kLargest || size < kSmallest) report_whole(file, size, log);
+  if (size > internal::kLargest || size < internal::kSmallest)
+    internal::report_whole(file, size, log);
 }
 
-}  // namespace panwright::compiler::internal
+}  // namespace panwright::compiler

@@ -7,11 +7,7 @@
 
 namespace panwright::compiler::internal {
 
-// Reports a model of more than 200 m or less than 5 cm (W2022), or instances whose sizes differ by
-// more than 1e5 (W2023, instead of W2022). Sizes are the largest extents along the axes of the
-// world.
-//
-// A single sphere, ellipsoid or mesh may be a celestial body and is never reported.
+// check_sizes() of a compiled scene.
 //
 //   contents  of `scene`: meshes and instances
 //

@@ -5,12 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <set>
+#include <span>
+#include <tuple>
 
+#include "base/hash.h"
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
 #include "importers/gltf/joints.h"
 #include "importers/gltf/materials.h"
+#include "importers/gltf/own_export.h"
 #include "importers/gltf/read.h"
 #include "importers/gltf/skins.h"
 
@@ -42,9 +48,14 @@ bool is_turned_round(const geometry::Mesh& a, const geometry::Mesh& b) {
   return true;
 }
 
+int position_of(const Primitive& primitive) {
+  const auto found = primitive.attributes.find("POSITION");
+  return found == primitive.attributes.end() ? -1 : found->second;
+}
+
 // A primitive's triangles, once read.
 struct Loaded {
-  std::int32_t shape = scene::kNone;  // in the scene; kNone: nothing to see, or not used yet
+  std::map<std::array<double, 3>, std::int32_t> shapes;  // in the scene, by their shift
   geometry::MeshShape mesh;
   SkinWeights skin;
   bool has_texcoords = false;
@@ -53,7 +64,10 @@ struct Loaded {
 class SceneBuilder {
  public:
   SceneBuilder(Document& document, const tinygltf::Model& model, std::size_t posing)
-      : d_(document), model_(model), posing_(posing), texture_cache_(document, model, out_.scene) {}
+      : d_(document), model_(model), posing_(posing), texture_cache_(document, model, out_.scene) {
+    for (const tinygltf::Mesh& mesh : model.meshes)
+      for (const Primitive& primitive : mesh.primitives) ++position_users_[position_of(primitive)];
+  }
 
   Result<Imported> build() {
     out_.format = Format::gltf;
@@ -62,6 +76,13 @@ class SceneBuilder {
     out_.scene.nodes.push_back(root);
     std::vector<int> roots;
     if (!choose_scene(roots)) return failed;
+    if (const auto root = exported_root(model_, roots)) {
+      out_.z_up = true;
+      const Node& node = model_.nodes[static_cast<std::size_t>(*root)];
+      scene_nodes_[*root] = 0;
+      if (node.mesh >= 0) add_mesh(*root, node, 0);
+      roots = node.children;
+    }
     for (auto i = roots.rbegin(); i != roots.rend(); ++i) todo_.push_back({*i, 0, 1});
     std::vector<bool> seen(model_.nodes.size());
     while (!todo_.empty() && !full_) {
@@ -192,6 +213,7 @@ class SceneBuilder {
                 fmt::format("nodes are nested deeper than {}", d_.options.limits.depth));
       return;
     }
+    if (add_exported(visit, node)) return;
     const std::int32_t placed = add_transform(visit.node, visit.parent);
     if (placed < 0) return;
     scene_nodes_[visit.node] = placed;
@@ -200,7 +222,39 @@ class SceneBuilder {
       todo_.push_back({*child, placed, visit.depth + 1});
   }
 
-  void add_mesh(int index, const Node& node, std::int32_t placed) {
+  // What our exporter writes as a node, and is none in the model.
+  bool add_exported(const Visit& visit, const Node& node) {
+    const NodeKind kind = kind_of(d_, model_, visit.node);
+    const Vec3 at = vec3_of(node.translation, Vec3(0));
+    const auto is_new = [&](const auto& list) {
+      return std::ranges::none_of(list, [&](const auto& one) { return one.name == node.name; });
+    };
+    scene::Source source;
+    source.file = d_.file.path;
+    switch (kind) {
+      case NodeKind::part:
+        return false;
+      case NodeKind::origin:
+        add_mesh(visit.node, node, visit.parent, at);
+        return true;
+      case NodeKind::frame: {
+        if (!is_new(out_.scene.frames)) return false;
+        const auto& r = node.rotation;
+        const Quat turn =
+            r.size() == 4 ? glm::normalize(Quat(r[3], r[0], r[1], r[2])) : Quat(1, 0, 0, 0);
+        out_.scene.frames.push_back({node.name, visit.parent, at, turn, source});
+        return true;
+      }
+      case NodeKind::keypoint:
+        if (!is_new(out_.scene.keypoints)) return false;
+        out_.scene.keypoints.push_back({node.name, visit.parent, at, source});
+        return true;
+    }
+    return false;
+  }
+
+  // shift: of the mesh at the node
+  void add_mesh(int index, const Node& node, std::int32_t placed, const Vec3& shift = Vec3(0)) {
     const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
     const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
     const std::vector<std::int32_t> places = instance_nodes(index, node, placed);
@@ -210,7 +264,7 @@ class SceneBuilder {
                                      [](const Primitive& p) { return !p.targets.empty(); });
     if (morphed) ++morphed_;
     std::int32_t skinned_place = scene::kNone;
-    std::vector<Side> sides;
+    Sides sides;
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
       const Primitive& primitive = mesh.primitives[p];
       Loaded& loaded = load(node.mesh, p, weights);
@@ -227,41 +281,48 @@ class SceneBuilder {
         add_skinned(node, loaded, skinned_place, material);
         continue;
       }
-      if (is_back_of(sides, primitive, loaded, material)) continue;
-      if (loaded.shape < 0) {
-        loaded.shape = static_cast<std::int32_t>(out_.scene.shapes.size());
-        out_.scene.shapes.emplace_back(with_normals(loaded.mesh));
+      std::optional<SideKey> side;
+      if (may_be_side(primitive)) {
+        side = key_of(primitive, *loaded.mesh);
+        if (is_back_of(sides, *side, loaded, material)) continue;
       }
-      sides.push_back({&primitive, loaded.mesh, out_.scene.instances.size(), places.size()});
-      for (const std::int32_t place : places) add_instance(place, loaded.shape, material);
+      const auto [shape, is_new] = loaded.shapes.try_emplace(
+          {shift.x, shift.y, shift.z}, static_cast<std::int32_t>(out_.scene.shapes.size()));
+      if (is_new) out_.scene.shapes.emplace_back(shifted(with_normals(loaded.mesh), shift));
+      if (side && !places.empty())
+        sides.emplace(*side, Side{loaded.mesh, out_.scene.instances.size(), places.size()});
+      for (const std::int32_t place : places) add_instance(place, shape->second, material);
     }
   }
 
   // A primitive of a mesh, with its instances.
   struct Side {
-    const Primitive* primitive;
     geometry::MeshShape mesh;
     std::size_t first, count;
   };
+  // Accessor of positions, number of triangles, hash of the positions.
+  using SideKey = std::tuple<int, std::size_t, std::uint64_t>;
+  using Sides = std::multimap<SideKey, Side>;
+
+  bool may_be_side(const Primitive& one) const {
+    return one.material >= 0 &&
+           !model_.materials[static_cast<std::size_t>(one.material)].doubleSided &&
+           position_users_.at(position_of(one)) > 1;
+  }
+
+  static SideKey key_of(const Primitive& one, const geometry::Mesh& mesh) {
+    return {position_of(one), mesh.triangles.size(),
+            hash64(std::as_bytes(std::span(mesh.positions)))};
+  }
 
   // Two primitives over the same positions, seen from one side each and turned against each other,
   // are the two sides of one surface: the later one is the back of the instances of the earlier.
-  bool is_back_of(const std::vector<Side>& sides, const Primitive& primitive, const Loaded& loaded,
+  bool is_back_of(const Sides& sides, const SideKey& key, const Loaded& loaded,
                   std::int32_t material) {
-    const auto position = [](const Primitive& one) {
-      const auto found = one.attributes.find("POSITION");
-      return found == one.attributes.end() ? -1 : found->second;
-    };
-    const auto one_sided = [&](const Primitive& one) {
-      return one.material >= 0 &&
-             !model_.materials[static_cast<std::size_t>(one.material)].doubleSided;
-    };
-    if (!one_sided(primitive)) return false;
     std::vector<scene::Instance>& instances = out_.scene.instances;
-    for (const Side& side : sides) {
-      if (position(*side.primitive) != position(primitive) || !one_sided(*side.primitive) ||
-          side.count == 0 || instances[side.first].back != scene::kNone)
-        continue;
+    for (auto [it, end] = sides.equal_range(key); it != end; ++it) {
+      const Side& side = it->second;
+      if (instances[side.first].back != scene::kNone) continue;
       const auto& front =
           out_.scene.materials[static_cast<std::size_t>(instances[side.first].material)];
       if (!scene::same_holes(front, out_.scene.materials[static_cast<std::size_t>(material)]) ||
@@ -300,6 +361,13 @@ class SceneBuilder {
     if (!mesh->normals.empty()) return mesh;
     auto copy = std::make_shared<geometry::Mesh>(*mesh);
     geometry::compute_normals(*copy, d_.options.crease_angle);
+    return copy;
+  }
+
+  static geometry::MeshShape shifted(geometry::MeshShape mesh, const Vec3& shift) {
+    if (shift == Vec3(0)) return mesh;
+    auto copy = std::make_shared<geometry::Mesh>(*mesh);
+    for (Vec3& p : copy->positions) p += shift;
     return copy;
   }
 
@@ -377,7 +445,8 @@ class SceneBuilder {
     if (!is_new) return loaded;
     d_.file.job.poll();
     const std::string object = fmt::format("/meshes/{}/primitives/{}", mesh, p);
-    Surface surface = surface_of(d_, primitive, weights, texcoords, object);
+    const bool shared = position_users_.at(position_of(primitive)) > 1;
+    Surface surface = surface_of(d_, primitive, shared, weights, texcoords, object);
     if (surface.skipped) {
       ++flat_;
       return loaded;
@@ -467,7 +536,8 @@ class SceneBuilder {
   Imported out_;
   TextureReader texture_cache_;
   std::vector<Visit> todo_;
-  std::map<int, std::int32_t> scene_nodes_;  // by glTF's number
+  std::map<int, std::int32_t> scene_nodes_;    // by glTF's number
+  std::map<int, std::size_t> position_users_;  // primitives, by accessor
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
   std::map<std::string, std::size_t> lost_;

@@ -84,6 +84,7 @@ struct Document {
   std::vector<View> views;
   std::vector<Accessor> accessors;
   std::vector<scene::Input> inputs;
+  std::set<std::size_t> judged;  // accessors of vertices read in full, whose problems are reported
   std::uint64_t memory = 0;      // of decoded and zero-filled arrays
   std::uint64_t file_bytes = 0;  // of all files together
 

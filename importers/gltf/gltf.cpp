@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <charconv>
 #include <optional>
 
@@ -72,9 +71,7 @@ class Reader {
     }
     const auto posing = pose_nodes(d_, model, {d_.options.animation, d_.options.time});
     if (!posing) return failed;
-    auto imported = scene_of(d_, model, *posing);
-    assert(!imported || scene::check(imported->scene).empty());
-    return imported;
+    return scene_of(d_, model, *posing);
   }
 
  private:

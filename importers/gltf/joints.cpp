@@ -19,9 +19,69 @@ const Json* articulations_of(const Document& document) {
   return ours ? ours->find("articulations") : nullptr;
 }
 
+constexpr double kLeastFactor = 1e-6;  // of a part that is scaled to nothing
+
+std::optional<Vec3> pointing_of(const Json& articulation) {
+  const Json* vector = articulation.find("pointingVector");
+  if (!vector || vector->items.size() != 3) return std::nullopt;
+  const Vec3 v(vector->items[0].number, vector->items[1].number, vector->items[2].number);
+  const double length = glm::length(v);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  return v / length;
+}
+
 double number_or(const Json& object, std::string_view key, double otherwise) {
   const Json* found = object.find(key);
   return found ? found->number : otherwise;
+}
+
+// Reports what joint_of() and the use of an articulation change.
+void report_changes(Document& document, const Json& articulation, std::size_t index) {
+  const std::string at = fmt::format("/extensions/AGI_articulations/articulations/{}", index);
+  const auto tolerated = [&](const Json* where, const std::string& place, std::string message) {
+    document.report(Code::W6215, where, place, std::move(message));
+  };
+  std::size_t turning = 0;
+  const std::vector<Json>& stages = articulation.list("stages");
+  for (std::size_t s = 0; s < stages.size(); ++s) {
+    const Json& stage = stages[s];
+    if (stage.broken) continue;
+    const std::string place = fmt::format("{}/stages/{}", at, s);
+    const std::string& type = stage.find("type")->text;
+    const bool scales = type.ends_with("Scale");
+    if (type.ends_with("Rotate")) ++turning;
+    const Json* lower = stage.find("minimumValue");
+    const Json* upper = stage.find("maximumValue");
+    double initial = number_or(stage, "initialValue", scales ? 1 : 0);
+    if (!lower != !upper) {
+      tolerated(lower ? lower : upper, place, "a stage with one limit; it moves without limits");
+    } else if (lower && lower->number > upper->number) {
+      tolerated(lower, place,
+                fmt::format("minimumValue {:g} is above maximumValue {:g}; the stage moves without "
+                            "limits",
+                            lower->number, upper->number));
+    } else if (lower) {
+      const double begins = std::clamp(initial, lower->number, upper->number);
+      if (begins != initial)
+        tolerated(stage.find("initialValue"), place,
+                  fmt::format("the initial value {:g} is outside the limits of the stage, which "
+                              "begins at {:g}",
+                              initial, begins));
+      initial = begins;
+    }
+    if (scales && initial == 0)
+      tolerated(
+          stage.find("initialValue"), place,
+          fmt::format("a factor of 0 flattens the part; the stage begins at {:g}", kLeastFactor));
+  }
+  const Json* vector = articulation.find("pointingVector");
+  if (!vector) return;
+  if (!pointing_of(articulation))
+    tolerated(vector, at, "pointingVector is no direction, and is left out");
+  else if (turning == 0 || turning > 2)
+    tolerated(vector, at,
+              fmt::format("pointingVector is left out: {} turn, expected 1 or 2",
+                          counted(turning, "stage")));
 }
 
 // The registered schema of AGI_articulations: angles in degrees, about axes of the node, stages in
@@ -45,36 +105,31 @@ scene::Joint joint_of(const Json& stage) {
     joint.kind = scene::JointKind::scale;
   }
   const double rest = joint.kind == scene::JointKind::scale ? 1 : 0;
-  const double initial = number_or(stage, "initialValue", rest / unit) * unit;
-  if (initial != rest) joint.value = {initial};
+  double initial = number_or(stage, "initialValue", rest / unit) * unit;
+  bool moved = initial != rest;
   const Json* lower = stage.find("minimumValue");
   const Json* upper = stage.find("maximumValue");
-  if (lower && upper) {
-    if (joint.kind == scene::JointKind::revolute && upper->number - lower->number >= 360) {
+  if (lower && upper && lower->number <= upper->number) {
+    const double least = lower->number * unit, most = upper->number * unit;
+    initial = std::clamp(initial, least, most);
+    moved = moved || initial != rest;
+    if (joint.kind == scene::JointKind::revolute && upper->number - lower->number >= 360)
       joint.kind = scene::JointKind::continuous;
-    } else if (lower->number <= upper->number) {
-      joint.lower = {lower->number * unit};
-      joint.upper = {upper->number * unit};
-      const double taken = std::min(std::max(initial, joint.lower[0]), joint.upper[0]);
-      if (taken != rest || initial != rest) joint.value = {taken};
-    }
+    else
+      joint.lower = {least}, joint.upper = {most};
   }
-  if (joint.kind == scene::JointKind::scale && !joint.value.empty() && joint.value[0] == 0)
-    joint.value = {1e-6};  // nothing is left of it, but what there is has a shape
+  if (joint.kind == scene::JointKind::scale && initial == 0) {
+    const bool negative = !joint.upper.empty() && joint.upper[0] < kLeastFactor;
+    initial = negative ? -kLeastFactor : kLeastFactor;
+    // the limits hold it
+    if (negative) joint.lower[0] = std::min(joint.lower[0], initial);
+  }
+  if (moved) joint.value = {initial};
   return joint;
 }
 
 bool turns(const scene::Joint& joint) {
   return joint.kind == scene::JointKind::revolute || joint.kind == scene::JointKind::continuous;
-}
-
-std::optional<Vec3> pointing_of(const Json& articulation) {
-  const Json* vector = articulation.find("pointingVector");
-  if (!vector || vector->items.size() != 3) return std::nullopt;
-  const Vec3 v(vector->items[0].number, vector->items[1].number, vector->items[2].number);
-  const double length = glm::length(v);
-  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
-  return v / length;
 }
 
 // Stages that are one joint of several values, as our own exporter writes it: each is called by its
@@ -153,8 +208,11 @@ void add_joints(Document& document, const tinygltf::Model& model,
   const Json* articulations = articulations_of(document);
   std::map<std::string_view, const Json*> by_name;
   if (articulations)
-    for (const Json& one : articulations->items)
-      if (!one.broken) by_name.emplace(one.find("name")->text, &one);
+    for (const Json& one : articulations->items) {
+      if (one.broken) continue;
+      by_name.emplace(one.find("name")->text, &one);
+      report_changes(document, one, static_cast<std::size_t>(&one - articulations->items.data()));
+    }
   std::map<std::string, std::size_t> users;
   for (const auto& [index, place] : places) {
     const auto& extensions = model.nodes[static_cast<std::size_t>(index)].extensions;

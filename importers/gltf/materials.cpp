@@ -458,15 +458,13 @@ class MaterialBuilder {
     out_.invisible = (from_.alphaMode == "BLEND" && alpha_ <= 0) ||
                      (from_.alphaMode == "MASK" && alpha_ < from_.alphaCutoff);
     if (out_.invisible) return;
-    const double passed =
-        Extension(from_, "KHR_materials_transmission").number("transmissionFactor", 0);
-    double opacity = 1 - passed;
-    if (passed > 0) lose("transmission");
-    if (from_.alphaMode == "BLEND") {
-      opacity *= alpha_;
-      if (alpha_ < 1 || base_texture_.index >= 0) lose("opacity");
+    if (Extension(from_, "KHR_materials_transmission").number("transmissionFactor", 0) > 0) {
+      lose("transmission");
+      out_.cad.see_through = true;
     }
-    out_.cad.opacity = opacity;
+    if (from_.alphaMode != "BLEND") return;
+    out_.cad.opacity = std::clamp(alpha_, 0.0, 1.0);
+    if (texture_cache_.mean(base_texture_.index, false).w < 1) out_.cad.see_through = true;
   }
 
   void list_lost() {

@@ -39,7 +39,9 @@ struct Surface {
 
 // Reads the triangles of one primitive, morphed by the weights. Empty if unreadable, which is
 // reported: E6207, E6210, E6002.
-Surface surface_of(Document& document, const tinygltf::Primitive& primitive,
+//
+//   shared  other primitives have the same positions: only the vertices of its triangles are read
+Surface surface_of(Document& document, const tinygltf::Primitive& primitive, bool shared,
                    const std::vector<double>& weights, const TexcoordChoice& texcoords,
                    const std::string& object);
 

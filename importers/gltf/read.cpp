@@ -198,6 +198,39 @@ template std::vector<Vec3> read_vectors(Document&, std::size_t, const std::strin
 template std::vector<Vec4> read_vectors(Document&, std::size_t, const std::string&);
 template std::vector<Mat4> read_vectors(Document&, std::size_t, const std::string&);
 
+template <class Vector>
+std::vector<Vector> read_vectors_at(Document& document, std::size_t accessor,
+                                    std::span<const std::uint32_t> places,
+                                    const std::string& object) {
+  constexpr std::size_t kWidth = sizeof(Vector) / sizeof(double);
+  const Accessor& a = document.accessors[accessor];
+  if (!a.sound) return {};
+  std::vector<Vector> out(places.size(), Vector(0));
+  if (a.is_sparse) {
+    if (!document.charge(a.count * sizeof(Vector), object)) return {};
+    const auto all = read_vectors<Vector>(document, accessor, object);
+    if (all.empty()) return {};
+    for (std::size_t i = 0; i < places.size(); ++i) out[i] = all[places[i]];
+    return out;
+  }
+  if (a.view < 0) return out;
+  double* numbers = reinterpret_cast<double*>(out.data());
+  const Plan plan{a.component, std::min<std::size_t>(kWidth, static_cast<std::size_t>(a.width)),
+                  scale_of(a.component, a.normalised), a.normalised};
+  const std::byte* from = document.views[static_cast<std::size_t>(a.view)].bytes.data() + a.offset;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    convert_element(plan, from + places[i] * a.stride, numbers + i * kWidth);
+  if (a.is_float()) (void)mend(numbers, places.size(), kWidth);
+  return out;
+}
+
+template std::vector<Vec2> read_vectors_at(Document&, std::size_t, std::span<const std::uint32_t>,
+                                           const std::string&);
+template std::vector<Vec3> read_vectors_at(Document&, std::size_t, std::span<const std::uint32_t>,
+                                           const std::string&);
+template std::vector<Vec4> read_vectors_at(Document&, std::size_t, std::span<const std::uint32_t>,
+                                           const std::string&);
+
 std::vector<std::uint32_t> read_indices(Document& document, std::size_t accessor,
                                         const std::string& object) {
   const Accessor& a = document.accessors[accessor];

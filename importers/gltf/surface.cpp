@@ -54,14 +54,32 @@ class Source {
   bool packed() const { return draco_.has_value(); }
   const DracoMesh& draco() const { return *draco_; }
 
+  // From now on, reads the vertices at `places` alone. Expects: not packed.
+  void pick(std::vector<std::uint32_t> places) { places_ = std::move(places); }
+
+  // Numbers of an accessor of vertices; `count` of them without pick().
   template <class Vector>
-  std::vector<Vector> read(const std::string& name) {
+  std::vector<Vector> read(std::size_t accessor, std::uint64_t count, const std::string& at) {
+    if (!places_) return read_vectors<Vector>(d_, accessor, at);
+    if (d_.accessors[accessor].count != count) return {};
+    if (!d_.judged.insert(accessor).second)
+      return read_vectors_at<Vector>(d_, accessor, *places_, at);
+    const std::vector<Vector> all = read_vectors<Vector>(d_, accessor, at);
+    std::vector<Vector> out;
+    if (all.empty()) return out;
+    out.reserve(places_->size());
+    for (const std::uint32_t place : *places_) out.push_back(all[place]);
+    return out;
+  }
+
+  template <class Vector>
+  std::vector<Vector> read(const std::string& name, std::uint64_t count) {
     const int index = accessor(name);
     if (index < 0) return {};
     const std::string at = object_ + "/attributes/" + name;
     const auto id = ids_.find(name);
     if (!draco_ || id == ids_.end())
-      return read_vectors<Vector>(d_, static_cast<std::size_t>(index), at);
+      return read<Vector>(static_cast<std::size_t>(index), count, at);
     const Accessor& a = d_.accessors[static_cast<std::size_t>(index)];
     std::vector<Vector> out(draco_->points(), Vector(0));
     DracoAttribute attribute{id->second, scale_of(a.component, a.normalised), a.normalised,
@@ -110,7 +128,21 @@ class Source {
   std::string object_;
   std::map<std::string, std::uint32_t> ids_;
   std::optional<DracoMesh> draco_;
+  std::optional<std::vector<std::uint32_t>> places_;
 };
+
+// Makes the triangles' indices those of the vertices in use, which are returned, ascending.
+std::vector<std::uint32_t> compacted(std::vector<Triangle>& triangles) {
+  std::vector<std::uint32_t> used;
+  used.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) used.insert(used.end(), t.begin(), t.end());
+  std::ranges::sort(used);
+  used.erase(std::ranges::unique(used).begin(), used.end());
+  for (Triangle& t : triangles)
+    for (std::uint32_t& v : t)
+      v = static_cast<std::uint32_t>(std::ranges::lower_bound(used, v) - used.begin());
+  return used;
+}
 
 // ---- topology
 
@@ -192,7 +224,7 @@ class SurfaceReader {
         object_(std::move(object)),
         source_(document, primitive, object_) {}
 
-  Surface read(const std::vector<double>& weights, const TexcoordChoice& texcoords) {
+  Surface read(bool shared, const std::vector<double>& weights, const TexcoordChoice& texcoords) {
     Surface out;
     const int position = source_.accessor("POSITION");
     if (primitive_.mode < 4) {
@@ -200,20 +232,30 @@ class SurfaceReader {
       if (position >= 0) check_lines(static_cast<std::size_t>(position));
       return out;
     }
-    if (position < 0 || !within_limits(static_cast<std::size_t>(position)) || !source_.open())
+    shared = shared && primitive_.indices >= 0 &&
+             !primitive_.extensions.contains("KHR_draco_mesh_compression");
+    if (position < 0 || !within_limits(static_cast<std::size_t>(position), shared) ||
+        !source_.open())
       return out;
     geometry::Mesh& mesh = out.mesh;
-    mesh.positions = source_.read<Vec3>("POSITION");
-    if (mesh.positions.empty()) return out;
+    elements_ = d_.accessors[static_cast<std::size_t>(position)].count;
+    if (shared) {
+      if (!check_whole(static_cast<std::size_t>(position)) || !triangles(mesh, elements_))
+        return Surface{};
+      source_.pick(compacted(mesh.triangles));
+    }
+    mesh.positions = source_.read<Vec3>("POSITION", elements_);
+    if (mesh.positions.empty()) return Surface{};
     vertices_ = mesh.positions.size();
-    if (!source_.packed()) compare_bounds(static_cast<std::size_t>(position), mesh.positions);
-    mesh.normals = source_.read<Vec3>("NORMAL");
+    if (!source_.packed() && !shared)
+      compare_bounds(static_cast<std::size_t>(position), mesh.positions);
+    mesh.normals = source_.read<Vec3>("NORMAL", elements_);
     keep_if_fitting(mesh.normals, "NORMAL");
-    mesh.colors = source_.read<Vec3>("COLOR_0");
+    mesh.colors = source_.read<Vec3>("COLOR_0", elements_);
     keep_if_fitting(mesh.colors, "COLOR_0");
     clamp_colors(mesh.colors);
     read_texcoords(texcoords, out);
-    if (!triangles(mesh)) return Surface{};
+    if (!shared && !triangles(mesh, mesh.positions.size())) return Surface{};
     morph(weights, mesh);
     unit_normals(mesh);
     read_skin(out);
@@ -239,7 +281,16 @@ class SurfaceReader {
             fmt::format("{} of points or lines are not vertices", counted(bad, "index value")));
   }
 
-  bool within_limits(std::size_t position) {
+  // Positions that several primitives share are read in full once. False: they are unreadable.
+  bool check_whole(std::size_t position) {
+    if (!d_.judged.insert(position).second) return d_.accessors[position].sound;
+    if (!d_.charge(d_.accessors[position].count * sizeof(Vec3), object_)) return false;
+    const auto all = read_vectors<Vec3>(d_, position, object_ + "/attributes/POSITION");
+    if (!all.empty()) compare_bounds(position, all);
+    return !all.empty();
+  }
+
+  bool within_limits(std::size_t position, bool shared) {
     const std::uint64_t vertices = d_.accessors[position].count;
     const std::uint64_t corners =
         primitive_.indices < 0 ? vertices
@@ -252,7 +303,8 @@ class SurfaceReader {
       return false;
     }
     if (primitive_.extensions.contains("KHR_draco_mesh_compression")) return true;
-    return d_.charge(vertices * kVertexBytes + triangles * kTriangleBytes, object_);
+    const std::uint64_t read = shared ? std::min(vertices, corners) : vertices;
+    return d_.charge(read * kVertexBytes + triangles * kTriangleBytes, object_);
   }
 
   // The bounds that the file gives are those of its positions, as single precision holds them.
@@ -308,7 +360,7 @@ class SurfaceReader {
     if (choice.set < 0) return;
     const std::string name = fmt::format("TEXCOORD_{}", choice.set);
     std::vector<Vec2>& uv = out.mesh.texcoords;
-    uv = source_.read<Vec2>(name);
+    uv = source_.read<Vec2>(name, elements_);
     keep_if_fitting(uv, name);
     out.has_texcoords = !uv.empty();
     const auto [sine, cosine] = det::sincos(choice.rotation);
@@ -322,18 +374,18 @@ class SurfaceReader {
     }
   }
 
-  bool triangles(geometry::Mesh& mesh) {
+  bool triangles(geometry::Mesh& mesh, std::uint64_t vertices) {
     if (source_.packed()) {
       mesh.triangles = source_.draco().triangles();
       for (const Triangle& t : mesh.triangles)
-        if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size()) {
+        if (std::max({t[0], t[1], t[2]}) >= vertices) {
           wrong(Code::E6210, "", "Draco: an index past the last vertex");
           return false;
         }
       return true;
     }
     std::vector<std::uint32_t> indices;
-    std::uint64_t count = mesh.positions.size();
+    std::uint64_t count = vertices;
     std::uint32_t restart = kNoIndex;
     if (primitive_.indices >= 0) {
       const auto index = static_cast<std::size_t>(primitive_.indices);
@@ -342,7 +394,7 @@ class SurfaceReader {
       count = indices.size();
       restart = restart_value(d_.accessors[index].component);
     }
-    Assembler assembler(mesh.positions.size(), restart, mesh.triangles);
+    Assembler assembler(vertices, restart, mesh.triangles);
     const auto at = [&](std::uint64_t i) { return indices[i]; };
     const auto self = [](std::uint64_t i) { return static_cast<std::uint32_t>(i); };
     const bool fan = primitive_.mode == TINYGLTF_MODE_TRIANGLE_FAN;
@@ -360,8 +412,7 @@ class SurfaceReader {
     if (assembler.beyond() > 0)
       wrong(Code::E6207, "/indices",
             fmt::format("{} with indices up to {}, of {} vertices; left out",
-                        counted(assembler.beyond(), "triangle"), assembler.worst(),
-                        mesh.positions.size()));
+                        counted(assembler.beyond(), "triangle"), assembler.worst(), vertices));
     return true;
   }
 
@@ -375,7 +426,7 @@ class SurfaceReader {
                                                    : nullptr;
         if (!to || to->empty()) continue;
         const auto moves =
-            read_vectors<Vec3>(d_, static_cast<std::size_t>(accessor), at + "/" + name);
+            source_.read<Vec3>(static_cast<std::size_t>(accessor), elements_, at + "/" + name);
         if (moves.size() != to->size()) continue;
         for (std::size_t i = 0; i < moves.size(); ++i) {
           const Vec3 moved = (*to)[i] + weights[t] * moves[i];
@@ -425,8 +476,8 @@ class SurfaceReader {
 
   void read_skin(Surface& out) {
     for (int set = 0; source_.accessor(fmt::format("JOINTS_{}", set)) >= 0; ++set) {
-      auto joints = source_.read<Vec4>(fmt::format("JOINTS_{}", set));
-      auto weights = source_.read<Vec4>(fmt::format("WEIGHTS_{}", set));
+      auto joints = source_.read<Vec4>(fmt::format("JOINTS_{}", set), elements_);
+      auto weights = source_.read<Vec4>(fmt::format("WEIGHTS_{}", set), elements_);
       if (joints.size() != vertices_ || weights.size() != vertices_) return;
       out.skin.joints.insert(out.skin.joints.end(), joints.begin(), joints.end());
       out.skin.weights.insert(out.skin.weights.end(), weights.begin(), weights.end());
@@ -438,15 +489,16 @@ class SurfaceReader {
   const tinygltf::Primitive& primitive_;
   std::string object_;
   Source source_;
-  std::size_t vertices_ = 0;
+  std::uint64_t elements_ = 0;  // of the positions' accessor
+  std::size_t vertices_ = 0;    // of the mesh
 };
 
 }  // namespace
 
-Surface surface_of(Document& document, const tinygltf::Primitive& primitive,
+Surface surface_of(Document& document, const tinygltf::Primitive& primitive, bool shared,
                    const std::vector<double>& weights, const TexcoordChoice& texcoords,
                    const std::string& object) {
-  return SurfaceReader(document, primitive, object).read(weights, texcoords);
+  return SurfaceReader(document, primitive, object).read(shared, weights, texcoords);
 }
 
 std::string surface_key(const tinygltf::Primitive& primitive, const std::vector<double>& weights,

@@ -159,6 +159,8 @@ Vec4 TextureReader::mean(int index, bool srgb) {
   std::size_t image = 0;
   const DecodedImage* found = texture(index, image);
   if (!found || found->rgba.empty()) return Vec4(1);
+  const auto [place, is_new] = means_.try_emplace({image, srgb}, Vec4(1));
+  if (!is_new) return place->second;
   // 256 levels: exact counts, and one decoding for each
   std::array<std::array<std::uint64_t, 256>, 4> counts{};
   for (std::size_t i = 0; i < found->rgba.size(); ++i) ++counts[i % 4][found->rgba[i]];
@@ -169,16 +171,18 @@ Vec4 TextureReader::mean(int index, bool srgb) {
       sum[k] += static_cast<double>(counts[static_cast<std::size_t>(k)][level]) *
                 (srgb && k < 3 ? linear_from_srgb(value) : value);
     }
-  return sum / static_cast<double>(found->rgba.size() / 4);
+  return place->second = sum / static_cast<double>(found->rgba.size() / 4);
 }
 
 bool TextureReader::is_even(int index, int channel) {
-  const DecodedImage* found = texture(index);
+  std::size_t image = 0;
+  const DecodedImage* found = texture(index, image);
   if (!found || found->rgba.empty()) return true;
+  const auto [place, is_new] = even_.try_emplace({image, channel}, true);
   const auto first = static_cast<std::size_t>(channel);
-  for (std::size_t i = first; i < found->rgba.size(); i += 4)
-    if (found->rgba[i] != found->rgba[first]) return false;
-  return true;
+  for (std::size_t i = first; is_new && place->second && i < found->rgba.size(); i += 4)
+    place->second = found->rgba[i] == found->rgba[first];
+  return place->second;
 }
 
 std::array<bool, 2> TextureReader::repeats(int index) const {

@@ -91,6 +91,8 @@ class TextureReader {
   std::map<std::size_t, std::string> names_;
   std::map<std::pair<std::size_t, TextureUse>, std::int32_t> textures_;
   std::map<std::vector<double>, std::optional<RecipeTextures>> made_;  // by their recipes
+  std::map<std::pair<std::size_t, bool>, Vec4> means_;                 // by image and decoding
+  std::map<std::pair<std::size_t, int>, bool> even_;                   // by image and channel
   std::uint64_t decoded_ = 0;  // bytes, computed textures included
 };
 

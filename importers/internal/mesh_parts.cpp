@@ -87,6 +87,9 @@ const MeshParts::Part* MeshParts::part(const MeshFile& mesh) {
   auto imported =
       import_part(c_.files, *path, std::move(bytes), options, c_.log, mesh.where, c_.file.job);
   if (!imported) return nullptr;
+  if (imported->lacks_unit)
+    c_.log.report(Code::W6006, mesh.where,
+                  fmt::format("{} states no unit: millimetres are assumed", in_quotes(mesh.name)));
   place->second = taken(*imported);
   return &*place->second;
 }

@@ -27,7 +27,6 @@ Cover Painter::cover_of(std::int32_t paint) {
     if (Vec3(rgba[0], rgba[1], rgba[2]) != material.diffuse)
       cad.lost.emplace_back("colours outside of 0 to 1");
     cad.opacity = std::clamp(rgba[3], 0.0, 1.0);
-    if (cad.opacity < 1) cad.lost.emplace_back("transparency");
   }
   cad.base_color = material.diffuse;
   cover.material = assembly_.add_material(std::move(material), std::move(cad));

@@ -31,6 +31,12 @@ class Painter {
   // Returns the cover of a paint's index; none for −1. Reports W6004, W6005, W6008.
   Cover cover_of(std::int32_t paint);
 
+  // Returns true for an opacity of 0. Expects: a paint's index.
+  bool is_invisible(std::int32_t paint) const {
+    const auto& rgba = paints_[static_cast<std::size_t>(paint)].rgba;
+    return rgba && (*rgba)[3] <= 0;
+  }
+
  private:
   std::int32_t texture_of(const Paint& paint);
 

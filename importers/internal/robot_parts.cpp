@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "base/text.h"
@@ -62,8 +61,12 @@ std::string scene_name(const std::string& name) {
   return out;
 }
 
-void RobotScene::add_shape(const geometry::Shape& shape, std::int32_t node, const Cover& cover,
+bool RobotScene::add_shape(const geometry::Shape& shape, std::int32_t node, const Cover& cover,
                            SourceSpan where) {
+  if (const auto problem = geometry::problem_of(shape)) {
+    c_.log.report(problem->code, where, fmt::format("{}; the part is left out", problem->message));
+    return false;
+  }
   scene::Instance instance;
   instance.node = node;
   instance.shape = static_cast<std::int32_t>(scene().shapes.size());
@@ -73,6 +76,7 @@ void RobotScene::add_shape(const geometry::Shape& shape, std::int32_t node, cons
   instance.source = assembly.source_of(where);
   scene().shapes.push_back(shape);
   scene().instances.push_back(std::move(instance));
+  return true;
 }
 
 Imported RobotScene::finished() {
@@ -100,7 +104,6 @@ Result<Imported> read_robot_file(
     context.tell();
     return failed;
   }
-  assert(scene::check(out->scene).empty());
   return *std::move(out);
 }
 

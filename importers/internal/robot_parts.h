@@ -63,8 +63,9 @@ class RobotScene {
   scene::Scene& scene() { return assembly.out().scene; }
   scene::Node& node(std::int32_t index) { return scene().nodes[static_cast<std::size_t>(index)]; }
 
-  // Adds a shape at a node; grey without a material.
-  void add_shape(const geometry::Shape& shape, std::int32_t node, const Cover& cover,
+  // Adds a shape at a node; grey without a material. False: its sizes are out of range, which is
+  // reported.
+  bool add_shape(const geometry::Shape& shape, std::int32_t node, const Cover& cover,
                  SourceSpan where);
 
   // Reports the collected problems and returns the result, in metres.

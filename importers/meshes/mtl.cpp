@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/text.h"
 #include "importers/meshes/text.h"
@@ -59,9 +60,11 @@ class MtlReader {
       : s_(context), path_(std::move(path)), bytes_(std::move(bytes)), source_(source), out_(out) {}
 
   void read() {
+    const std::size_t begin = out_.size();
     Lines lines(*bytes_);
     std::string_view line;
     while (lines.next(line)) read_line(line);
+    settle_opacity(std::span(out_).subspan(begin));
   }
 
  private:
@@ -73,7 +76,11 @@ class MtlReader {
   void read_line(std::string_view line) {
     std::string_view rest = line;
     const std::string_view word = next_word(rest);
-    if (word.empty() || word.starts_with('#')) return;
+    if (word.empty()) return;
+    if (word.starts_with('#')) {
+      by_meshlab_ = by_meshlab_ || lower_case(line).find("meshlab") != std::string::npos;
+      return;
+    }
     const std::string key = lower_case(word);
     if (key == "newmtl") {
       out_.push_back({});
@@ -102,11 +109,13 @@ class MtlReader {
     if (key == "d" || key == "tr") {
       std::string_view ahead = rest;
       if (next_word(ahead) == "-halo") rest = ahead;
-      std::optional<double> value;
+      std::optional<double>& value = key == "d" ? m.opacity : m.transparency;
       read_number(word, rest, value);
-      // where a file gives both, d holds
-      if (value && (key == "d" || !m.opacity))
-        m.opacity = std::clamp(key == "d" ? *value : 1 - *value, 0.0, 1.0);
+      if (value && !(*value >= 0 && *value <= 1)) {
+        lose("opacity outside of 0 to 1");
+        value = std::clamp(*value, 0.0, 1.0);
+      }
+      if (key == "tr" && value) tr_at_ = at(word);
       return;
     }
     if (key == "illum") {
@@ -126,6 +135,25 @@ class MtlReader {
     if (std::find(std::begin(kIgnoredStatements), std::end(kIgnoredStatements), key) ==
         std::end(kIgnoredStatements))
       lose(fmt::format("{}", in_quotes(word)));
+  }
+
+  // Where a file gives both, d holds. Tr is 1 − d; MeshLab means d by it, and so does a file that
+  // would otherwise have no visible material.
+  void settle_opacity(std::span<MtlMaterial> materials) {
+    const auto is_invisible = [](const MtlMaterial& m) {
+      return m.opacity ? *m.opacity <= 0 : m.transparency && *m.transparency >= 1;
+    };
+    const auto has_both = [](const MtlMaterial& m) { return m.opacity && m.transparency; };
+    const bool swapped = std::ranges::none_of(materials, has_both) &&
+                         (by_meshlab_ || std::ranges::all_of(materials, is_invisible)) &&
+                         std::ranges::any_of(materials, [](const MtlMaterial& m) {
+                           return !m.opacity && m.transparency.value_or(0) > 0;
+                         });
+    if (swapped)
+      s_.trouble(Code::W6502, "mtl tr", tr_at_,
+                 [] { return "'Tr' is read as opacity, as MeshLab writes it"; });
+    for (MtlMaterial& m : materials)
+      if (!m.opacity && m.transparency) m.opacity = swapped ? *m.transparency : 1 - *m.transparency;
   }
 
   void lose(std::string what) {
@@ -164,6 +192,7 @@ class MtlReader {
       color[k] = *number;
     }
     out = glm::clamp(color, Vec3(0), Vec3(1));
+    if (*out != color) lose("colours outside of 0 to 1");
   }
 
   void read_texture(std::string_view rest, MtlTexture& out) {
@@ -204,6 +233,8 @@ class MtlReader {
   SharedText bytes_;
   FileId source_;
   std::vector<MtlMaterial>& out_;
+  bool by_meshlab_ = false;
+  SourceSpan tr_at_;
 };
 
 // The BRDFs of VRML's materials: Lambert, and Blinn and Phong's lobe where there is a specular
@@ -309,7 +340,7 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, boo
   cad.metallic = std::clamp(from.metallic.value_or(0), 0.0, 1.0);
   if (from.roughness) cad.roughness = std::clamp(*from.roughness, 0.0, 1.0);
   cad.opacity = from.opacity.value_or(1);
-  if (cad.opacity < 1) cad.lost.push_back("opacity");
+  cad.see_through = std::ranges::find(from.lost, "opacity map") != from.lost.end();
   return place->second = assembly_.add_material(std::move(m), std::move(cad));
 }
 

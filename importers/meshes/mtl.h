@@ -24,7 +24,8 @@ struct MtlMaterial {
   std::string library;                              // path, as in Files
   std::optional<Vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
   std::optional<double> shine;                      // Ns
-  std::optional<double> opacity;                    // d, or 1 − Tr
+  std::optional<double> opacity;                    // d; after reading, by Tr
+  std::optional<double> transparency;               // Tr as written
   std::optional<double> roughness, metallic;        // Pr, Pm
   std::optional<double> index;                      // Ni
   std::optional<int> model;                         // illum

@@ -248,6 +248,11 @@ class SceneMaker {
   bool add_geom(const Geom& geom, const std::string& name, std::int32_t place) {
     const Cover cover = out_.painter.cover_of(geom.paint);
     if (geom.mesh != kNone) {
+      // note: whatever materials the mesh has, MuJoCo draws none of it
+      if (geom.paint != kNone && out_.painter.is_invisible(geom.paint)) {
+        c_.skipped("geom of opacity 0");
+        return true;
+      }
       const MeshAsset& mesh = model_.meshes[static_cast<std::size_t>(geom.mesh)];
       node(place).parent_from_node.scale = mesh.file.scale;
       if (!(mesh.reference.position == Vec3(0) && mesh.reference.rotation == Quat(1, 0, 0, 0))) {
@@ -266,7 +271,7 @@ class SceneMaker {
         if (at == kNone) return false;
         node(at).parent_from_node.translation = {0, 0, geom.heights[k]};
       }
-      out_.add_shape(geom.shapes[k], at, cover, geom.where);
+      if (!out_.add_shape(geom.shapes[k], at, cover, geom.where)) break;
     }
     return true;
   }

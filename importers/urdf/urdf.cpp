@@ -227,7 +227,7 @@ class SceneMaker {
       transform_of(node).scale = mesh->scale;
       return out_.meshes.attach(*mesh, node, cover);
     }
-    out_.add_shape(std::get<geometry::Shape>(visual.geometry), node, cover, visual.where);
+    (void)out_.add_shape(std::get<geometry::Shape>(visual.geometry), node, cover, visual.where);
   }
 
   const Robot& robot_;

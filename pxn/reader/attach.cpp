@@ -159,6 +159,8 @@ void attach_instances(const ImportedModel& model, const PartImport& place,
                              ? model.textures[static_cast<std::size_t>(instance.texture)]
                              : scene::kNone;
     instance.prunable = !place.keep_hidden;
+    // an assigned material is opaque
+    instance.see_through = instance.see_through && place.materials[i] < 0;
     shapes.cells.append(std::move(instance),
                         world_from[static_cast<std::size_t>(from.instances[i].node)]);
     if (!place.foils[i].preset.empty())

@@ -84,6 +84,16 @@ materials::Maps Loader::read_maps(Work& work, std::uint32_t element, const mater
   };
   read(element, attribute::named_material_albedo_map, TextureKind::color, maps.albedo);
   read(element, attribute::named_material_normal_map, TextureKind::linear, maps.normal);
+  if (maps.normal >= 0 && values.has(element, attribute::named_material_normal_map))
+    if (const auto problem = importers::normal_map_problem(
+            scene_.textures[static_cast<std::size_t>(maps.normal)].rgba))
+      reporter_.report(
+          Code::W3003, values.value_place(element, attribute::named_material_normal_map), document,
+          element, [&] {
+            return Reporter::Text(fmt::format(
+                "{}: {}", in_quotes(scene_.textures[static_cast<std::size_t>(maps.normal)].name),
+                *problem));
+          });
   read(element, attribute::named_material_roughness_map, TextureKind::linear, maps.roughness);
   read(element, attribute::named_material_reflectance_map, TextureKind::color, maps.reflectance);
   values.numbers(element, attribute::named_material_map_repeat, std::span(&maps.repeat.x, 2));

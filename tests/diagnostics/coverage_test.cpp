@@ -140,6 +140,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
                                "name=\"j\" type=\"revolute\">"
                                "<parent link=\"a\"/><child link=\"b\"/></joint></robot>")},
        {}},
+      {"W6013",
+       {"import", folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box {} }"), "--units",
+        "mm"},
+       {}},
       {"E6217", {"import", (kBadCad / "N6216.gltf").string(), "--animation", "fold"}, {}},
       {"E6003", {"import", folder.write("cut.wrl", std::string("\x1f\x8b\x08\0\0\0", 6))}, {}},
       {"N2021",

@@ -108,8 +108,7 @@ TEST(GltfExport, GeometryComesBackBitForBit) {
   ASSERT_EQ(back.scene.instances.size(), model->instances().size());
   const std::vector<Mat4> world = model->world_from_nodes();
   const std::vector<Mat4> back_world = scene::world_from_nodes(back.scene);
-  // +z up became +y up
-  const Mat4 upright(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+  EXPECT_TRUE(back.z_up);
   double worst = 0;
   for (std::size_t i = 0; i < back.scene.instances.size(); ++i) {
     // by the names of their nodes
@@ -130,10 +129,9 @@ TEST(GltfExport, GeometryComesBackBitForBit) {
       ASSERT_EQ(mesh.triangles[t / 3][t % 3], view.indices[t]);
     for (std::size_t v = 0; v < view.positions.size(); ++v) {
       const auto& p = view.positions[v];
-      ASSERT_EQ(mesh.positions[v], Vec3(p.x, p.y, p.z));
-      const Vec3 wanted =
-          Vec3(upright * world[from.node] *
-               Vec4(Vec3(p.x, p.y, p.z) + Vec3(origin[0], origin[1], origin[2]), 1));
+      const Vec3 place = Vec3(p.x, p.y, p.z) + Vec3(origin[0], origin[1], origin[2]);
+      ASSERT_EQ(mesh.positions[v], place);
+      const Vec3 wanted = Vec3(world[from.node] * Vec4(place, 1));
       const Vec3 got =
           Vec3(back_world[static_cast<std::size_t>(instance.node)] * Vec4(mesh.positions[v], 1));
       worst = std::max(worst, glm::length(wanted - got));
@@ -172,16 +170,15 @@ TEST(GltfExport, JointsStandAtTheirInitialValues) {
     EXPECT_NE(to_text(log).find("does not keep 2 joints"), std::string::npos) << to_text(log);
     const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
     ASSERT_TRUE(out.imported) << out.text();
-    const Mat4 upright(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
-    const Mat4 wanted = upright * model->world_from_nodes()[2];
+    const Mat4 wanted = model->world_from_nodes()[2];
     const auto world = scene::world_from_nodes(out.imported->scene);
     bool found = false;
-    for (std::size_t i = 0; i < world.size(); ++i) {
-      if (out.imported->scene.nodes[i].name != "tip") continue;
+    for (const scene::Keypoint& point : out.imported->scene.keypoints) {
+      if (point.name != "tip") continue;
       found = true;
       const Vec3 tip(wanted * Vec4(0.5, 0, 0, 1));
-      EXPECT_LE(glm::length(Vec3(world[i][3]) - tip), 1e-13 * glm::length(tip))
-          << geometry::kind_name(kind);
+      const Vec3 back(world[static_cast<std::size_t>(point.node)] * Vec4(point.position, 1));
+      EXPECT_LE(glm::length(back - tip), 1e-13 * glm::length(tip)) << geometry::kind_name(kind);
     }
     EXPECT_TRUE(found);
   }
@@ -190,8 +187,9 @@ TEST(GltfExport, JointsStandAtTheirInitialValues) {
 // The world position of a keypoint's node.
 Vec3 tip_of(const scene::Scene& scene) {
   const auto world = scene::world_from_nodes(scene);
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (scene.nodes[i].name == "tip") return Vec3(world[i][3]);
+  for (const scene::Keypoint& point : scene.keypoints)
+    if (point.name == "tip")
+      return Vec3(world[static_cast<std::size_t>(point.node)] * Vec4(point.position, 1));
   ADD_FAILURE() << "no tip";
   return Vec3(0);
 }
@@ -252,9 +250,8 @@ TEST(GltfExport, ArticulationsComeBack) {
     EXPECT_EQ(out.log.errors() + out.log.warnings(), 0u) << out.text();
     scene::Scene back = out.imported->scene;
     EXPECT_EQ(scene::check(back), "");
-    const Mat4 upright(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
     const auto expected = [&] {
-      return Vec3(upright * scene::world_from_nodes(scene)[2] * Vec4(0.5, 0, 0, 1));
+      return Vec3(scene::world_from_nodes(scene)[2] * Vec4(0.5, 0, 0, 1));
     };
     EXPECT_LE(glm::length(tip_of(back) - expected()), 1e-12) << geometry::kind_name(each.kind);
     // another value of the scene's joint, and the same of what came back
@@ -322,8 +319,17 @@ TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
   ASSERT_TRUE(out.imported) << out.text();
   std::set<std::string> names;
   for (const auto& node : out.imported->scene.nodes) names.insert(node.name);
-  for (const char* name : {"bus_\"A\"", "mirror", "camera", "tip"})
-    EXPECT_TRUE(names.contains(name)) << name;
+  EXPECT_EQ(names, (std::set<std::string>{"root", "bus_\"A\"", "mirror"}));
+  const scene::Scene& tree = out.imported->scene;
+  ASSERT_EQ(tree.nodes.size(), model->nodes().size());
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    EXPECT_EQ(tree.nodes[i].parent, model->nodes()[i].parent);
+    EXPECT_EQ(tree.nodes[i].parent_from_node, spacecraft().nodes[i].parent_from_node);
+  }
+  ASSERT_EQ(tree.frames.size(), 1u);
+  EXPECT_EQ(tree.frames[0].name, "camera");
+  ASSERT_EQ(tree.keypoints.size(), 1u);
+  EXPECT_EQ(tree.keypoints[0].name, "tip");
   for (std::size_t i = 0; i < out.imported->materials.size(); ++i) {
     const CadMaterial& cad = out.imported->materials[i];
     const materials::Material& material = out.imported->scene.materials[i];

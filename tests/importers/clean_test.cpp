@@ -214,6 +214,80 @@ TEST(Place, BoundsOfExactShapesAreGoodToAHundredth) {
   EXPECT_LT(glm::length(bounds.high - Vec3(1)), 0.02);
 }
 
+// A box of 100 x 200 x 300 in numbers of the file, as a STEP file with a unit gives it.
+Imported stated(double file_unit, Format format = Format::step) {
+  Imported out;
+  out.format = format;
+  out.in_metres = format == Format::step;
+  out.file_unit = file_unit;
+  scene::Node root;
+  root.name = "root";
+  out.scene.nodes = {root};
+  out.scene.shapes = {geometry::Box{.size = Vec3(100, 200, 300) * (out.in_metres ? file_unit : 1)}};
+  out.scene.materials = {materials::Material{}};
+  out.materials = {CadMaterial{}};
+  out.scene.instances = {{}};
+  return out;
+}
+
+TEST(Place, AGivenUnitIsWhatANumberOfTheFileMeasures) {
+  const struct {
+    double file;
+    std::optional<double> given;
+    double size;  // of the longest side, metres
+    bool reported;
+  } cases[] = {
+      {1e-3, std::nullopt, 0.3, false}, {1e-3, 1e-3, 0.3, false},      {1e-3, 1.0, 300, true},
+      {1e-3, 0.0254, 7.62, true},       {0.0254, 0.0254, 7.62, false}, {0.0254, 1e-3, 0.3, true},
+      {1.0, 1.0, 300, false},           {1.0, 0.01, 3, true},
+  };
+  for (const auto& each : cases) {
+    Imported model = stated(each.file);
+    DiagnosticLog log;
+    place(model, each.given, std::nullopt, false, log);
+    EXPECT_NEAR(bounds_of(model.scene).longest() / each.size, 1, 1e-12);
+    EXPECT_EQ(log.contains(Code::W6013), each.reported) << to_text(log);
+    EXPECT_EQ(log.entries().size(), each.reported ? 1u : 0u) << to_text(log);
+  }
+}
+
+TEST(Place, AFileThatLacksItsUnitIsReportedUnlessOneIsGiven) {
+  Imported model = stated(1e-3);
+  model.lacks_unit = true;
+  DiagnosticLog log;
+  place(model, std::nullopt, std::nullopt, false, log);
+  EXPECT_TRUE(log.contains(Code::W6006));
+  EXPECT_EQ(model.assumed_unit, "mm");
+  EXPECT_NEAR(bounds_of(model.scene).longest(), 0.3, 1e-12);
+  Imported inches = stated(1e-3);
+  inches.lacks_unit = true;
+  DiagnosticLog quiet;
+  place(inches, 0.0254, std::nullopt, false, quiet);
+  EXPECT_NEAR(bounds_of(inches.scene).longest(), 7.62, 1e-12);
+  EXPECT_EQ(quiet.entries().size(), 0u) << to_text(quiet);
+}
+
+TEST(Place, SeveralUnitsOfAFileStay) {
+  Imported model = stated(1e-3);
+  model.file_unit = 0;
+  DiagnosticLog log;
+  place(model, 0.0254, std::nullopt, false, log);
+  EXPECT_NEAR(bounds_of(model.scene).longest(), 0.3, 1e-12);
+  EXPECT_TRUE(log.contains(Code::W6013));
+}
+
+// Its unit is the metre: another one is right where the metre makes no sense.
+TEST(Place, AUnitAgainstThatOfTheFormatIsReportedWhereMetresArePlausible) {
+  for (const bool plausible : {false, true}) {
+    Imported model = stated(1, Format::gltf);
+    if (!plausible) model.scene.shapes = {geometry::Box{.size = {1000, 2000, 3000}}};
+    DiagnosticLog log;
+    place(model, 1e-3, UpAxis::z, false, log);
+    EXPECT_NEAR(bounds_of(model.scene).longest(), plausible ? 0.3 : 3.0, 1e-12);
+    EXPECT_EQ(log.contains(Code::W6013), plausible) << to_text(log);
+  }
+}
+
 TEST(Place, AsWrittenAddsNothing) {
   Imported model = sample();
   DiagnosticLog log;

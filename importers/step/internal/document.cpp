@@ -157,6 +157,9 @@ class Reading {
     if (model_.IsNull()) return refused("OpenCASCADE cannot read it");
     if (auto numbers = torn(model_); !numbers.empty()) throw Torn{std::move(numbers)};
     if (!check_assembly(model_, text_, options_.limits, log_)) return failed;
+    const std::vector<double> units = length_units(model_);
+    out_.lacks_unit = units.empty();
+    out_.file_unit = units.empty() ? 1 / kMetre : units.size() == 1 ? units[0] : 0;
     Handle(TDocStd_Document) document = new TDocStd_Document("XmlXCAF");
     job_.poll();
     const bool done = reader.Transfer(document);
@@ -247,8 +250,6 @@ class Reading {
         list += fmt::format("{}{}", list.empty() ? "" : ", ", counted(count, what));
       log_.report_file(Code::N6007, name_, fmt::format("skipped: {}", list));
     }
-    if (transparent_)
-      log_.report_file(Code::W6008, name_, "unsupported material properties ignored: transparency");
     return std::move(out_);
   }
 
@@ -525,7 +526,6 @@ class Reading {
       cad.base_color = glm::clamp(color->rgb, Vec3(0), Vec3(1));
       cad.opacity = std::clamp(color->opacity, 0.0, 1.0);
     }
-    transparent_ = transparent_ || cad.opacity < 1;
     out_.scene.materials.push_back(lambert_of(cad));
     out_.materials.push_back(std::move(cad));
     return static_cast<std::int32_t>(material_keys_.size() - 1);
@@ -548,7 +548,6 @@ class Reading {
   double deflection_ = 0;  // metres
   std::uint64_t triangles_ = 0;
   std::uint64_t bodies_ = 0;
-  bool transparent_ = false;
   std::unordered_map<const void*, Handle(Standard_Transient)> made_from_;  // shapes → entities
   std::map<std::string, Extent> extents_;                                  // by label
   std::map<std::string, Part> parts_;                                      // by label

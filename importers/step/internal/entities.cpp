@@ -3,17 +3,25 @@
 #include <fmt/core.h>
 
 #include <Interface_Check.hxx>
+#include <STEPConstruct_UnitContext.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepGeom_Curve.hxx>
+#include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
+#include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepGeom_Pcurve.hxx>
 #include <StepRepr_DefinitionalRepresentation.hxx>
+#include <StepRepr_GlobalUnitAssignedContext.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_ShapeRepresentation.hxx>
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
+#include "importers/step/internal/bodies.h"
 #include "importers/step/internal/document.h"
 
 namespace panwright::importers::step {
@@ -63,6 +71,36 @@ std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model) {
       continue;
     if (has_bad_reference(model, i) || is_hollow(entity))
       out.push_back(static_cast<std::uint64_t>(number));
+  }
+  return out;
+}
+
+std::vector<double> length_units(const Handle(StepData_StepModel) & model) {
+  constexpr double kSame = 1e-9;
+  std::vector<double> out;
+  std::set<int> known;  // contexts
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(model->Value(i));
+    if (shape.IsNull() || shape->ContextOfItems().IsNull()) continue;
+    const Handle(StepRepr_RepresentationContext) context = shape->ContextOfItems();
+    if (!known.insert(model->Number(context)).second) continue;
+    Handle(StepRepr_GlobalUnitAssignedContext) units;
+    if (const auto plain = Handle(
+            StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext)::DownCast(context);
+        !plain.IsNull())
+      units = plain->GlobalUnitAssignedContext();
+    if (const auto precise = Handle(
+            StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(context);
+        !precise.IsNull())
+      units = precise->GlobalUnitAssignedContext();
+    if (units.IsNull()) continue;
+    STEPConstruct_UnitContext factors;
+    factors.ComputeFactors(units);
+    if (!factors.LengthDone()) continue;
+    const double metres = factors.LengthFactor() / kMetre;
+    if (std::none_of(out.begin(), out.end(),
+                     [&](double unit) { return std::fabs(unit / metres - 1) < kSame; }))
+      out.push_back(metres);
   }
   return out;
 }

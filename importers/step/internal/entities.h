@@ -18,6 +18,9 @@ std::uint64_t number_of(const Handle(StepData_StepModel) & model,
 // to nothing or to an entity of a wrong kind.
 std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model);
 
+// Returns the units of shapes, in metres, each once. Empty: no shape has one.
+std::vector<double> length_units(const Handle(StepData_StepModel) & model);
+
 // Returns false, with E6601, if a product is a part of itself. Throws OverLimit for assemblies that
 // are deeper or larger than the limits.
 bool check_assembly(const Handle(StepData_StepModel) & model, const Text& text,

@@ -19,6 +19,7 @@ enum Kind : std::uint32_t {
   kShape,
   kMaterials,
   kInstances,
+  kUnit,
   kEnd,
 };
 
@@ -120,11 +121,10 @@ class Values {
   bool failed_ = false;
 };
 
-materials::Material lambert_of(CadMaterial& cad) {
+materials::Material lambert_of(const CadMaterial& cad) {
   materials::Material material;
   material.name = cad.name;
   material.diffuse = cad.base_color;
-  if (cad.opacity < 1) cad.lost.emplace_back("transparency");
   materials::fit(material);
   return material;
 }
@@ -259,6 +259,10 @@ struct ShapeWriter {
 
 void send_scene(const Imported& imported, const Send& send) {
   const scene::Scene& scene = imported.scene;
+  std::string unit;
+  put(unit, imported.file_unit);
+  put(unit, static_cast<std::uint32_t>(imported.lacks_unit ? 1 : 0));
+  if (!send_record(kUnit, unit, send)) return;
   if (!send_nodes(scene, send)) return;
   for (const geometry::Shape& shape : scene.shapes) {
     std::string out;
@@ -350,6 +354,10 @@ bool AnswerReader::take_record(std::uint32_t kind, std::string_view payload) {
       return take_materials(record);
     case kInstances:
       return take_instances(record);
+    case kUnit:
+      out_.file_unit = record.get<double>();
+      out_.lacks_unit = record.get<std::uint32_t>() == 1;
+      return record.ended() && out_.file_unit >= 0 && std::isfinite(out_.file_unit);
     default:
       break;
   }

@@ -24,8 +24,8 @@ inline constexpr int kOutOfMemory = 3;
 
 class Values;
 
-// Returns the material for a name, colour and opacity; losses are listed in `lost`.
-materials::Material lambert_of(CadMaterial& cad);
+// Returns the material for a name and colour.
+materials::Material lambert_of(const CadMaterial& cad);
 
 // ---- request
 

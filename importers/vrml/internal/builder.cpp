@@ -128,21 +128,13 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
   cad.base_color = material.diffuse;
   cad.opacity = 1 - std::clamp(phong.transparency, 0.0, 1.0);
   cad.textured = textured;
-  if (cad.opacity < 1) {
-    cad.lost.emplace_back("transparency");
-    lost("transparency");
-  }
   return add_material(material, cad);
 }
 
 std::int32_t Builder::add_texture(scene::Texture texture) {
   bool grey = true;
-  bool opaque = true;
-  for (std::size_t i = 0; i + 3 < texture.rgba.size() && (grey || opaque); i += 4) {
-    grey = grey && texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
-    opaque = opaque && texture.rgba[i + 3] == 255;
-  }
-  if (!opaque) lost("transparency of textures");
+  for (std::size_t i = 0; i + 3 < texture.rgba.size() && grey; i += 4)
+    grey = texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
   grey_.push_back(grey);
   out_.scene.textures.push_back(std::move(texture));
   return static_cast<std::int32_t>(out_.scene.textures.size() - 1);

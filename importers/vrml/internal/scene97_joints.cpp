@@ -1,7 +1,11 @@
 // Joints of OpenHRP's and H-Anim's prototypes.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "base/text.h"
 #include "importers/vrml/internal/scene97.h"
 
 namespace panwright::importers::vrml {
@@ -26,18 +30,20 @@ std::string_view string_or_none(const Node& node, std::string_view field) {
              : std::string_view();
 }
 
-// jointAxis is a vector, or in older files "X", "Y" or "Z".
-Vec3 axis_of(const Node& instance) {
+// jointAxis is a vector, or in older files "X", "Y" or "Z". Nothing: neither of them.
+std::optional<Vec3> axis_of(const Node& instance) {
   const auto v = numbers_or_none(instance, "jointAxis");
   if (v.size() == 3) {
     const Vec3 axis(v[0], v[1], v[2]);
     const double length = glm::length(axis);
     if (length > 0 && std::isfinite(length)) return axis / length;
+    return std::nullopt;
   }
   const std::string_view word = string_or_none(instance, "jointAxis");
-  if (word == "X" || word == "x") return {1, 0, 0};
-  if (word == "Y" || word == "y") return {0, 1, 0};
-  return {0, 0, 1};
+  if (word == "X" || word == "x") return Vec3(1, 0, 0);
+  if (word == "Y" || word == "y") return Vec3(0, 1, 0);
+  if (word == "Z" || word == "z" || (word.empty() && v.empty())) return Vec3(0, 0, 1);
+  return std::nullopt;
 }
 
 bool are_limits(std::span<const double> lower, std::span<const double> upper, std::size_t count) {
@@ -45,6 +51,17 @@ bool are_limits(std::span<const double> lower, std::span<const double> upper, st
   for (std::size_t i = 0; i < count; ++i)
     if (!(lower[i] <= upper[i])) return false;
   return true;
+}
+
+// A joint is at 0 in the file, which its limits may not hold.
+template <class Report>
+void begin_within_limits(scene::Joint& joint, const Report& report) {
+  std::vector<double> begins;
+  for (std::size_t i = 0; i < joint.lower.size(); ++i)
+    begins.push_back(std::clamp(0.0, joint.lower[i], joint.upper[i]));
+  if (std::ranges::all_of(begins, [](double x) { return x == 0; })) return;
+  report(fmt::format("0 is outside its limits; it begins at {:g}", fmt::join(begins, " ")));
+  joint.value = std::move(begins);
 }
 
 }  // namespace
@@ -82,10 +99,19 @@ void Scene97::add_joint(const Node& instance, std::int32_t node) {
     joint.kind = scene::JointKind::fixed;
     count = 0;
   }
-  joint.axis = axis_of(instance);
+  const auto tolerated = [&](const std::string& message) {
+    builder_.context.log.report(Code::W6118, instance.where,
+                                fmt::format("the joint {}: {}", in_quotes(joint.name), message));
+  };
+  const auto axis = axis_of(instance);
+  if (!axis && count == 1) tolerated("its jointAxis is no direction; it moves about z");
+  joint.axis = axis.value_or(Vec3(0, 0, 1));
   if (count > 0 && are_limits(lower, upper, count)) {
     joint.lower.assign(lower.begin(), lower.begin() + static_cast<std::ptrdiff_t>(count));
     joint.upper.assign(upper.begin(), upper.begin() + static_cast<std::ptrdiff_t>(count));
+    begin_within_limits(joint, tolerated);
+  } else if (count > 0 && !(lower.empty() && upper.empty())) {
+    tolerated("llimit is above ulimit, or one of them is missing; it moves without limits");
   }
   add_masses(instance, joint);
   builder_.scene().joints.push_back(std::move(joint));

@@ -363,8 +363,8 @@ TEST(GltfMaterials, ExtensionsAreMappedOrListed) {
   EXPECT_EQ(material.emissive, Vec3(0, 2, 4));
   EXPECT_EQ(material.weights.z, 1);
   const CadMaterial& cad = out.imported->materials[0];
-  EXPECT_EQ(cad.opacity, 0.25);
-  EXPECT_EQ(cad.lost, (std::vector<std::string>{"transmission", "sheen"}));
+  EXPECT_TRUE(cad.see_through);
+  EXPECT_EQ(cad.lost, (std::vector<std::string>{"transmission", "sheen", "opacity"}));
   EXPECT_TRUE(out.log.contains(Code::W6008));
 }
 

@@ -136,7 +136,7 @@ TEST(Obj, MaterialsAreThoseOfVrml) {
   EXPECT_EQ(out->out->materials[2].roughness, 0.3);
   EXPECT_EQ(out->material(3).diffuse, Vec3(0.8));
   EXPECT_TRUE(out->log.contains(Code::W6008));
-  for (const char* what : {"opacity (2)", "bump map", "shininess over 128"})
+  for (const char* what : {"opacity", "'a' (0.25), 'b' (0.75)", "bump map", "shininess over 128"})
     EXPECT_THAT(out->text(), HasSubstr(what));
 }
 

@@ -12,6 +12,7 @@
 #include <gp_Ax1.hxx>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/importers/step/reading.h"
 #include "tests/importers/step/sample.h"
@@ -40,11 +41,14 @@ double linear(double srgb) {
 TopoDS_Shape half_cylinder() { return BRepPrimAPI_MakeCylinder(100, 300, kPi).Shape(); }
 
 TEST(StepFiles, LengthsAreMetresWhateverTheUnit) {
-  for (const char* unit : {"MM", "INCH", "M"}) {
+  const std::pair<const char*, double> units[] = {{"MM", 1e-3}, {"INCH", 0.0254}, {"M", 1}};
+  for (const auto& [unit, metres] : units) {
     SCOPED_TRACE(unit);
     const auto ball = read(text_of(BRepPrimAPI_MakeSphere(254).Shape(), "ball", unit));
     ASSERT_TRUE(ball->out);
     EXPECT_TRUE(ball->out->in_metres);
+    EXPECT_FALSE(ball->out->lacks_unit);
+    EXPECT_NEAR(ball->out->file_unit / metres, 1, 1e-12);
     EXPECT_EQ(ball->out->format, Format::step);
     ASSERT_EQ(ball->scene().shapes.size(), 1u);
     // the writer's digits: 13
@@ -60,6 +64,19 @@ TEST(StepFiles, LengthsAreMetresWhateverTheUnit) {
     }
     EXPECT_TRUE(half->log.entries().empty());
   }
+}
+
+TEST(StepFiles, AFileWithoutAUnitIsInMillimetres) {
+  std::string text = text_of(BRepPrimAPI_MakeSphere(254).Shape(), "ball", "MM");
+  // numbers, and a context that says no unit for them
+  const std::size_t at = text.find("( GEOMETRIC_REPRESENTATION_CONTEXT");
+  ASSERT_NE(at, text.npos);
+  text.replace(at, text.find(';', at) - at, "GEOMETRIC_REPRESENTATION_CONTEXT('c','3D',3)");
+  const auto ball = read(text);
+  ASSERT_TRUE(ball->out) << to_text(ball->log);
+  EXPECT_TRUE(ball->out->lacks_unit);
+  EXPECT_EQ(ball->out->file_unit, 1e-3);
+  EXPECT_NEAR(std::get<geometry::Sphere>(ball->scene().shapes.at(0)).radius, 0.254, 1e-12);
 }
 
 TEST(StepFiles, DeflectionIsAskedOrByTheSize) {

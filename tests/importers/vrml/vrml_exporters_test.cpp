@@ -223,7 +223,7 @@ TEST(VrmlLost, TexturesThatDoNotRepeat) {
 TEST(VrmlLost, TransparencyOfTextures) {
   for (const std::string image : {"1 1 4 0xff000080", "1 1 2 0x8040"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::W6008),
-              "unsupported properties ignored: transparency of textures");
+              "unsupported: opacity, drawn opaque: #1");
   for (const std::string image : {"1 1 4 0xff0000ff", "1 1 2 0x80ff", "1 1 1 0x80"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::W6008),
               "");
