@@ -215,7 +215,7 @@ class Exporter {
     const bool turned = made.node_from_axis != Quat(1, 0, 0, 0);
     std::size_t host = parent;
     if (turned || nodes_[parent].contains("extensions")) {
-      ordered_json node = {{"name", name}};
+      ordered_json node = {{"name", name}, {"extras", {{"kind", "axis"}}}};
       place(node, Vec3(0), made.node_from_axis, Vec3(1));
       host = add(std::move(node), parent);
     }
@@ -223,7 +223,7 @@ class Exporter {
     articulations_.push_back(std::move(made.articulation));
     uncoupled_ += made.coupled;
     if (!turned) return host;
-    ordered_json back = {{"name", name}};
+    ordered_json back = {{"name", name}, {"extras", {{"kind", "axis"}}}};
     place(back, Vec3(0), glm::conjugate(made.node_from_axis), Vec3(1));
     return add(std::move(back), host);
   }
@@ -241,7 +241,8 @@ class Exporter {
       scale = {motion[0][0], motion[1][1], motion[2][2]};
     Mat3 turn(motion);
     for (int k = 0; k < 3; ++k) turn[k] /= scale[k];
-    ordered_json node = {{"name", std::string(model_.joint_name(index))}};
+    ordered_json node = {{"name", std::string(model_.joint_name(index))},
+                         {"extras", {{"kind", "motion"}}}};
     place(node, Vec3(motion[3]), glm::normalize(glm::quat_cast(turn)), scale);
     return add(std::move(node), parent);
   }

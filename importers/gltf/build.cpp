@@ -93,7 +93,7 @@ class SceneBuilder {
       add_node(visit);
     }
     read_the_rest();
-    add_joints(d_, model_, scene_nodes_, out_.scene);
+    add_joints(d_, model_, scene_nodes_, axes_, out_.scene);
     say_what_is_left();
     out_.scene.inputs = std::move(d_.inputs);
     return std::move(out_);
@@ -195,9 +195,7 @@ class SceneBuilder {
     scene::Transform t;
     t.translation = vec3_of(node.translation, Vec3(0));
     t.scale = vec3_of(node.scale, Vec3(1));
-    if (node.rotation.size() == 4)
-      t.rotation = glm::normalize(
-          Quat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]));
+    t.rotation = rotation_of(node);
     if (t.scale.x == 0 || t.scale.y == 0 || t.scale.z == 0) {
       d_.report(Code::W6009, nullptr, object + "/scale",
                 "the part is left out: its scale flattens it");
@@ -222,6 +220,19 @@ class SceneBuilder {
       todo_.push_back({*child, placed, visit.depth + 1});
   }
 
+  static Quat rotation_of(const Node& node) {
+    const auto& r = node.rotation;
+    return r.size() == 4 ? glm::normalize(Quat(r[3], r[0], r[1], r[2])) : Quat(1, 0, 0, 0);
+  }
+
+  // What a node holds belongs to the node above.
+  void put_contents(const Visit& visit, const Node& node) {
+    scene_nodes_[visit.node] = visit.parent;
+    if (node.mesh >= 0) add_mesh(visit.node, node, visit.parent);
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      todo_.push_back({*child, visit.parent, visit.depth + 1});
+  }
+
   // What our exporter writes as a node, and is none in the model.
   bool add_exported(const Visit& visit, const Node& node) {
     const NodeKind kind = kind_of(d_, model_, visit.node);
@@ -237,14 +248,24 @@ class SceneBuilder {
       case NodeKind::origin:
         add_mesh(visit.node, node, visit.parent, at);
         return true;
-      case NodeKind::frame: {
-        if (!is_new(out_.scene.frames)) return false;
-        const auto& r = node.rotation;
-        const Quat turn =
-            r.size() == 4 ? glm::normalize(Quat(r[3], r[0], r[1], r[2])) : Quat(1, 0, 0, 0);
-        out_.scene.frames.push_back({node.name, visit.parent, at, turn, source});
+      case NodeKind::motion: {
+        scene::Transform& above =
+            out_.scene.nodes[static_cast<std::size_t>(visit.parent)].parent_from_node;
+        const Mat4 motion = matrix_from_trs(at, rotation_of(node), vec3_of(node.scale, Vec3(1)));
+        const auto parts = scene::decomposed(above.matrix() * motion);
+        if (!parts || parts->sheared || visit.parent == 0) return false;
+        above = parts->outer;
+        put_contents(visit, node);
         return true;
       }
+      case NodeKind::axis:
+        axes_[visit.node] = rotation_of(node);
+        put_contents(visit, node);
+        return true;
+      case NodeKind::frame:
+        if (!is_new(out_.scene.frames)) return false;
+        out_.scene.frames.push_back({node.name, visit.parent, at, rotation_of(node), source});
+        return true;
       case NodeKind::keypoint:
         if (!is_new(out_.scene.keypoints)) return false;
         out_.scene.keypoints.push_back({node.name, visit.parent, at, source});
@@ -537,6 +558,7 @@ class SceneBuilder {
   TextureReader texture_cache_;
   std::vector<Visit> todo_;
   std::map<int, std::int32_t> scene_nodes_;    // by glTF's number
+  std::map<int, Quat> axes_;                   // the same, of NodeKind::axis
   std::map<int, std::size_t> position_users_;  // primitives, by accessor
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;

@@ -204,7 +204,8 @@ std::optional<scene::Joint> flat_scale_of(const std::vector<Json>& stages) {
 }  // namespace
 
 void add_joints(Document& document, const tinygltf::Model& model,
-                const std::map<int, std::int32_t>& places, scene::Scene& scene) {
+                const std::map<int, std::int32_t>& places, const std::map<int, Quat>& axes,
+                scene::Scene& scene) {
   const Json* articulations = articulations_of(document);
   std::map<std::string_view, const Json*> by_name;
   if (articulations)
@@ -233,6 +234,8 @@ void add_joints(Document& document, const tinygltf::Model& model,
                       fmt::format("unknown articulation {}", in_quotes(name)));
       continue;
     }
+    const auto axis = axes.find(index);
+    const Quat turn = axis == axes.end() ? Quat(1, 0, 0, 0) : axis->second;
     std::vector<std::int32_t> turning;  // stages of this node that turn
     const auto& stages = articulation->second->list("stages");
     auto whole = users[name] == 1 ? whole_of(stages) : std::nullopt;
@@ -251,6 +254,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
       const std::string& own = stage.find("name")->text;
       joint.name = stages.size() == 1 ? name : fmt::format("{} {}", name, own);
       joint.node = place;
+      joint.axis = turn * joint.axis;
       joint.source.file = document.file.path;
       if (turns(joint)) turning.push_back(next);
       // one articulation may move many nodes, all alike
@@ -265,7 +269,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
     if (!direction || turning.empty() || turning.size() > 2) continue;
     scene::Joint& aims = scene.joints[static_cast<std::size_t>(turning.back())];
     if (aims.mimic != scene::kNone) continue;
-    aims.pointing = direction;
+    aims.pointing = turn * *direction;
     if (turning.size() == 2) aims.gimbal = turning.front();
   }
 }

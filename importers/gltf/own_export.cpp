@@ -23,12 +23,19 @@ NodeKind kind_of(const Document& document, const tinygltf::Model& model, int nod
   const Json* extras = document.root.list("nodes")[static_cast<std::size_t>(node)].find("extras");
   const Json* kind = extras ? extras->find("kind") : nullptr;
   const Node& found = model.nodes[static_cast<std::size_t>(node)];
-  const bool plain = found.children.empty() && found.extensions.empty() && found.matrix.empty() &&
-                     found.scale.empty() && found.skin < 0;
-  if (!kind || !kind->is(Json::Kind::string) || !plain) return NodeKind::part;
-  if (kind->text == "origin" && found.mesh >= 0 && found.rotation.empty()) return NodeKind::origin;
-  if (kind->text == "frame" && found.mesh < 0) return NodeKind::frame;
-  if (kind->text == "keypoint" && found.mesh < 0) return NodeKind::keypoint;
+  if (!kind || !kind->is(Json::Kind::string) || !found.matrix.empty() || found.skin >= 0)
+    return NodeKind::part;
+  const bool alone = found.children.empty() && found.extensions.empty();
+  const bool moved = !found.translation.empty() || !found.scale.empty();
+  if (kind->text == "origin" && alone && found.mesh >= 0 && found.rotation.empty() &&
+      found.scale.empty())
+    return NodeKind::origin;
+  if (kind->text == "frame" && alone && found.mesh < 0 && found.scale.empty())
+    return NodeKind::frame;
+  if (kind->text == "keypoint" && alone && found.mesh < 0 && found.scale.empty())
+    return NodeKind::keypoint;
+  if (kind->text == "motion" && found.extensions.empty()) return NodeKind::motion;
+  if (kind->text == "axis" && !moved) return NodeKind::axis;
   return NodeKind::part;
 }
 

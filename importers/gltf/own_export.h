@@ -17,6 +17,8 @@ enum class NodeKind : std::uint8_t {
   origin,    // the place of a mesh's origin at the node above
   frame,     // a frame of the node above
   keypoint,  // a keypoint of the node above
+  motion,    // the motion of a joint, part of the transform of the node above
+  axis,      // the axis of a joint of the node above, or the way back from it
 };
 
 NodeKind kind_of(const Document& document, const tinygltf::Model& model, int node);

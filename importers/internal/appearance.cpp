@@ -138,6 +138,7 @@ class AppearanceRules {
   // with the diffuse part in their readers.
   void limit_energy() {
     std::vector<std::string> parts;
+    std::vector<Vec3> factors;
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       materials::Material& m = scene_.materials[i];
       if (m.specular_model() != materials::SpecularModel::blinn_phong) continue;
@@ -146,8 +147,12 @@ class AppearanceRules {
         const Vec3 both = diffuse + m.weights.y * m.specular;
         return std::max({both.x, both.y, both.z});
       };
-      if (sum() > 1 + kSumRounding && m.maps.albedo >= 0)
-        diffuse *= brightest(scene_.textures[static_cast<std::size_t>(m.maps.albedo)]);
+      if (sum() > 1 + kSumRounding) {
+        if (factors.empty()) factors = diffuse_factors();
+        diffuse *= factors[i];
+        if (m.maps.albedo >= 0)
+          diffuse *= brightest(scene_.textures[static_cast<std::size_t>(m.maps.albedo)]);
+      }
       const double most = sum();
       if (!(most > 1 + kSumRounding)) continue;
       m.diffuse /= most;
@@ -160,6 +165,32 @@ class AppearanceRules {
                        fmt::format("diffuse and specular colours add up to more than 1, and are "
                                    "scaled to 1, in {}",
                                    listed(parts)));
+  }
+
+  // Of each material, the largest factor of its diffuse colour: vertex colours, and textures of
+  // instances.
+  std::vector<Vec3> diffuse_factors() const {
+    std::vector<Vec3> out(scene_.materials.size(), Vec3(0));
+    std::vector<Vec3> colors, textures(scene_.textures.size(), Vec3(-1));
+    for (const geometry::Shape& shape : scene_.shapes) {
+      const auto* mesh = std::get_if<geometry::MeshShape>(&shape);
+      Vec3& most = colors.emplace_back(1);
+      if (mesh == nullptr || (*mesh)->colors.empty()) continue;
+      most = Vec3(0);
+      for (const Vec3& color : (*mesh)->colors) most = glm::max(most, color);
+    }
+    for (const scene::Instance& one : scene_.instances) {
+      Vec3 factor = colors[static_cast<std::size_t>(one.shape)];
+      if (one.texture != scene::kNone) {
+        const auto index = static_cast<std::size_t>(one.texture);
+        if (textures[index].x < 0) textures[index] = brightest(scene_.textures[index]);
+        factor *= textures[index];
+      }
+      Vec3& front = out[static_cast<std::size_t>(one.material)];
+      front = glm::max(front, factor);
+      if (one.back != scene::kNone) out[static_cast<std::size_t>(one.back)] = Vec3(1);
+    }
+    return out;
   }
 
   void check_normals() {

@@ -143,7 +143,7 @@ std::string problem_of(const std::vector<MemoryFile>& files, std::optional<doubl
   const auto bytes = compiler::compiled(imported->scene, options, compile_log);
   if (!bytes) return compile_log.has_errors() ? "" : "not compiled, nothing reported";
   DiagnosticLog read_log(1000);
-  const auto model = pan::Model::from_bytes(*bytes, "m.pan", read_log);
+  auto model = pan::Model::from_bytes(*bytes, "m.pan", read_log);
   accepted = model && model->check(read_log);
   return accepted ? "" : to_text(read_log);
 }

@@ -337,20 +337,20 @@ TEST(Vrml1, AMaterialForEachFaceOfACube) {
 
 TEST(Vrml1, AMaterialForEachPartOfACylinder) {
   const auto reading = read10(
-      "Material { diffuseColor [ 1 0 0, 0 1 0, 0 0 1 ] specularColor [ 0 0 0, .5 .5 .5 ] }\n"
+      "Material { diffuseColor [ .5 0 0, 0 .5 0, 0 0 .5 ] specularColor [ 0 0 0, .5 .5 .5 ] }\n"
       "MaterialBinding { value PER_PART } Cylinder {} Cone {}");
   ASSERT_EQ(reading->scene().instances.size(), 5u);
   EXPECT_EQ(std::get<geometry::Cylinder>(shape(*reading, 0)).caps, geometry::Caps::none);
-  EXPECT_EQ(material(*reading, 0).diffuse, Vec3(1, 0, 0));
+  EXPECT_EQ(material(*reading, 0).diffuse, Vec3(0.5, 0, 0));
   EXPECT_EQ(material(*reading, 0).specular, Vec3(0));
   EXPECT_EQ(moved(*reading, Vec3(0), 1), Vec3(0, 1, 0));
-  EXPECT_EQ(material(*reading, 1).diffuse, Vec3(0, 1, 0));
+  EXPECT_EQ(material(*reading, 1).diffuse, Vec3(0, 0.5, 0));
   EXPECT_EQ(material(*reading, 1).specular, Vec3(0.5));
   EXPECT_EQ(moved(*reading, Vec3(0), 2), Vec3(0, -1, 0));
-  EXPECT_EQ(material(*reading, 2).diffuse, Vec3(0, 0, 1));
+  EXPECT_EQ(material(*reading, 2).diffuse, Vec3(0, 0, 0.5));
   // the cone's bottom is its second part
-  EXPECT_EQ(material(*reading, 3).diffuse, Vec3(1, 0, 0));
-  EXPECT_EQ(material(*reading, 4).diffuse, Vec3(0, 1, 0));
+  EXPECT_EQ(material(*reading, 3).diffuse, Vec3(0.5, 0, 0));
+  EXPECT_EQ(material(*reading, 4).diffuse, Vec3(0, 0.5, 0));
 }
 
 }  // namespace

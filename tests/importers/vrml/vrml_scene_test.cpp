@@ -279,7 +279,7 @@ TEST(VrmlScene, PixelTextures) {
       "PixelTexture { image 1 2 3 0x102030 0x405060 } } geometry Box {} }\n"
       "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } texture "
       "PixelTexture { image 1 1 2 0x8040 } } geometry Box {} }");
-  EXPECT_THAT(reading->places(), ElementsAre("- W6008")) << to_text(reading->log);
+  EXPECT_THAT(reading->places(), ElementsAre("1:1 W6008")) << to_text(reading->log);
   ASSERT_EQ(reading->scene().textures.size(), 2u);
   // rows from the bottom in the file, from the top here
   EXPECT_THAT(reading->scene().textures[0].rgba,
