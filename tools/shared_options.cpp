@@ -140,7 +140,7 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
     return arguments.add(name, value, help).type(type).group(kGroup);
   };
   option("--units", cad.units, "UNIT",
-         "Length unit of the file: auto (default), m, mm, cm, dm, km, um, in or ft")
+         "Length of 1 in the file: auto (default), m, mm, cm, dm, km, um, in or ft")
       .one_of({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"});
   // not "--up", which is the camera's
   option("--up-axis", cad.up, "AXIS",

@@ -222,7 +222,10 @@ class SceneBuilder {
 
   static Quat rotation_of(const Node& node) {
     const auto& r = node.rotation;
-    return r.size() == 4 ? glm::normalize(Quat(r[3], r[0], r[1], r[2])) : Quat(1, 0, 0, 0);
+    if (r.size() != 4) return {1, 0, 0, 0};
+    const Quat q(r[3], r[0], r[1], r[2]);
+    constexpr double kRounding = 2e-15;  // unit ones keep their bits
+    return std::fabs(glm::dot(q, q) - 1) <= kRounding ? q : glm::normalize(q);
   }
 
   // What a node holds belongs to the node above.

@@ -15,9 +15,9 @@ namespace panwright::importers {
 std::vector<std::int32_t> remove_instances(
     scene::Scene& scene, const std::function<bool(const scene::Instance&)>& unwanted);
 
-// Makes a read scene storable: removes meshes of fewer than three vertices or without triangles,
-// and replaces numbers beyond single precision, invalid bytes in names, values of joints outside
-// their limits and transforms that overflow. Reports W6009, W6012, E2010 for the file `name`.
+// Makes a read scene storable. Removes meshes of fewer than three vertices or without triangles.
+// Replaces numbers beyond single precision, invalid bytes in names, values of joints outside their
+// limits, and transforms that overflow. Reports W6009, W6012, E2010 for the file `name`.
 void make_storable(scene::Scene& scene, const std::string& name, DiagnosticLog& log);
 
 }  // namespace panwright::importers

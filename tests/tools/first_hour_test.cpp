@@ -111,8 +111,19 @@ TEST_F(FirstHour, AModelTooLargeForASpacecraftIsSaidWhateverItIsReadFrom) {
   const std::string large = plates("250"), text = folder_ / "t.pxn";
   EXPECT_THAT(panwright({"check", large}).err, HasSubstr("[W2022]"));
   EXPECT_THAT(panwright({"import", large, "-o", folder_ / "a.pan"}).err, HasSubstr("[W2022]"));
-  EXPECT_EQ(panwright({"import", large, "-o", text}).code, 0);
+  EXPECT_THAT(panwright({"import", large}).err, HasSubstr("[W2022]"));
+  const Outcome written = panwright({"import", large, "-o", text});
+  EXPECT_EQ(written.code, 0);
+  EXPECT_THAT(written.err, HasSubstr("[W2022]"));
   EXPECT_THAT(panwright({"check", text}).err, HasSubstr("[W2022]"));
+  // hidden parts count, as a single mesh may be a celestial body
+  const std::string shell = folder_.write(
+      "shell.wrl",
+      "#VRML V2.0 utf8\nShape { geometry Box { size 250 250 250 } }\nShape { geometry "
+      "Cone { bottomRadius 50 height 50 } }");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", shell}, {"import", shell, "-o", folder_ / "shell.pan"}})
+    EXPECT_THAT(panwright(words).err, HasSubstr("[W2022]"));
   // one cause has one warning: a guessed unit has been said
   const std::string guessed = panwright({"check", plates("250000")}).err;
   EXPECT_THAT(guessed, HasSubstr("[W6006]"));
