@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -34,10 +35,16 @@ std::optional<AnimatedPath> path_of(std::string_view text) {
   return std::nullopt;
 }
 
+// Times of keys, of one accessor.
+struct Times {
+  std::vector<double> list;  // seconds
+  bool increasing = true;
+};
+
 // Keys of one property.
 struct Keys {
-  std::vector<double> times;  // seconds, increasing
-  std::vector<Vec4> values;   // per key one; cubic: in-tangent, value, out-tangent
+  const std::vector<double>& times;  // seconds, increasing
+  const std::vector<Vec4>& values;   // per key one; cubic: in-tangent, value, out-tangent
   bool step = false;
   bool cubic = false;
 };
@@ -222,27 +229,39 @@ class Poser {
     }
   }
 
+  // Accessors are read once, however many samplers share them.
+  const Times& times_of(std::size_t accessor, const std::string& object) {
+    const auto [place, is_new] = times_.try_emplace(accessor);
+    Times& times = place->second;
+    if (!is_new) return times;
+    // the time is the first number of each element
+    for (const Vec2& time : read_vectors<Vec2>(d_, accessor, object)) times.list.push_back(time.x);
+    times.increasing = std::ranges::adjacent_find(times.list, [](double a, double b) {
+                         return !(a < b);
+                       }) == times.list.end();
+    return times;
+  }
+
+  const std::vector<Vec4>& values_of(std::size_t accessor, const std::string& object) {
+    const auto [place, is_new] = values_.try_emplace(accessor);
+    if (is_new) place->second = read_vectors<Vec4>(d_, accessor, object);
+    return place->second;
+  }
+
   std::optional<Keys> keys_of(std::size_t animation, std::size_t index, const Json& sampler) {
     const std::string object =
         fmt::format("{}/samplers/{}", pointer("animations", animation), index);
     const Json* input = sampler.find("input");
     const Json* output = sampler.find("output");
     if (sampler.broken || !input || !output) return std::nullopt;
-    Keys keys;
+    const Times& times = times_of(static_cast<std::size_t>(input->number), object + "/input");
     const Json* interpolation = sampler.find("interpolation");
-    keys.step = interpolation && interpolation->text == "STEP";
-    keys.cubic = interpolation && interpolation->text == "CUBICSPLINE";
-    // the time is the first number of each element
-    for (const Vec2& time :
-         read_vectors<Vec2>(d_, static_cast<std::size_t>(input->number), object + "/input"))
-      keys.times.push_back(time.x);
-    keys.values =
-        read_vectors<Vec4>(d_, static_cast<std::size_t>(output->number), object + "/output");
+    const Keys keys{times.list,
+                    values_of(static_cast<std::size_t>(output->number), object + "/output"),
+                    interpolation && interpolation->text == "STEP",
+                    interpolation && interpolation->text == "CUBICSPLINE"};
     if (keys.times.empty() || keys.values.empty()) return std::nullopt;
-    const bool increasing =
-        std::adjacent_find(keys.times.begin(), keys.times.end(),
-                           [](double a, double b) { return !(a < b); }) == keys.times.end();
-    if (!increasing) {
+    if (!times.increasing) {
       // zeros that no view holds: times that an exporter left out
       if (d_.accessors[static_cast<std::size_t>(input->number)].view < 0) return std::nullopt;
       d_.report(Code::E6206, input, object + "/input", "the times of the keys do not increase");
@@ -290,6 +309,8 @@ class Poser {
   const std::vector<Json>& animations_;
   std::set<std::pair<std::size_t, AnimatedPath>> taken_;
   std::vector<Pose> poses_;
+  std::map<std::size_t, Times> times_;               // by accessor
+  std::map<std::size_t, std::vector<Vec4>> values_;  // by accessor
   // seconds, of the keys of those chosen
   double first_ = std::numeric_limits<double>::infinity();
   double last_ = -std::numeric_limits<double>::infinity();
