@@ -403,9 +403,8 @@ void print_text(const std::string& path, const world::Instance& target, const To
     print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
           model.textures()[i].height);
   print_ground_truth(model, world::evaluated(target).model_from_nodes);
-  const auto values = target.joint_values();
-  for (std::size_t i = 0; i < values.size(); ++i)
-    print("joint     {}\n", joint_line(model, i, values[i]));
+  for (const std::string& line : joint_lines(model, target.joint_values()))
+    print("joint     {}\n", line);
   for (const auto& input : model.inputs())
     print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }

@@ -114,8 +114,8 @@ int run(const Options& options, const Host& host) {
   Json& out = context.result();
   out["file"] = options.input;
   out["joints"] = joints_json(shown, values);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (text) print("{}\n", joint_line(shown, i, values[i]));
+  if (text)
+    for (const std::string& line : joint_lines(shown, values)) print("{}\n", line);
   if (text && values.empty()) print("{} has no joints\n", options.input);
   const auto state = world::evaluated((*world)[0]);
   out["nodes"] = Json::array();

@@ -47,27 +47,25 @@ Json joint_json(const pan::Model& model, std::size_t i, const geometry::JointVal
   return out;
 }
 
-// How many joints stand above the node of a joint.
-std::size_t depth_of(const pan::Model& model, std::size_t joint) {
-  std::size_t depth = 0;
-  for (std::int64_t node = model.nodes()[model.joints()[joint].node].parent; node >= 0;
-       node = model.nodes()[static_cast<std::size_t>(node)].parent)
-    for (const pan::layout::Joint& other : model.joints())
-      if (other.node == node) {
-        ++depth;
-        break;
-      }
-  return depth;
+// Number of nodes with joints above each node.
+std::vector<std::size_t> depths_of(const pan::Model& model) {
+  const auto nodes = model.nodes();
+  std::vector<char> moves(nodes.size(), 0);
+  for (const pan::layout::Joint& joint : model.joints()) moves[joint.node] = 1;
+  std::vector<std::size_t> out(nodes.size(), 0);
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    const auto parent = static_cast<std::size_t>(nodes[i].parent);
+    out[i] = out[parent] + (moves[parent] ? 1 : 0);
+  }
+  return out;
 }
 
-}  // namespace
-
-std::string joint_line(const pan::Model& model, std::size_t i,
+std::string joint_line(const pan::Model& model, std::size_t i, std::size_t depth,
                        const geometry::JointValues& values) {
   const pan::layout::Joint& joint = model.joints()[i];
   const JointKind kind = kind_of(joint);
-  std::string line = fmt::format("{:{}}{}  {}", "", 2 * depth_of(model, i), model.joint_name(i),
-                                 geometry::kind_name(kind));
+  std::string line =
+      fmt::format("{:{}}{}  {}", "", 2 * depth, model.joint_name(i), geometry::kind_name(kind));
   if (kind == JointKind::revolute || kind == JointKind::continuous ||
       kind == JointKind::prismatic || kind == JointKind::scale)
     line +=
@@ -97,6 +95,17 @@ std::string joint_line(const pan::Model& model, std::size_t i,
         joint.gimbal < 0 ? std::string() : fmt::format(" with {}", model.joint_name(joint.gimbal)),
         joint.flags & pan::layout::kJointPointsAtSun ? " at the Sun" : "");
   return line;
+}
+
+}  // namespace
+
+std::vector<std::string> joint_lines(const pan::Model& model,
+                                     const std::vector<geometry::JointValues>& values) {
+  const std::vector<std::size_t> depths = depths_of(model);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    out.push_back(joint_line(model, i, depths[model.joints()[i].node], values[i]));
+  return out;
 }
 
 nlohmann::ordered_json joints_json(const pan::Model& model,

@@ -9,9 +9,10 @@
 
 namespace panwright::tools {
 
-// Returns one line: name, kind, axis, value, limits, leader or aim; indented by the joints above.
-std::string joint_line(const pan::Model& model, std::size_t index,
-                       const geometry::JointValues& values);
+// Returns a line of each joint: name, kind, axis, value, limits, leader or aim; indented by the
+// joints above.
+std::vector<std::string> joint_lines(const pan::Model& model,
+                                     const std::vector<geometry::JointValues>& values);
 
 // Returns a list, in SI.
 nlohmann::ordered_json joints_json(const pan::Model& model,
