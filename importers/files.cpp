@@ -8,6 +8,8 @@
 
 #include "base/file.h"
 #include "base/file_uses.h"
+#include "base/folder_names.h"
+#include "base/text.h"
 
 namespace panwright::importers {
 
@@ -24,27 +26,27 @@ std::uint64_t page_size() {
   return size;
 }
 
-std::string in_lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
+// Whether a path in normal form leads out of the folder that it is relative to.
+bool leads_out(const fs::path& path) {
+  return path.empty() || path.is_absolute() || *path.begin() == "..";
 }
 
 class FolderFiles : public Files {
  public:
-  FolderFiles(const fs::path& folder, std::uint64_t max_bytes, const DiagnosticLog& log)
-      : typed_(folder), left_(max_bytes), log_(log.apart()) {
+  FolderFiles(const fs::path& folder, std::uint64_t max_bytes, const DiagnosticLog& log,
+              const std::string& model)
+      : typed_(folder), model_(model), left_(max_bytes), log_(log.apart()) {
     std::error_code error;
     real_ =
         fs::weakly_canonical(fs::absolute(folder.empty() ? fs::path(".") : folder, error), error);
   }
 
   Outcome read(const std::string& path, SharedText& bytes) override {
+    if (leads_out(path)) return Outcome::outside;
     std::error_code error;
     const fs::path real = fs::canonical(real_ / path, error);
     if (error) return Outcome::missing;
-    const fs::path relative = real.lexically_relative(real_);
-    if (relative.empty() || *relative.begin() == "..") return Outcome::outside;
+    if (path != model_ && leads_out(real.lexically_relative(real_))) return Outcome::outside;
     if (!fs::is_regular_file(real, error)) return Outcome::missing;
     const std::uint64_t size = fs::file_size(real, error);
     if (error) return Outcome::unreadable;
@@ -70,13 +72,13 @@ class FolderFiles : public Files {
   }
 
   std::optional<std::string> same_but_for_case(const std::string& path) override {
-    fs::path found;
-    for (const fs::path& part : fs::path(path)) {
-      const auto name = name_in(real_ / found, part.string());
-      if (!name) return std::nullopt;
-      found /= *name;
-    }
-    return found.generic_string();
+    if (leads_out(path)) return std::nullopt;
+    const auto found = names_.same_but_for_case(real_, path);
+    return found ? std::optional(found->generic_string()) : std::nullopt;
+  }
+
+  std::optional<std::string> relative(const std::string& path) const override {
+    return fs::path(path).lexically_normal().lexically_relative(real_).generic_string();
   }
 
   void declare(const std::string& path) override {
@@ -86,32 +88,17 @@ class FolderFiles : public Files {
   }
 
   std::string display_name(const std::string& path) const override {
-    return (typed_ / path).string();
+    return (typed_ / path).lexically_normal().string();
   }
 
  private:
-  static std::optional<std::string> name_in(const fs::path& folder, const std::string& wanted) {
-    constexpr int kMostNames = 100'000;
-    std::error_code error;
-    if (fs::exists(folder / wanted, error)) return wanted;
-    std::optional<std::string> found;
-    int names = 0;
-    fs::directory_iterator entry(folder, error);
-    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-      const std::string name = entry->path().filename().string();
-      if (++names > kMostNames) return std::nullopt;
-      if (in_lower_case(name) != in_lower_case(wanted)) continue;
-      if (found) return std::nullopt;
-      found = name;
-    }
-    return found;
-  }
-
   fs::path typed_;
+  std::string model_;
   fs::path real_;
   std::uint64_t left_;
   const DiagnosticLog log_;  // an empty one of the run
   std::set<std::string> declared_;
+  FolderNames names_;
 };
 
 class MemoryFiles : public Files {
@@ -123,7 +110,7 @@ class MemoryFiles : public Files {
 
   Outcome read(const std::string& path, SharedText& bytes) override {
     const auto found = files_.find(path);
-    if (found == files_.end()) return Outcome::missing;
+    if (found == files_.end()) return leads_out(path) ? Outcome::outside : Outcome::missing;
     if (found->second->size() > left_) return Outcome::too_large;
     left_ -= found->second->size();
     // shares nothing and owns nothing: the caller keeps the bytes
@@ -134,7 +121,7 @@ class MemoryFiles : public Files {
   std::optional<std::string> same_but_for_case(const std::string& path) override {
     std::optional<std::string> found;
     for (const auto& [name, bytes] : files_) {
-      if (in_lower_case(name) != in_lower_case(path)) continue;
+      if (lower_case(name) != lower_case(path)) continue;
       if (found) return std::nullopt;
       found = name;
     }
@@ -178,17 +165,14 @@ bool has_scheme(std::string_view uri) {
 }  // namespace
 
 std::unique_ptr<Files> files_in_folder(const fs::path& folder, std::uint64_t max_bytes,
-                                       const DiagnosticLog& log) {
-  return std::make_unique<FolderFiles>(folder, max_bytes, log);
+                                       const DiagnosticLog& log, const std::string& model) {
+  return std::make_unique<FolderFiles>(folder, max_bytes, log, model);
 }
 
 std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes) {
   return std::make_unique<MemoryFiles>(files, max_bytes);
 }
 
-namespace {
-
-// A name as a path: '/' between parts, no "file:".
 std::string path_in(std::string_view uri, bool percent_encoded) {
   std::string path = percent_encoded ? percent_decoded(uri) : std::string(uri);
   for (char& c : path)
@@ -197,7 +181,11 @@ std::string path_in(std::string_view uri, bool percent_encoded) {
   return path;
 }
 
-}  // namespace
+bool is_absolute(std::string_view path) {
+  if (path.starts_with('/')) return true;
+  return path.size() > 1 && path[1] == ':' &&
+         ((path[0] >= 'a' && path[0] <= 'z') || (path[0] >= 'A' && path[0] <= 'Z'));
+}
 
 void declare(Files& files, std::string_view including, std::string_view uri, bool percent_encoded) {
   constexpr std::size_t kLongest = 1024;  // what is longer is a script, or data
@@ -214,9 +202,7 @@ std::optional<std::string> resolved(std::string_view including, std::string_view
   const std::string path = path_in(uri, percent_encoded);
   if (path.empty() || path.find('\0') != path.npos || path.front() == '/' || has_scheme(path))
     return std::nullopt;
-  const fs::path whole = (fs::path(including).parent_path() / path).lexically_normal();
-  if (whole.empty() || whole.is_absolute() || *whole.begin() == "..") return std::nullopt;
-  return whole.generic_string();
+  return (fs::path(including).parent_path() / path).lexically_normal().generic_string();
 }
 
 }  // namespace panwright::importers

@@ -19,13 +19,14 @@ struct MemoryFile {
   std::string bytes;
 };
 
-// Files below one folder. Paths are relative to it, in normal form, '/' between parts.
+// Files below one folder. Paths are relative to the model's folder, which is that one or lies in
+// it, in normal form, '/' between parts.
 class Files {
  public:
   enum class Outcome {
     found,
     missing,    // nothing there, or not a regular file
-    outside,    // a link leads out of the folder
+    outside,    // the path, or a link on it, leads out of the folder
     too_large,  // exceeds the limit of all files together
     unreadable,
   };
@@ -42,6 +43,9 @@ class Files {
   // (base/file_uses.h). Relative to the model's folder; it may lie outside, or be missing.
   virtual void declare(const std::string&) {}
 
+  // Returns the path of an absolute one; it may lie outside. Nothing: there are none.
+  virtual std::optional<std::string> relative(const std::string&) const { return std::nullopt; }
+
   // Returns the path for messages.
   virtual std::string display_name(const std::string& path) const = 0;
 };
@@ -49,17 +53,25 @@ class Files {
 // Opens a folder. log: of the run, for file tracking. Files over 1 MB are mapped, so that bytes
 // already read need not stay in memory. note: a mapped file that another program truncates ends the
 // process with SIGBUS; one replaced by rename stays whole.
+//
+//   model  path of the file that the user names: a link that leads out of the folder is followed
 std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder, std::uint64_t max_bytes,
-                                       const DiagnosticLog& log);
+                                       const DiagnosticLog& log, const std::string& model = {});
 
 // Opens files in memory. The bytes are not copied and must outlive the result.
 std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes);
 
 // Resolves a URI or file name in the file `including`: percent-decoded on request, "file:" and
-// backslashes accepted. Nothing if it leaves the folder, is absolute, names another scheme, or
-// holds a NUL.
+// backslashes accepted. It may lead out of the folder. Nothing if it is absolute, names another
+// scheme, or holds a NUL.
 std::optional<std::string> resolved(std::string_view including, std::string_view uri,
                                     bool percent_encoded);
+
+// Returns a URI or file name as a path: '/' between parts, no "file:".
+std::string path_in(std::string_view uri, bool percent_encoded);
+
+// Returns true for a path of one machine: "/cad/m.obj", "C:/cad/m.obj".
+bool is_absolute(std::string_view path);
 
 // Declares the target of a URI or file name in the file `including`, if it is a file.
 void declare(Files& files, std::string_view including, std::string_view uri, bool percent_encoded);

@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/folder_names.h"
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
 #include "importers/internal/appearance.h"
 #include "importers/internal/gzip.h"
 #include "importers/internal/import_part.h"
 #include "importers/internal/storable.h"
+#include "importers/internal/xml_encoding.h"
 #include "importers/meshes/meshes.h"
 #include "importers/mjcf/mjcf.h"
 #include "importers/other_formats.h"
@@ -31,26 +33,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The extension in lower case, that below ".gz" where there is one.
-std::string extension_of(std::string_view path) {
-  fs::path file = fs::path(path).filename();
-  std::string out;
-  for (int k = 0; k < 2 && (out.empty() || out == ".gz"); ++k) {
-    out = file.extension().string();
-    for (char& c : out)
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    file = file.stem();
+// Extensions that tell a format, where its bytes may not.
+constexpr std::pair<std::string_view, Format> kExtensions[] = {
+    {".obj", Format::obj},   {".stl", Format::stl},   {".ply", Format::ply},
+    {".urdf", Format::urdf}, {".mjcf", Format::mjcf}, {".stp", Format::step},
+    {".step", Format::step}};
+
+// The format of an extension; packed: of the last one that tells any, as ".obj" of "m.obj.gzip".
+std::optional<Format> format_by_name(std::string_view path, bool packed) {
+  for (fs::path file = fs::path(path).filename(); file.has_extension(); file = file.stem()) {
+    const std::string extension = lower_case(file.extension().string());
+    for (const auto& [known, format] : kExtensions)
+      if (extension == known) return format;
+    if (!packed && extension != ".gz") break;
   }
-  return out;
+  return std::nullopt;
 }
 
 // By first bytes; by its name where a format has no mark, or one that others have too.
-std::optional<Format> format_of(std::string_view bytes, std::string_view path,
+std::optional<Format> format_of(std::string_view bytes, std::string_view path, bool packed,
                                 std::optional<Format> assume) {
   if (bytes.starts_with("glTF")) return Format::gltf;
   if (bytes.starts_with("#VRML")) return Format::vrml97;
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-  const std::string extension = extension_of(path);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
   if (text.starts_with("ISO-10303-21")) return Format::step;
@@ -58,12 +63,7 @@ std::optional<Format> format_of(std::string_view bytes, std::string_view path,
   if (mjcf::is_model(text)) return Format::mjcf;
   if (starts_with_any(bytes, {"ply\n", "ply\r", "ply "})) return Format::ply;
   if (assume) return *assume;
-  if (extension == ".obj") return Format::obj;
-  if (extension == ".stl") return Format::stl;
-  if (extension == ".ply") return Format::ply;
-  if (extension == ".urdf") return Format::urdf;
-  if (extension == ".mjcf") return Format::mjcf;
-  if (extension == ".stp" || extension == ".step") return Format::step;
+  if (const auto format = format_by_name(path, packed)) return format;
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
   return std::nullopt;
@@ -161,7 +161,9 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
     report(Code::E6003, name, unpacked.problem, included_at, log);
     if (!unpacked.bytes) return failed;
   }
-  const std::string_view text = *unpacked.bytes;
+  const bool packed = unpacked.bytes->data() != bytes->data();
+  const internal::Recoded recoded = internal::xml_in_utf8(unpacked.bytes);
+  const std::string_view text = *recoded.bytes;
   const bool is_pan = text.starts_with(
       "\x89"
       "PAN");
@@ -174,7 +176,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
                   : "use `panwright compile`, or <include> in a pxn file");
     return failed;
   }
-  const auto format = format_of(text, path, options.assume);
+  const auto format = format_of(text, path, packed, options.assume);
   if (part && format && is_robot(*format)) {
     report(Code::E6001, name, "a robot description is not part of another one, expected a mesh",
            included_at, log);
@@ -192,7 +194,9 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());
-  const InputFile file{path, name, unpacked.bytes, included_at, job};
+  const InputFile file{path, name, recoded.bytes, included_at, job};
+  if (!recoded.deviation.empty() && format && is_robot(*format))
+    report(Code::W6221, name, recoded.deviation, included_at, log);
   job.poll();
   // what is nothing else is left to the reader of VRML, which says what is wrong
   auto imported = read_as(format.value_or(Format::vrml97), files, file, options, log);
@@ -254,15 +258,21 @@ Result<Imported> import_file(const fs::path& path, const Options& options, Diagn
   fs::path folder = path.parent_path();
   std::string name = path.filename().generic_string();
   if (!options.root.empty()) {
-    const fs::path relative = fs::relative(path, options.root, error);
+    // note: a link that the user names is followed, and lies where it is
+    const fs::path beside = fs::weakly_canonical(fs::absolute(path).parent_path(), error);
+    const fs::path root = fs::weakly_canonical(fs::absolute(options.root), error);
+    const fs::path relative =
+        (beside.lexically_relative(root) / path.filename()).lexically_normal();
     if (error || relative.empty() || *relative.begin() == "..") {
-      log.report_file(Code::E0101, path.string(), "it does not lie in the folder of the project");
+      log.report_file(Code::E0101, path.string(),
+                      fmt::format("it does not lie in {}, the folder of --root",
+                                  in_quotes(options.root.string())));
       return failed;
     }
     folder = options.root;
     name = relative.generic_string();
   }
-  const auto files = files_in_folder(folder, options.limits.bytes, log);
+  const auto files = files_in_folder(folder, options.limits.bytes, log, name);
   return import_from(*files, name, options, log, {}, job);
 }
 

@@ -1,4 +1,6 @@
 #include "importers/other_formats.h"
+
+#include "base/folder_names.h"
 #include "base/text.h"
 
 #include <filesystem>
@@ -122,10 +124,9 @@ std::optional<OtherFormat> other_format_by_bytes(std::string_view bytes, std::st
 }
 
 std::optional<OtherFormat> other_format_by_name(std::string_view path) {
-  std::string name = std::filesystem::path(path).filename().string();
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  std::string name = lower_case(std::filesystem::path(path).filename().string());
+  for (const std::string_view packed : {".gz", ".gzip"})
+    if (name.ends_with(packed)) name.resize(name.size() - packed.size());
   for (const ByName& each : kByName)
     if (name.ends_with(each.extension)) return each.format;
   return std::nullopt;

@@ -16,7 +16,7 @@ struct OtherFormat {
 //   path  its name, to distinguish formats with equal beginnings (ZIP archives)
 std::optional<OtherFormat> other_format_by_bytes(std::string_view bytes, std::string_view path);
 
-// The same by the name's extension, in any letter case, before ".gz" if present.
+// The same by the name's extension, in any letter case, before ".gz" or ".gzip" if present.
 std::optional<OtherFormat> other_format_by_name(std::string_view path);
 
 }  // namespace panwright::importers

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "base/file.h"
@@ -36,6 +37,10 @@ class ChangedFiles : public Files {
   Outcome find(std::string_view file, const FoundFile& including, bool own_folder,
                FoundFile& out) const override {
     return disk_->find(file, including, own_folder, out);
+  }
+  std::optional<std::string> same_but_for_case(const std::string& file,
+                                               const FoundFile& including) override {
+    return disk_->same_but_for_case(file, including);
   }
   std::string near_name(std::string_view file, const FoundFile& including,
                         bool own_folder) const override {

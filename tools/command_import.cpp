@@ -64,10 +64,7 @@ void declare_all(Arguments& arguments, Options& options) {
   declare_compress(arguments, options.compress);
   arguments.flag("--force", options.force,
                  "Overwrite a .pxn that was edited, or not written by 'import'");
-  arguments
-      .add("--root", cad.root,
-           "Folder that must contain files named by the model (default: the model's)")
-      .type("DIR");
+  declare_root(arguments, options.open.root);
   arguments
       .add("--budget", options.open.budget,
            "Accuracy budget of a .pan: any of nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% "
@@ -286,8 +283,13 @@ void write_import_template(const importers::Imported& imported, const Options& o
   const fs::path folder = resolved(options.output).parent_path();
   const fs::path input = resolved(options.input);
   const fs::path file = input.lexically_relative(folder);
-  const std::string& root = options.open.cad.root;
-  if (file.empty() || *file.begin() == "..") {
+  const std::string& root = options.open.root;
+  const bool apart = file.empty() || *file.begin() == "..";
+  const auto is_outside = [&](const scene::Input& used) {
+    return !lies_in(resolved((root.empty() ? input.parent_path() : resolved(root)) / used.path),
+                    folder);
+  };
+  if (apart) {
     const fs::path both = resolved(root.empty() ? fs::path(".") : fs::path(root));
     if (file.empty() || !lies_in(input, both) || !lies_in(folder, both)) {
       context.log().report(
@@ -299,10 +301,11 @@ void write_import_template(const importers::Imported& imported, const Options& o
           "give --root with a folder that holds both, or write the text beside the file");
       return;
     }
-    if (!options.common.json && !options.common.quiet)
-      print("{} names a file outside its folder; read it with --root {}\n", options.output,
-            root.empty() ? "." : root);
   }
+  if ((apart || std::ranges::any_of(imported.scene.inputs, is_outside)) && !options.common.json &&
+      !options.common.quiet)
+    print("{} names a file outside its folder; read it with --root {}\n", options.output,
+          root.empty() ? "." : root);
   // the text says what was assumed, so that it stays what it was seen to be
   CadOptions cad = options.open.cad;
   if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;

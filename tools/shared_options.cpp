@@ -47,7 +47,9 @@ void declare_max_input(Arguments& arguments, std::uint64_t& bytes) {
 }
 
 void declare_root(Arguments& arguments, std::string& root) {
-  arguments.add("--root", root, "Folder that must contain included files (default: the file's)")
+  arguments
+      .add("--root", root,
+           "Folder that must contain files named by the model (default: the model's)")
       .type("DIR");
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <string_view>
 
@@ -104,7 +105,7 @@ bool are_known(const CadOptions& cad, DiagnosticLog& log) {
 importers::Options import_options(const OpenOptions& options) {
   const CadOptions& cad = options.cad;
   importers::Options read;
-  read.root = cad.root;
+  read.root = options.root;
   read.limits.triangles = options.max_triangles;
   read.crease_angle = cad.crease_deg * kDegree;
   read.primitives = cad.primitives;
@@ -209,13 +210,24 @@ std::string extension_of(const std::filesystem::path& path) {
   return extension;
 }
 
+namespace {
+
+bool is_gzip(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::ifstream file(path, std::ios::binary);
+  return file.get() == 0x1f && file.get() == 0x8b;
+}
+
+}  // namespace
+
 bool is_cad(const std::filesystem::path& path) {
   std::string extension = extension_of(path);
-  if (extension == ".gz") extension = extension_of(path.stem());
+  if (extension == ".gz" || extension == ".gzip") extension = extension_of(path.stem());
   for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply",
                             ".stp", ".step", ".urdf", ".mjcf", ".xml"})
     if (extension == known) return true;
-  return false;
+  return extension != ".pan" && extension != ".pxn" && is_gzip(path);
 }
 
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log) {

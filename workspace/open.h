@@ -30,7 +30,6 @@ namespace panwright::workspace {
 struct CadOptions {
   std::string units = "auto";  // or m, mm, cm, dm, km, um, in, ft, yd
   std::string up = "auto";     // or y, z
-  std::string root;            // folder of referenced files; empty: the file's
   std::string scene;           // glTF: name or number; empty: the default one
   std::string animation;       // glTF: name, number or none; empty: importers::Options
   std::optional<double> time;  // glTF: seconds
@@ -47,7 +46,7 @@ struct CadOptions {
 };
 
 struct OpenOptions {
-  std::string root;                        // folder that includes may not leave; empty: the file's
+  std::string root;  // folder that files named by the model may not leave; empty: the model's
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
   // Replaces the model's budget, as of budget_of_text(); empty: the model's. Ranks below max_error.
   std::string budget;
@@ -90,7 +89,7 @@ struct OpenReport {
 // Returns the extension in lower case, with its point. Empty: none.
 std::string extension_of(const std::filesystem::path& path);
 
-// Returns true if a file is one for the importers, by its extension.
+// Returns true if a file is one for the importers, by its extension or as gzip of another name.
 bool is_cad(const std::filesystem::path& path);
 
 // Reports E0202 for a file that is_cad() and the readers of .pan and .pxn do not recognise, with a

@@ -105,13 +105,7 @@ class BufferLoader {
   }
 
   bool load_file(const Json& uri, const std::string& at, Buffer& buffer) {
-    const auto path = resolved(d_.file.path, uri.text, true);
-    if (!path) {
-      d_.report(Code::E6206, &uri, at + "/uri",
-                fmt::format("{} is not a file in the folder of the model", in_quotes(uri.text)));
-      return false;
-    }
-    const auto known = loaded_.find(*path);
+    const auto known = loaded_.find(uri.text);
     if (known != loaded_.end()) {
       buffer.owner = known->second;
     } else {
@@ -120,18 +114,13 @@ class BufferLoader {
                   fmt::format("more than {} files", d_.options.limits.files));
         return false;
       }
-      const Files::Outcome outcome = d_.files.read(*path, buffer.owner);
-      if (outcome != Files::Outcome::found) {
-        d_.report(Code::E6206, &uri, at + "/uri",
-                  fmt::format("{} {}", in_quotes(d_.files.display_name(*path)),
-                              outcome == Files::Outcome::missing     ? "does not exist"
-                              : outcome == Files::Outcome::outside   ? "leads out of the folder"
-                              : outcome == Files::Outcome::too_large ? "is larger than the limit"
-                                                                     : "cannot be read"));
+      NamedFile found = d_.find_named(uri, at + "/uri", true);
+      if (found.outcome != Files::Outcome::found) {
+        d_.report(Code::E6206, &uri, at + "/uri", found.problem, found.outside ? kRootHint : "");
         return false;
       }
-      loaded_[*path] = buffer.owner;
-      d_.inputs.push_back({*path, hash128(as_bytes(*buffer.owner)), buffer.owner->size()});
+      buffer.owner = std::move(found.bytes);
+      loaded_[uri.text] = buffer.owner;
       d_.file_bytes += buffer.owner->size();
     }
     buffer.bytes = as_bytes(*buffer.owner);

@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
+
+#include "base/file.h"
 
 namespace panwright::importers::gltf {
 
@@ -63,6 +66,17 @@ bool Document::charge(std::uint64_t bytes, const std::string& object) {
          fmt::format("{} bytes more are over the limit of {} bytes of memory", bytes,
                      options.limits.memory));
   return false;
+}
+
+NamedFile Document::find_named(const Json& uri, const std::string& object, bool part) {
+  NamedFile found = find_file(
+      files, {.text = uri.text, .including = {file.path}, .percent_encoded = true, .part = part});
+  if (found.outcome != Files::Outcome::found) return found;
+  if (!found.deviation.empty()) report(Code::W6215, &uri, object, found.deviation);
+  const auto is_known = [&](const scene::Input& input) { return input.path == found.path; };
+  if (std::ranges::none_of(inputs, is_known))
+    inputs.push_back({found.path, hash128(as_bytes(*found.bytes)), found.bytes->size()});
+  return found;
 }
 
 }  // namespace panwright::importers::gltf

@@ -14,6 +14,7 @@
 #include "importers/gltf/json.h"
 #include "importers/import.h"
 #include "importers/internal/input_file.h"
+#include "importers/internal/named_file.h"
 
 namespace panwright::importers::gltf {
 
@@ -101,6 +102,9 @@ struct Document {
 
   // Returns the value at a JSON pointer, or the last existing one on the way.
   const Json& nearest(std::string_view object) const;
+
+  // Looks for the file of a URI; one that is found is an input of the scene. Reports W6215.
+  NamedFile find_named(const Json& uri, const std::string& object, bool part);
 
   // Counts bytes before allocation. False, once reported as E6002: over the limit.
   bool charge(std::uint64_t bytes, const std::string& object);

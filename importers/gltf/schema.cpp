@@ -17,8 +17,6 @@ namespace {
 
 using Kind = Json::Kind;
 
-constexpr double kRounding = 1e-6;  // of a bound of the schema
-
 // One kind of value, as a word of the table.
 struct Rule {
   std::string_view name;
@@ -224,22 +222,23 @@ class SchemaPass {
       return wrong_type(value, path, whole ? "an integer" : "a number");
     const double x = value.number;
     if ((rule.open_below ? x > rule.low : x >= rule.low) && x <= rule.high) return true;
-    // what single precision makes of a bound, 1.00000012: exporters write it
     const double within = std::clamp(x, rule.low, rule.high);
-    if (!whole && !rule.open_below && std::fabs(x - within) <= kRounding) {
-      report(Code::W6215, value, path,
-             fmt::format("{} is {}, which is {} but for rounding, and taken for it", path.name(),
-                         format_double(x), format_double(within)));
-      value.number = within;
-      return true;
+    const std::string problem =
+        std::isinf(rule.high)
+            ? fmt::format("{} is {}, expected {} {}", path.name(), format_double(x),
+                          rule.open_below ? "above" : "at least", format_double(rule.low))
+            : fmt::format("{} is {}, expected {} to {}", path.name(), format_double(x),
+                          format_double(rule.low), format_double(rule.high));
+    // factors of materials, and what is not read; a rotation has no nearest value
+    if (whole || rule.name == "rotation") {
+      report(Code::E6204, value, path, problem);
+      return false;
     }
-    report(Code::E6204, value, path,
-           std::isinf(rule.high)
-               ? fmt::format("{} is {}, expected {} {}", path.name(), format_double(x),
-                             rule.open_below ? "above" : "at least", format_double(rule.low))
-               : fmt::format("{} is {}, expected {} to {}", path.name(), format_double(x),
-                             format_double(rule.low), format_double(rule.high)));
-    return false;
+    report(Code::W6215, value, path,
+           rule.open_below ? problem + "; it is left out"
+                           : fmt::format("{}; {} is taken", problem, format_double(within)));
+    value.number = within;
+    return !rule.open_below;
   }
 
   bool index(const Rule& rule, const Json& value, const Path& path) {

@@ -65,16 +65,15 @@ bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& n
     if (!data) return lost(Code::W6004, "the data URI of the image is damaged");
     owner = std::make_shared<const std::string>(std::move(data->bytes));
   } else {
-    const auto path = resolved(document_.file.path, uri->text, true);
-    if (!path)
-      return lost(Code::W6005,
-                  fmt::format("{} is not a file in the folder of the model", in_quotes(uri->text)));
     if (images_.size() + document_.inputs.size() > document_.options.limits.files)
       return lost(Code::W6004, "the model names too many files");
-    if (document_.files.read(*path, owner) != Files::Outcome::found)
-      return lost(Code::W6004, fmt::format("the texture {} cannot be read",
-                                           in_quotes(document_.files.display_name(*path))));
-    document_.inputs.push_back({*path, hash128(as_bytes(*owner)), owner->size()});
+    NamedFile found = document_.find_named(*uri, at, false);
+    if (found.outcome != Files::Outcome::found) {
+      document_.report(found.outside ? Code::W6005 : Code::W6004, &json, at, found.problem,
+                       found.outside ? kRootHint : "");
+      return false;
+    }
+    owner = std::move(found.bytes);
     name = uri->text;
   }
   bytes = as_bytes(*owner);

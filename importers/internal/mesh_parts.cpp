@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "base/text.h"
 #include "importers/internal/import_part.h"
@@ -13,69 +12,32 @@ namespace panwright::importers {
 namespace {
 
 using scene::kNone;
-namespace fs = std::filesystem;
 
 const geometry::Mesh* mesh_in(const geometry::Shape& shape) {
   const auto* held = std::get_if<geometry::MeshShape>(&shape);
   return held ? held->get() : nullptr;
 }
 
-// Places where a name may lead, best first. `model` is the path of the description.
-std::vector<std::string> candidates(std::string_view name, const std::string& model) {
-  std::vector<std::string> out;
-  std::string_view rest;
-  for (const std::string_view scheme : {"package://", "model://"})
-    if (name.starts_with(scheme)) rest = name.substr(scheme.size());
-  const auto add = [&](const fs::path& folder, std::string_view part) {
-    if (auto path = resolved((folder / "model").generic_string(), part, false))
-      out.push_back(std::move(*path));
-  };
-  const fs::path folder = fs::path(model).parent_path();
-  if (rest.empty()) {
-    add(folder, name);
-    return out;
-  }
-  const std::size_t slash = rest.find('/');
-  const std::string_view inside = slash == rest.npos ? std::string_view() : rest.substr(slash + 1);
-  for (fs::path at = folder;; at = at.parent_path()) {
-    add(at, rest);
-    if (!inside.empty()) add(at, inside);
-    if (at.empty() || at == at.parent_path()) return out;
-  }
-}
-
 }  // namespace
 
-std::optional<std::string> MeshParts::found(const MeshFile& mesh, SharedText& bytes) {
-  const std::vector<std::string> paths = candidates(mesh.name, c_.file.path);
-  for (const std::string& path : paths) {
-    const auto outcome = c_.files.read(path, bytes);
-    if (outcome == Files::Outcome::found) return path;
-    if (outcome == Files::Outcome::missing) continue;
-    c_.log.report(
-        Code::E6010, mesh.where,
-        fmt::format("part not found: {} cannot be read", in_quotes(c_.files.display_name(path))));
-    return std::nullopt;
-  }
-  c_.log.report(Code::E6010, mesh.where,
-                fmt::format("part not found: {} is not a file in the folder of the model",
-                            in_quotes(mesh.name)),
-                "--root FOLDER takes files from all of FOLDER");
-  if (!paths.empty()) c_.files.declare(paths.front());
-  return std::nullopt;
-}
-
 const MeshParts::Part* MeshParts::part(const MeshFile& mesh) {
-  const auto [place, is_new] = by_name_.try_emplace(mesh.name);
+  std::string name = mesh.name;
+  for (const std::string& including : mesh.including) name += '\n' + including;
+  const auto [place, is_new] = by_name_.try_emplace(name);
   if (!is_new) return place->second ? &*place->second : nullptr;
   if (by_name_.size() > c_.options.limits.files) {
     c_.limit("the model names too many files", mesh.where);
     return nullptr;
   }
-  SharedText bytes;
-  const auto path = found(mesh, bytes);
-  if (!path) return nullptr;
-  const auto [first, unread] = first_name_.try_emplace(*path, mesh.name);
+  FileName wanted{.text = mesh.name, .including = mesh.including, .part = true};
+  if (wanted.including.empty()) wanted.including.push_back(c_.file.path);
+  NamedFile found = find_file(c_.files, wanted);
+  if (found.outcome != Files::Outcome::found) {
+    c_.report_missing(found, true, mesh.where);
+    return nullptr;
+  }
+  if (!found.deviation.empty()) c_.log.report(c_.tolerated, mesh.where, found.deviation);
+  const auto [first, unread] = first_name_.try_emplace(found.path, name);
   if (!unread) {
     place->second = by_name_.at(first->second);
     return place->second ? &*place->second : nullptr;
@@ -84,8 +46,8 @@ const MeshParts::Part* MeshParts::part(const MeshFile& mesh) {
   options.assume.reset();
   options.limits.triangles -= std::min(options.limits.triangles, triangles_);
   options.limits.texture_bytes -= std::min(options.limits.texture_bytes, texture_bytes_);
-  auto imported =
-      import_part(c_.files, *path, std::move(bytes), options, c_.log, mesh.where, c_.file.job);
+  auto imported = import_part(c_.files, found.path, std::move(found.bytes), options, c_.log,
+                              mesh.where, c_.file.job);
   if (!imported) return nullptr;
   if (imported->lacks_unit)
     c_.log.report(Code::W6006, mesh.where,

@@ -14,7 +14,8 @@ namespace panwright::importers {
 
 // Mesh named by a robot description.
 struct MeshFile {
-  std::string name;  // as written
+  std::string name;                    // as written
+  std::vector<std::string> including;  // FileName::including; none: the model
   Vec3 scale{1};
   SourceSpan where;
 };
@@ -47,15 +48,12 @@ class MeshParts {
     std::vector<char> texcoords;  // of each instance
   };
 
-  // Finds the file of a name within the folder; package://NAME/… is NAME/… or … in the folder of
-  // the model or one above it.
-  std::optional<std::string> found(const MeshFile& mesh, SharedText& bytes);
   const Part* part(const MeshFile& mesh);
   Part taken(Imported& imported);
 
   meshes::ReaderContext& c_;
   meshes::Assembly& assembly_;
-  std::map<std::string, std::optional<Part>> by_name_;  // as written
+  std::map<std::string, std::optional<Part>> by_name_;  // and folders
   std::map<std::string, std::string> first_name_;       // of each path
   std::set<std::string> known_inputs_;
   std::vector<scene::Input> inputs_;

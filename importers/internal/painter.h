@@ -14,7 +14,8 @@ namespace panwright::importers {
 struct Paint {
   std::string name;
   std::optional<std::array<double, 4>> rgba;
-  std::string texture;  // as written; empty: none
+  std::string texture;                 // as written; empty: none
+  std::vector<std::string> including;  // FileName::including; none: the model
   SourceSpan where;
   SourceSpan texture_at;
   bool has_content() const { return rgba || !texture.empty(); }
@@ -38,8 +39,6 @@ class Painter {
   }
 
  private:
-  std::int32_t texture_of(const Paint& paint);
-
   const std::vector<Paint>& paints_;
   meshes::ReaderContext& c_;
   meshes::Assembly& assembly_;

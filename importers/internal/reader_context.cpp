@@ -99,32 +99,37 @@ void ReaderContext::served(std::size_t offset) {
   served_ = offset;
 }
 
-bool ReaderContext::has_named(std::string_view name, const std::string& including) const {
-  const auto path = resolved(including, name, false);
-  SharedText bytes;
-  return path && files.read(*path, bytes) == Files::Outcome::found;
+void ReaderContext::report_missing(const NamedFile& found, bool part, SourceSpan where) {
+  const std::string hint = found.outside ? kRootHint : "";
+  if (part)
+    log.report(Code::E6010, where, "part not found: " + found.problem, hint);
+  else
+    log.report(found.outside ? Code::W6005 : Code::W6004, where, found.problem, hint);
 }
 
-bool ReaderContext::read_named(std::string_view name, const std::string& including,
-                               SourceSpan where, std::string& path, SharedText& bytes) {
-  const auto found = resolved(including, name, false);
-  if (!found) {
-    log.report(Code::W6005, where,
-               fmt::format("{} is not a file in the folder of the model", in_quotes(name)));
-    return false;
+void ReaderContext::accept(const NamedFile& found, SourceSpan where) {
+  if (!found.deviation.empty()) log.report(tolerated, where, found.deviation);
+  const auto is_known = [&](const scene::Input& input) { return input.path == found.path; };
+  if (std::ranges::none_of(inputs, is_known))
+    inputs.push_back({found.path, hash128(as_bytes(*found.bytes)), found.bytes->size()});
+}
+
+std::optional<NamedFile> ReaderContext::read_named(const FileName& name, SourceSpan where) {
+  if (++named_ > options.limits.files) {
+    constexpr const char* kTooMany = "the model names too many files";
+    if (name.part)
+      limit(kTooMany, where);
+    else
+      trouble(Code::W6004, "too many files", where, [] { return std::string(kTooMany); });
+    return std::nullopt;
   }
-  path = *found;
-  if (inputs.size() >= options.limits.files) {
-    log.report(Code::W6004, where, "the model names too many files");
-    return false;
+  NamedFile found = find_file(files, name);
+  if (found.outcome != Files::Outcome::found) {
+    report_missing(found, name.part, where);
+    return std::nullopt;
   }
-  if (files.read(path, bytes) != Files::Outcome::found) {
-    log.report(Code::W6004, where,
-               fmt::format("{} cannot be read", in_quotes(files.display_name(path))));
-    return false;
-  }
-  inputs.push_back({path, hash128(as_bytes(*bytes)), bytes->size()});
-  return true;
+  accept(found, where);
+  return found;
 }
 
 void ReaderContext::tell() {
@@ -299,26 +304,26 @@ std::int32_t Assembly::plain_material(bool colored) {
   return index = add_material(std::move(material), std::move(cad));
 }
 
-std::int32_t Assembly::texture(std::string_view name, const std::string& including, bool linear,
-                               SourceSpan where) {
+std::int32_t Assembly::texture(const FileName& name, bool linear, SourceSpan where) {
   if (!context_.options.textures) return scene::kNone;
-  const auto [place, is_new] =
-      texture_cache_.try_emplace({including + '\n' + std::string(name), linear}, scene::kNone);
+  std::string key(name.text);
+  for (const std::string& including : name.including) key += '\n' + including;
+  const auto [place, is_new] = texture_cache_.try_emplace({std::move(key), linear}, scene::kNone);
   if (!is_new) return place->second;
-  std::string path;
-  SharedText bytes;
-  if (!context_.read_named(name, including, where, path, bytes)) return scene::kNone;
+  const auto found = context_.read_named(name, where);
+  if (!found) return scene::kNone;
   DecodedImage image;
-  const ImageProblem problem =
-      decode_image(as_bytes(*bytes), context_.options.limits.texture_bytes - texture_bytes_, image);
+  const ImageProblem problem = decode_image(
+      as_bytes(*found->bytes), context_.options.limits.texture_bytes - texture_bytes_, image);
   if (problem.code) {
-    context_.log.report(
-        Code::W6004, where,
-        fmt::format("{}: {}", in_quotes(context_.files.display_name(path)), problem.message));
+    context_.log.report(Code::W6004, where,
+                        fmt::format("{}: {}", in_quotes(context_.files.display_name(found->path)),
+                                    problem.message));
     return scene::kNone;
   }
   texture_bytes_ += image.rgba.size();
-  out_.scene.textures.push_back({path, image.width, image.height, std::move(image.rgba), linear});
+  out_.scene.textures.push_back(
+      {found->path, image.width, image.height, std::move(image.rgba), linear});
   return place->second = static_cast<std::int32_t>(out_.scene.textures.size() - 1);
 }
 

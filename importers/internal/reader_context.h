@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "geometry/tessellate/polygon.h"
 #include "importers/import.h"
 #include "importers/internal/input_file.h"
+#include "importers/internal/named_file.h"
 
 namespace panwright::importers::meshes {
 
@@ -33,6 +35,7 @@ class ReaderContext {
   const Options& options;
   DiagnosticLog& log;
   std::vector<scene::Input> inputs;  // files beside the model
+  Code tolerated = Code::W6502;      // code of deviations that are tolerated
   bool full = false;                 // a limit is reached: E6002 is reported, and nothing is added
 
   SourceSpan at(std::size_t begin, std::size_t end) const;
@@ -58,11 +61,12 @@ class ReaderContext {
   void skipped(const std::string& what, std::uint64_t count = 1) { add(skipped_, what, count); }
   void lost(const std::string& what) { add(lost_, what, 1); }
 
-  // Reads a file named by the model, from the folder of `including`. Reports W6004, W6005.
-  bool read_named(std::string_view name, const std::string& including, SourceSpan where,
-                  std::string& path, SharedText& bytes);
-  // The same, without a report for a missing file.
-  bool has_named(std::string_view name, const std::string& including) const;
+  // Reads a file named by the model, and counts it among its inputs. Nothing: reported, as E6010
+  // for a part, else W6004, W6005. Another name than the written one is a tolerated deviation.
+  std::optional<NamedFile> read_named(const FileName& name, SourceSpan where);
+  // Reports the deviation of a file that was found.
+  void accept(const NamedFile& found, SourceSpan where);
+  void report_missing(const NamedFile& found, bool part, SourceSpan where);
 
   // Reports the collected problems: troubles, N6007, W6008.
   void tell();
@@ -85,6 +89,7 @@ class ReaderContext {
   Counts skipped_;
   Counts lost_;
   std::uint64_t memory_ = 0;
+  std::uint32_t named_ = 0;  // files asked for
   std::size_t served_ = 0;
 };
 
@@ -139,8 +144,7 @@ class Assembly {
   std::int32_t plain_material(bool colored);
 
   // Reads a texture, once for each way of decoding; kNone if unusable: W6004, W6005.
-  std::int32_t texture(std::string_view name, const std::string& including, bool linear,
-                       SourceSpan where);
+  std::int32_t texture(const FileName& name, bool linear, SourceSpan where);
 
   scene::Source source_of(SourceSpan where);
 

@@ -35,11 +35,12 @@ std::optional<std::vector<double>> XmlValues::numbers(const pugi::xml_node& elem
   }
   if (usable && out.size() >= least) return out;
   wrong(text_.at(attribute),
-        fmt::format(
-            "{} of <{}> is {}, expected {} of at most {:g}", attribute.name(), element.name(),
-            in_quotes(attribute.value()),
-            least == most ? counted(most, "number") : fmt::format("{} to {} numbers", least, most),
-            kLargestNumber));
+        fmt::format("{} of <{}> is {}, expected {} of at most {:g}", attribute.name(),
+                    element.name(), in_quotes(attribute.value()),
+                    most == kAnyNumber ? "numbers"
+                    : least == most    ? counted(most, "number")
+                                       : fmt::format("{} to {} numbers", least, most),
+                    kLargestNumber));
   return std::nullopt;
 }
 
@@ -67,16 +68,21 @@ bool RobotScene::add_shape(const geometry::Shape& shape, std::int32_t node, cons
     c_.log.report(problem->code, where, fmt::format("{}; the part is left out", problem->message));
     return false;
   }
+  scene().shapes.push_back(shape);
+  place_shape(static_cast<std::int32_t>(scene().shapes.size() - 1), node, cover, where);
+  return true;
+}
+
+void RobotScene::place_shape(std::int32_t shape, std::int32_t node, const Cover& cover,
+                             SourceSpan where) {
   scene::Instance instance;
   instance.node = node;
-  instance.shape = static_cast<std::int32_t>(scene().shapes.size());
+  instance.shape = shape;
   instance.material =
       cover.material == scene::kNone ? assembly.plain_material(false) : cover.material;
   instance.texture = cover.texture;
   instance.source = assembly.source_of(where);
-  scene().shapes.push_back(shape);
   scene().instances.push_back(std::move(instance));
-  return true;
 }
 
 Imported RobotScene::finished() {
@@ -95,6 +101,7 @@ Result<Imported> read_robot_file(
     const std::function<std::optional<Imported>(XmlText&, meshes::ReaderContext&)>& made,
     const char* empty) {
   meshes::ReaderContext context(files, file, options, true, log);
+  context.tolerated = Code::W6221;
   const std::size_t errors = log.errors();
   XmlText text;
   if (!text.parse(context)) return failed;

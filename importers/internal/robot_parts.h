@@ -26,6 +26,7 @@ class XmlValues {
     c_.log.report(Code::W6221, where, message);
   }
 
+  static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
   // Returns the least to most numbers of an attribute, for an element. Nothing if missing, or
   // invalid: E6220.
   std::optional<std::vector<double>> numbers(const pugi::xml_node& element,
@@ -67,6 +68,8 @@ class RobotScene {
   // reported.
   bool add_shape(const geometry::Shape& shape, std::int32_t node, const Cover& cover,
                  SourceSpan where);
+  // The same for a shape of the scene.
+  void place_shape(std::int32_t shape, std::int32_t node, const Cover& cover, SourceSpan where);
 
   // Reports the collected problems and returns the result, in metres.
   Imported finished();

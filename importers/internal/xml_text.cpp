@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <iterator>
 
 #include "base/text.h"
+#include "importers/internal/xml_encoding.h"
 
 namespace panwright::importers {
 
@@ -52,7 +54,7 @@ bool first_element_is(std::string_view text, std::string_view name) {
 }
 
 pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
-                                const SharedText& bytes, SourceSpan where,
+                                const SharedText& given, SourceSpan where,
                                 std::initializer_list<std::string_view> names) {
   pugi::xml_node parent = element.parent();
   const auto without = [&] {
@@ -60,8 +62,12 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
     parent.remove_child(element);
     return next;
   };
+  const internal::Recoded text = internal::xml_in_utf8(given);
+  const SharedText& bytes = text.bytes;
   if (!context_->charge((kTreePerByte + 1) * bytes->size())) return without();
-  const FileId file = context_->log.sources().add({path, bytes, Encoding::utf8, where});
+  const FileId file = context_->log.sources().add(
+      {context_->files.display_name(path), bytes, Encoding::utf8, where});
+  if (!text.deviation.empty()) context_->log.report(Code::W6221, {file, 0, 0}, text.deviation);
   const auto place = [&](std::size_t begin, std::size_t size) {
     return SourceSpan{file, static_cast<std::uint32_t>(std::min(begin, bytes->size())),
                       static_cast<std::uint32_t>(std::min(begin + size, bytes->size()))};
@@ -78,7 +84,8 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
   // where its memory begins follows from where its first element's name does
   const std::string_view rest = first_element(*bytes);
   const auto offset = static_cast<std::size_t>(rest.data() - bytes->data()) + 1;
-  included_.push_back({top.name() - offset, bytes->size(), file});
+  const char* ignored = nullptr;
+  included_[top.name() - offset] = {bytes->size(), file, path, piece_at(element.name(), ignored)};
   if (std::ranges::find(names, std::string_view(top.name())) == names.end()) {
     context_->log.report(Code::E6220, at(top),
                          fmt::format("unexpected element {}, expected {}; the file is not read",
@@ -110,20 +117,41 @@ bool XmlText::parse(meshes::ReaderContext& context) {
   return true;
 }
 
-SourceSpan XmlText::span(const char* begin, std::size_t size) const {
+const XmlText::Piece* XmlText::piece_at(const char* place, const char*& begin) const {
   const std::less<> before;
-  const char* const first = text_.data();
-  if (before(begin, first) || before(first + text_.size(), begin)) {
-    for (const Piece& piece : included_) {
-      if (before(begin, piece.begin) || before(piece.begin + piece.size, begin)) continue;
-      const auto offset = static_cast<std::size_t>(begin - piece.begin);
-      return {piece.file, static_cast<std::uint32_t>(offset),
-              static_cast<std::uint32_t>(std::min(offset + size, piece.size))};
-    }
+  begin = text_.data();
+  if (!before(place, begin) && !before(begin + text_.size(), place)) return nullptr;
+  const auto next = included_.upper_bound(place);
+  if (next == included_.begin()) return nullptr;
+  const auto& [first, piece] = *std::prev(next);
+  if (before(first + piece.size, place)) return nullptr;
+  begin = first;
+  return &piece;
+}
+
+bool XmlText::is_within(const pugi::xml_node& element, const std::string& path) const {
+  const char* begin = nullptr;
+  for (const Piece* piece = piece_at(element.name(), begin); piece; piece = piece->around)
+    if (piece->path == path) return true;
+  return path == context_->file.path;
+}
+
+const std::string& XmlText::path_of(const pugi::xml_node& element) const {
+  const char* begin = nullptr;
+  const Piece* const piece = piece_at(element.name(), begin);
+  return piece ? piece->path : context_->file.path;
+}
+
+SourceSpan XmlText::span(const char* place, std::size_t size) const {
+  const char* begin = nullptr;
+  const Piece* const piece = piece_at(place, begin);
+  const std::less<> before;
+  if (!piece && (before(place, begin) || before(begin + text_.size(), place)))
     return context_->at(0, 0);
-  }
-  const auto offset = static_cast<std::size_t>(begin - first);
-  return context_->at(offset, std::min(offset + size, text_.size()));
+  const auto offset = static_cast<std::size_t>(place - begin);
+  if (!piece) return context_->at(offset, std::min(offset + size, text_.size()));
+  return {piece->file, static_cast<std::uint32_t>(offset),
+          static_cast<std::uint32_t>(std::min(offset + size, piece->size))};
 }
 
 SourceSpan XmlText::at(const pugi::xml_node& element) const {

@@ -18,6 +18,8 @@ namespace {
 
 // Blinn-Phong's exponent as our materials have it.
 constexpr double kMostShine = 128;
+constexpr double kLargest = 1e6;  // exponent
+constexpr std::string_view kOutside = "values outside of 0 to 1";
 constexpr std::size_t kMostLost = 30;     // properties of a material that are told
 constexpr std::size_t kMostHints = 50;    // unknown names that are looked for among the known,
 constexpr std::size_t kMostNames = 1000;  // where these are no more
@@ -102,19 +104,15 @@ class MtlReader {
     if (key == "kd") return read_color(word, rest, m.diffuse);
     if (key == "ks") return read_color(word, rest, m.specular);
     if (key == "ke") return read_color(word, rest, m.emissive);
-    if (key == "ns") return read_number(word, rest, m.shine);
+    if (key == "ns") return read_within(0, kLargest, word, rest, m.shine);
     if (key == "ni") return read_number(word, rest, m.index);
-    if (key == "pr") return read_number(word, rest, m.roughness);
-    if (key == "pm") return read_number(word, rest, m.metallic);
+    if (key == "pr") return read_within(0, 1, word, rest, m.roughness);
+    if (key == "pm") return read_within(0, 1, word, rest, m.metallic);
     if (key == "d" || key == "tr") {
       std::string_view ahead = rest;
       if (next_word(ahead) == "-halo") rest = ahead;
       std::optional<double>& value = key == "d" ? m.opacity : m.transparency;
-      read_number(word, rest, value);
-      if (value && !(*value >= 0 && *value <= 1)) {
-        lose("opacity outside of 0 to 1");
-        value = std::clamp(*value, 0.0, 1.0);
-      }
+      read_within(0, 1, word, rest, value);
       if (key == "tr" && value) tr_at_ = at(word);
       return;
     }
@@ -176,6 +174,14 @@ class MtlReader {
     out = number;
   }
 
+  // A number within bounds: others are clamped, and said.
+  void read_within(double low, double high, std::string_view word, std::string_view rest,
+                   std::optional<double>& out) {
+    read_number(word, rest, out);
+    if (out && std::clamp(*out, low, high) != *out) lose(std::string(kOutside));
+    if (out) out = std::clamp(*out, low, high);
+  }
+
   // One number stands for three.
   void read_color(std::string_view word, std::string_view rest, std::optional<Vec3>& out) {
     Vec3 color(0);
@@ -192,7 +198,7 @@ class MtlReader {
       color[k] = *number;
     }
     out = glm::clamp(color, Vec3(0), Vec3(1));
-    if (*out != color) lose("colours outside of 0 to 1");
+    if (*out != color) lose(std::string(kOutside));
   }
 
   void read_texture(std::string_view rest, MtlTexture& out) {
@@ -243,7 +249,7 @@ void set_brdfs(const MtlMaterial& from, materials::Material& m, CadMaterial& cad
   const bool highlights = from.model.value_or(2) >= 2;
   const Vec3 specular = highlights ? from.specular.value_or(Vec3(0)) : Vec3(0);
   if (specular != Vec3(0)) {
-    const double shine = std::max(from.shine.value_or(0), 0.0);
+    const double shine = from.shine.value_or(0);
     m.specular = specular;
     m.specular_brdf = materials::BlinnPhong{std::min(shine, kMostShine)};
     m.weights.y = 1;
@@ -259,27 +265,34 @@ void set_brdfs(const MtlMaterial& from, materials::Material& m, CadMaterial& cad
 
 void MtlLibraries::read(std::string_view names, SourceSpan where) {
   names = trimmed(names);
-  if (!lines_.emplace(names).second) return;
+  if (names.empty() || !lines_.emplace(names).second) return;
   std::string_view rest = names;
-  const std::string_view first = next_word(rest);
-  if (first.empty() || first.size() == names.size() || s_.has_named(names, s_.file.path)) {
-    if (!names.empty()) read_library(names, where);
-    return;
+  if (next_word(rest).size() == names.size()) return read_library(names, where);
+  NamedFile whole = find_file(s_.files, library_name(names));
+  if (whole.outcome == Files::Outcome::found) {
+    s_.accept(whole, where);
+    return add_library(whole, where);
   }
   rest = names;
   for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest))
     read_library(name, where);
 }
 
+FileName MtlLibraries::library_name(std::string_view name) const {
+  return {.text = name, .including = {s_.file.path}};
+}
+
 void MtlLibraries::read_library(std::string_view name, SourceSpan where) {
-  if (!libraries_.emplace(name).second) return;
-  std::string path;
-  SharedText bytes;
-  if (!s_.read_named(name, s_.file.path, where, path, bytes)) {
+  if (!asked_.emplace(name).second) return;
+  const auto found = s_.read_named(library_name(name), where);
+  if (found)
+    add_library(*found, where);
+  else
     any_missing_ = true;
-    return;
-  }
-  read_text(path, bytes, where);
+}
+
+void MtlLibraries::add_library(const NamedFile& found, SourceSpan where) {
+  if (libraries_.insert(found.path).second) read_text(found.path, found.bytes, where);
 }
 
 void MtlLibraries::read_text(const std::string& path, const SharedText& bytes, SourceSpan where) {
@@ -288,34 +301,49 @@ void MtlLibraries::read_text(const std::string& path, const SharedText& bytes, S
   const std::size_t begin = materials_.size();
   MtlReader(s_, path, bytes, source, materials_).read();
   for (std::size_t i = begin; i < materials_.size(); ++i)
-    numbers_.try_emplace(materials_[i].name, static_cast<std::int32_t>(i));
+    by_name_.try_emplace(materials_[i].name, static_cast<std::int32_t>(i));
 }
 
 std::int32_t MtlLibraries::number_of(std::string_view name, SourceSpan where) {
   const auto known = numbers_.find(name);
   if (known != numbers_.end()) return known->second;
-  if (!any_missing_) {
-    std::vector<std::string_view> names;
-    if (++unknown_ <= kMostHints && materials_.size() <= kMostNames)
-      for (const MtlMaterial& material : materials_)
-        if (!material.library.empty()) names.push_back(material.name);
-    const auto near = nearest_name(name, names);
-    s_.log.report(Code::W6502, where, fmt::format("no material library has {}", in_quotes(name)),
-                  near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
-  }
-  const auto number = static_cast<std::int32_t>(materials_.size());
-  materials_.push_back({});
-  materials_.back().name = to_utf8(name, Encoding::utf8);
+  const auto number = static_cast<std::int32_t>(uses_.size());
+  uses_.push_back({std::string(name), where});
   numbers_.emplace(name, number);
   return number;
 }
 
+void MtlLibraries::resolve_names() {
+  std::vector<std::string_view> names;
+  if (materials_.size() <= kMostNames)
+    for (const auto& [name, index] : by_name_) names.push_back(name);
+  std::size_t unknown = 0;
+  for (Use& use : uses_) {
+    const auto known = by_name_.find(to_utf8(use.name, Encoding::utf8));
+    use.material =
+        known != by_name_.end() ? known->second : static_cast<std::int32_t>(materials_.size());
+    if (known != by_name_.end()) continue;
+    materials_.push_back({});
+    materials_.back().name = to_utf8(use.name, Encoding::utf8);
+    if (any_missing_) continue;
+    const auto near =
+        ++unknown <= kMostHints ? nearest_name(use.name, names) : std::optional<std::string_view>();
+    s_.log.report(Code::W6502, use.where,
+                  fmt::format("no material library has {}", in_quotes(use.name)),
+                  near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
+  }
+}
+
 std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, bool texcoords) {
   if (number < 0) return assembly_.plain_material(colored);
-  const MtlMaterial& from = materials_[static_cast<std::size_t>(number)];
+  const std::int32_t index = uses_[static_cast<std::size_t>(number)].material;
+  const MtlMaterial& from = materials_[static_cast<std::size_t>(index)];
   const bool textures = texcoords && (!from.albedo.name.empty() || !from.normal.name.empty());
-  const auto [place, is_new] = made_.try_emplace({number, textures}, scene::kNone);
+  const auto [place, is_new] = made_.try_emplace({index, textures}, scene::kNone);
   if (!is_new) return place->second;
+  const auto texture_name = [&](const MtlTexture& texture) {
+    return FileName{.text = texture.name, .including = {from.library, s_.file.path}};
+  };
   materials::Material m;
   CadMaterial cad;
   m.name = cad.name = from.name;
@@ -331,14 +359,14 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, boo
   }
   set_brdfs(from, m, cad);
   if (textures && !from.albedo.name.empty()) {
-    m.maps.albedo = assembly_.texture(from.albedo.name, from.library, false, from.albedo.where);
+    m.maps.albedo = assembly_.texture(texture_name(from.albedo), false, from.albedo.where);
     m.maps.repeat = from.albedo.repeat;
   }
   if (textures && !from.normal.name.empty())
-    m.maps.normal = assembly_.texture(from.normal.name, from.library, true, from.normal.where);
+    m.maps.normal = assembly_.texture(texture_name(from.normal), true, from.normal.where);
   cad.base_color = m.diffuse;
-  cad.metallic = std::clamp(from.metallic.value_or(0), 0.0, 1.0);
-  if (from.roughness) cad.roughness = std::clamp(*from.roughness, 0.0, 1.0);
+  cad.metallic = from.metallic.value_or(0);
+  if (from.roughness) cad.roughness = *from.roughness;
   cad.opacity = from.opacity.value_or(1);
   cad.see_through = std::ranges::find(from.lost, "opacity map") != from.lost.end();
   return place->second = assembly_.add_material(std::move(m), std::move(cad));

@@ -41,10 +41,14 @@ class MtlLibraries {
   // Reads the libraries of a line "mtllib": one file whose name may hold blanks, or several.
   void read(std::string_view names, SourceSpan where);
 
-  // Returns the number of a name; an unknown one gets a material of its own, with W6502.
+  // Returns the number of a name, whose library may come later.
   std::int32_t number_of(std::string_view name, SourceSpan where);
 
-  // Returns the scene's material for a number; −1: for none.
+  // Resolves the names, once all libraries are read; an unknown one gets a material of its own,
+  // with W6502.
+  void resolve_names();
+
+  // Returns the scene's material for a number of a resolved name; −1: for none.
   //
   //   coloured   the vertices have colours
   //   texcoords  textures can be mapped
@@ -52,16 +56,25 @@ class MtlLibraries {
 
  private:
   void read_library(std::string_view name, SourceSpan where);
+  FileName library_name(std::string_view name) const;
+  void add_library(const NamedFile& found, SourceSpan where);
   void read_text(const std::string& path, const SharedText& bytes, SourceSpan where);
 
   ReaderContext& s_;
   Assembly& assembly_;
   std::vector<MtlMaterial> materials_;
-  std::map<std::string, std::int32_t, std::less<>> numbers_;
-  std::set<std::string, std::less<>> lines_;      // after "mtllib", already read
-  std::set<std::string, std::less<>> libraries_;  // asked for
+  struct Use {
+    std::string name;
+    SourceSpan where;  // of its first use
+    std::int32_t material = -1;
+  };
+  std::vector<Use> uses_;                                     // by number
+  std::map<std::string, std::int32_t, std::less<>> numbers_;  // of names in use
+  std::map<std::string, std::int32_t, std::less<>> by_name_;  // materials of the libraries
+  std::set<std::string, std::less<>> lines_;                  // after "mtllib", already read
+  std::set<std::string, std::less<>> asked_;                  // names of libraries
+  std::set<std::string> libraries_;                           // paths of those read
   std::map<std::pair<std::int32_t, bool>, std::int32_t> made_;
-  std::size_t unknown_ = 0;
   bool any_missing_ = false;  // a library: unknown names are then expected
 };
 

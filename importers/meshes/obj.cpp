@@ -272,6 +272,7 @@ class ObjReader {
 
   void make_parts() {
     close_run();
+    libraries_.resolve_names();
     ObjMesher mesher(s_, l_);
     for (Part& part : parts_) {
       geometry::Mesh mesh = mesher.mesh_of(part.ranges, &part == &parts_.back());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "base/srgb.h"
 #include "base/text.h"
@@ -62,7 +63,8 @@ class PlyReader {
         values_(header_.body, header_.order) {}
 
   Result<Imported> read() {
-    if (!header_.texture.empty()) declare(s_.files, s_.file.path, header_.texture, false);
+    for (const std::string& texture : header_.textures)
+      declare(s_.files, s_.file.path, texture, false);
     for (const PlyElement& element : header_.elements) {
       if (!going_ || s_.full) break;
       if (element.name == "vertex" && mesh_.positions.empty())
@@ -276,11 +278,24 @@ class PlyReader {
                : kNoIndex;
   }
 
+  // The property that numbers the texture of a face, as MeshLab writes it; null: one for all.
+  const PlyProperty* texture_numbers(const PlyElement& element) {
+    if (header_.textures.size() < 2) return nullptr;
+    for (const PlyProperty& property : element.properties)
+      if (!property.count && property.name == "texnumber") return &property;
+    s_.trouble(Code::W6502, "texnumber", s_.at(0, 0), [&] {
+      return fmt::format("{} are named, and no 'texnumber' of a face says which; the first is used",
+                         counted(header_.textures.size(), "texture"));
+    });
+    return nullptr;
+  }
+
   void read_faces(const PlyElement& element) {
     const PlyProperty* indices = find(element, "vertex_indices", "vertex_index");
     const PlyProperty* wedges = find(element, "texcoord");
+    const PlyProperty* numbers = texture_numbers(element);
     for (const PlyProperty& property : element.properties)
-      if (&property != indices && &property != wedges)
+      if (&property != indices && &property != wedges && property.name != "texnumber")
         s_.lost(fmt::format("face property {}", in_quotes(property.name)));
     const std::uint64_t count = count_of(element);
     if (!s_.charge(count * (sizeof(Face) + 3 * sizeof(std::uint32_t)))) return;
@@ -290,27 +305,43 @@ class PlyReader {
       if (i % kPollFaces == 0) s_.file.job.poll();
       bool whole = true;
       std::size_t where = 0;
+      double texture = 0;
       for (const PlyProperty& property : element.properties) {
         if (!going_ || !whole) break;
         const bool is_face = &property == indices;
         if (is_face || &property == wedges) {
           if (!read_list(property, is_face ? face : uvs, whole)) return cut_short(element, i);
           if (is_face) where = values_.offset();
+        } else if (&property == numbers) {
+          if (!number(property.type, texture)) return cut_short(element, i);
         } else if (!skip_property(property)) {
           return cut_short(element, i);
         }
       }
-      if (whole && going_) add_face(face, wedges ? &uvs : nullptr, where);
+      if (whole && going_)
+        add_face(face, wedges ? &uvs : nullptr, where, texture_of(texture, where));
     }
     if (count < element.count && going_) cut_short(element, count);
   }
 
-  void add_face(const std::vector<double>& face, const std::vector<double>* uvs,
-                std::size_t where) {
+  // −1: none, as MeshLab has it.
+  std::int32_t texture_of(double number, std::size_t where) {
+    const auto count = static_cast<double>(header_.textures.size());
+    if (number >= 0 && number < std::max(count, 1.0)) return static_cast<std::int32_t>(number);
+    if (number != -1)
+      s_.trouble(Code::W6502, "texture number", s_.at(header_.body.substr(where, 1)), [&] {
+        return fmt::format("{}the face has texture {} of {}; it has none", byte(where),
+                           format_double(number), header_.textures.size());
+      });
+    return -1;
+  }
+
+  void add_face(const std::vector<double>& face, const std::vector<double>* uvs, std::size_t where,
+                std::int32_t texture) {
     if (face.size() > 3 && !s_.charge((face.size() - 3) * sizeof(std::uint32_t))) return;
     for (const double value : face) corners_.push_back(index_of(value));
     ends_.push_back(
-        {static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(where)});
+        {static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(where), texture});
     if (!uvs) return;
     wedges_.resize(corners_.size() - face.size(), Vec2(0));
     const bool fits = uvs->size() == 2 * face.size();
@@ -363,6 +394,8 @@ class PlyReader {
       return;
     mesh_.triangles.reserve(triangles);
     make_strips();
+    const bool several = header_.textures.size() > 1;
+    if (several) textures_.assign(mesh_.triangles.size(), 0);
     if (!wedges_.empty()) split_by_wedges();
     FaceCutter cutter;
     begin = 0;
@@ -370,8 +403,9 @@ class PlyReader {
       const std::span<const std::uint32_t> corners(corners_.data() + begin,
                                                    static_cast<std::size_t>(face.end - begin));
       begin = face.end;
-      if (is_sound(corners, face.where, vertices))
-        cutter.cut(corners, mesh_.positions, mesh_.triangles);
+      if (!is_sound(corners, face.where, vertices)) continue;
+      cutter.cut(corners, mesh_.positions, mesh_.triangles);
+      if (several) textures_.resize(mesh_.triangles.size(), face.texture);
     }
   }
 
@@ -453,28 +487,67 @@ class PlyReader {
     drop_unused(mesh_);
     finish_normals(mesh_, s_.options.crease_angle);
     const SourceSpan where = s_.at(0, 0);
-    const bool colored = !mesh_.colors.empty();
-    std::int32_t material = scene::kNone;
-    if (!header_.texture.empty() && !mesh_.texcoords.empty()) {
+    const std::int32_t node = assembly_.add_node(0, {}, "mesh", where);
+    if (node < 0) return;
+    if (header_.textures.size() < 2)
+      return assembly_.add_part(node, std::move(mesh_), material(0), where);
+    std::map<std::int32_t, std::vector<geometry::Triangle>> parts;
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      parts[textures_[i]].push_back(mesh_.triangles[i]);
+    std::vector<std::uint32_t> to(mesh_.positions.size(), kNoIndex);
+    for (auto& [texture, triangles] : parts)
+      assembly_.add_part(node, part(std::move(triangles), to), material(texture), where);
+  }
+
+  // Some triangles of the mesh with their vertices. to: work space, all kNoIndex before and after.
+  Mesh part(std::vector<geometry::Triangle> triangles, std::vector<std::uint32_t>& to) const {
+    Mesh out;
+    std::vector<std::uint32_t> from;
+    for (geometry::Triangle& t : triangles)
+      for (std::uint32_t& v : t) {
+        if (to[v] == kNoIndex) {
+          to[v] = static_cast<std::uint32_t>(from.size());
+          from.push_back(v);
+        }
+        v = to[v];
+      }
+    const auto take = [&](const auto& all, auto& list) {
+      if (all.empty()) return;
+      list.reserve(from.size());
+      for (const std::uint32_t v : from) list.push_back(all[v]);
+    };
+    take(mesh_.positions, out.positions);
+    take(mesh_.normals, out.normals);
+    take(mesh_.texcoords, out.texcoords);
+    take(mesh_.colors, out.colors);
+    for (const std::uint32_t v : from) to[v] = kNoIndex;
+    out.triangles = std::move(triangles);
+    return out;
+  }
+
+  // The material of a texture; −1: of none.
+  std::int32_t material(std::int32_t texture) {
+    if (texture >= 0 && !header_.textures.empty() && !mesh_.texcoords.empty()) {
+      const std::string& name = header_.textures[static_cast<std::size_t>(texture)];
       materials::Material textured;
-      textured.name = header_.texture;
+      textured.name = name;
       textured.diffuse = Vec3(1);
-      textured.maps.albedo = assembly_.texture(header_.texture, s_.file.path, false, where);
+      textured.maps.albedo =
+          assembly_.texture({.text = name, .including = {s_.file.path}}, false, s_.at(0, 0));
       CadMaterial cad;
-      cad.name = header_.texture;
+      cad.name = name;
       cad.base_color = Vec3(1);
       cad.textured = true;
       if (textured.maps.albedo >= 0)
-        material = assembly_.add_material(std::move(textured), std::move(cad));
+        return assembly_.add_material(std::move(textured), std::move(cad));
     }
-    if (material < 0) material = assembly_.plain_material(colored);
-    const std::int32_t node = assembly_.add_node(0, {}, "mesh", where);
-    if (node >= 0) assembly_.add_part(node, std::move(mesh_), material, where);
+    return assembly_.plain_material(!mesh_.colors.empty());
   }
 
   struct Face {
-    std::uint32_t end;    // in corners_
-    std::uint32_t where;  // byte in the body
+    std::uint32_t end;     // in corners_
+    std::uint32_t where;   // byte in the body
+    std::int32_t texture;  // −1: none
   };
 
   ReaderContext& s_;
@@ -488,7 +561,8 @@ class PlyReader {
   std::vector<std::uint32_t> corners_;  // kNoIndex: no vertex
   std::vector<Vec2> wedges_;            // of the corners, or empty
   std::vector<Face> ends_;
-  std::vector<std::uint32_t> strips_;  // each ends in kNoIndex
+  std::vector<std::int32_t> textures_;  // of triangles
+  std::vector<std::uint32_t> strips_;   // each ends in kNoIndex
 };
 
 }  // namespace

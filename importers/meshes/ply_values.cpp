@@ -79,7 +79,7 @@ class HeaderReader {
 
   // what MeshLab writes
   void read_comment(std::string_view rest) {
-    if (next_word(rest) == "TextureFile" && out_.texture.empty()) out_.texture = trimmed(rest);
+    if (next_word(rest) == "TextureFile") out_.textures.emplace_back(trimmed(rest));
   }
 
   void read_element(std::string_view line, std::string_view rest) {

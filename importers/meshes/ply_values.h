@@ -36,11 +36,11 @@ enum class PlyOrder : std::uint8_t { text, little, big };
 struct PlyHeader {
   PlyOrder order = PlyOrder::text;
   std::vector<PlyElement> elements;
-  std::string texture;      // of "comment TextureFile"
-  std::string_view body;    // of the file's bytes
-  std::string_view credit;  // name of the writing program, without "comment"
-  std::string problem;      // one lower-case sentence; empty: none
-  std::string_view place;   // of the file's bytes: place of the problem
+  std::vector<std::string> textures;  // of lines "comment TextureFile"
+  std::string_view body;              // of the file's bytes
+  std::string_view credit;            // name of the writing program, without "comment"
+  std::string problem;                // one lower-case sentence; empty: none
+  std::string_view place;             // of the file's bytes: place of the problem
 };
 
 // Parses the header, up to the first problem: without the header the body cannot be read.

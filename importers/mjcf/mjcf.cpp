@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <unordered_map>
 
 #include "base/text.h"
@@ -261,7 +260,10 @@ class SceneMaker {
         const Quat back = glm::conjugate(mesh.reference.rotation);
         node(place).parent_from_node = {-(back * mesh.reference.position), back, Vec3(1)};
       }
-      out_.meshes.attach(mesh.file, place, cover);
+      if (mesh.mesh)
+        add_vertices(geom, place, cover);
+      else
+        out_.meshes.attach(mesh.file, place, cover);
       return true;
     }
     for (std::size_t k = 0; k < geom.shapes.size(); ++k) {
@@ -274,6 +276,25 @@ class SceneMaker {
       if (!out_.add_shape(geom.shapes[k], at, cover, geom.where)) break;
     }
     return true;
+  }
+
+  // A mesh of the model's own numbers, kept once.
+  void add_vertices(const Geom& geom, std::int32_t place, Cover cover) {
+    const auto& mesh = model_.meshes[static_cast<std::size_t>(geom.mesh)].mesh;
+    const auto [shape, is_new] =
+        shape_of_.try_emplace(geom.mesh, static_cast<std::int32_t>(out_.scene().shapes.size()));
+    if (is_new) {
+      if (!out_.assembly.has_room_for(mesh->triangles.size(), geom.where)) return;
+      out_.scene().shapes.emplace_back(mesh);
+    }
+    if (cover.texture != kNone && mesh->texcoords.empty()) {
+      cover.texture = kNone;
+      c_.trouble(Code::W6221, "flat", geom.where, [] {
+        return std::string(
+            "a mesh has no texture coordinates: the texture of its geom is not used");
+      });
+    }
+    out_.place_shape(shape->second, place, cover, geom.where);
   }
 
   struct Outside {
@@ -289,47 +310,59 @@ class SceneMaker {
   std::vector<std::uint32_t> depth_;
   std::unordered_map<std::string, Scalar> scalars_;
   std::vector<Outside> outside_;
+  std::unordered_map<std::int32_t, std::int32_t> shape_of_;  // of meshes with vertices
 };
 
-// Puts in the place of every <include> what stands in the file that it names, from the folder of
-// the model. Each file comes once, as MuJoCo has it.
-void add_included(XmlText& text, meshes::ReaderContext& context) {
-  std::set<std::string> known{context.file.name};
-  const auto wrong = [&](SourceSpan where, const std::string& message) {
-    context.log.report(Code::E6220, where, message);
-  };
-  const auto in_place_of = [&](pugi::xml_node element) {
+// Includer of files: the contents of each take the place of its <include>.
+class Includer {
+ public:
+  Includer(XmlText& text, meshes::ReaderContext& context) : text_(text), c_(context) {}
+
+  void run() {
+    const pugi::xml_node top = text_.top();
+    pugi::xml_node at = top.first_child();
+    pugi::xml_node around = top;  // of `at`
+    for (;;) {
+      if (!at) {
+        if (around == top) return;
+        at = around.next_sibling();
+        around = around.parent();
+      } else if (std::string_view(at.name()) == "include") {
+        at = in_place_of(at);
+      } else {
+        around = at;
+        at = at.first_child();
+      }
+    }
+  }
+
+ private:
+  // A file is looked for beside the model, then beside the text that includes it, as MuJoCo does.
+  // It may be included again, but not in itself.
+  pugi::xml_node in_place_of(pugi::xml_node element) {
     const pugi::xml_attribute file = element.attribute("file");
-    const SourceSpan where = file ? text.at(file) : text.at(element);
-    std::string path;
-    SharedText bytes;
+    const SourceSpan where = file ? text_.at(file) : text_.at(element);
     if (!file) {
-      wrong(where, "<include> has no file; it is left out");
-    } else if (context.read_named(file.value(), context.file.name, where, path, bytes)) {
-      if (known.insert(path).second)
-        return text.include(element, path, bytes, where, {"mujoco", "mujocoinclude"});
-      wrong(where, fmt::format("{} is included already; a file comes once", in_quotes(path)));
+      c_.log.report(Code::E6220, where, "<include> has no file; it is left out");
+    } else if (!c_.full) {
+      const FileName name{
+          .text = file.value(), .including = {c_.file.path, text_.path_of(element)}, .part = true};
+      if (const auto found = c_.read_named(name, where)) {
+        if (!text_.is_within(element, found->path))
+          return text_.include(element, found->path, found->bytes, where,
+                               {"mujoco", "mujocoinclude"});
+        c_.log.report(Code::E6220, where,
+                      fmt::format("{} includes itself; it is left out", in_quotes(found->path)));
+      }
     }
     const pugi::xml_node next = element.next_sibling();
     element.parent().remove_child(element);
     return next;
-  };
-  const pugi::xml_node top = text.top();
-  pugi::xml_node at = top.first_child();
-  pugi::xml_node around = top;  // of `at`
-  for (;;) {
-    if (!at) {
-      if (around == top) return;
-      at = around.next_sibling();
-      around = around.parent();
-    } else if (std::string_view(at.name()) == "include") {
-      at = in_place_of(at);
-    } else {
-      around = at;
-      at = at.first_child();
-    }
   }
-}
+
+  XmlText& text_;
+  meshes::ReaderContext& c_;
+};
 
 }  // namespace
 
@@ -338,7 +371,7 @@ bool is_model(std::string_view text) { return first_element_is(text, "mujoco"); 
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,
                       DiagnosticLog& log) {
   const auto made = [](XmlText& text, meshes::ReaderContext& context) -> std::optional<Imported> {
-    add_included(text, context);
+    Includer(text, context).run();
     const Model model = read_model(text, context);
     if (model.bodies.size() < 2 && model.bodies[0].geoms.empty()) return std::nullopt;
     return SceneMaker(model, context).made();

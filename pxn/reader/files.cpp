@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/folder_names.h"
 #include "base/text.h"
 
 namespace panwright::pxn {
@@ -80,6 +81,16 @@ class DiskFiles : public Files {
     return outside ? Outcome::outside : Outcome::missing;
   }
 
+  std::optional<std::string> same_but_for_case(const std::string& file,
+                                               const FoundFile& including) override {
+    const fs::path folder = fs::path(including.key).parent_path();
+    const fs::path wanted = (folder / file).lexically_normal();
+    if (!is_inside(wanted, root_)) return std::nullopt;
+    const auto found = names_.same_but_for_case(root_, wanted.lexically_relative(root_));
+    if (!found) return std::nullopt;
+    return (root_ / *found).lexically_relative(folder).generic_string();
+  }
+
   std::string near_name(std::string_view file, const FoundFile& including,
                         bool own_folder) const override {
     const fs::path first = own_folder ? fs::path(including.key).parent_path() : top_folder_;
@@ -131,6 +142,7 @@ class DiskFiles : public Files {
   std::uint64_t limit_;
   std::uint64_t used_ = 0;
   decltype(Options::unsaved) unsaved_;
+  FolderNames names_;
 };
 
 class MemoryFiles : public Files {
@@ -158,6 +170,19 @@ class MemoryFiles : public Files {
       return Outcome::found;
     }
     return outside ? Outcome::outside : Outcome::missing;
+  }
+
+  std::optional<std::string> same_but_for_case(const std::string& file,
+                                               const FoundFile& including) override {
+    const fs::path folder = fs::path(including.key).parent_path();
+    const std::string wanted = lower_case(normal((folder / file).generic_string()));
+    std::optional<std::string> found;
+    for (const auto& [key, bytes] : files_) {
+      if (lower_case(key) != wanted) continue;
+      if (found) return std::nullopt;
+      found = fs::path(key).lexically_relative(folder.empty() ? "." : folder).generic_string();
+    }
+    return found;
   }
 
   std::string near_name(std::string_view file, const FoundFile& including,

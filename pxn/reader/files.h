@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,11 @@ class Files {
   // with own_folder from the latter only. Never searches outside the root.
   virtual Outcome find(std::string_view file, const FoundFile& including, bool own_folder,
                        FoundFile& out) const = 0;
+
+  // Returns the one file whose path, from the including file's folder, differs in letter case
+  // alone.
+  virtual std::optional<std::string> same_but_for_case(const std::string& file,
+                                                       const FoundFile& including) = 0;
 
   // Returns similar names in the first searched folder, for a suggestion.
   virtual std::string near_name(std::string_view file, const FoundFile& including,

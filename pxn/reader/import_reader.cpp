@@ -22,7 +22,7 @@ using schemas::ElementId;
 
 namespace {
 
-// What an imported file names, from its own folder and below, through the model's files.
+// Files named by an imported one, within the root of the model's files.
 class ImportFiles : public importers::Files {
  public:
   ImportFiles(pxn::Files& files, const FoundFile& model, const DiagnosticLog& log)
@@ -45,12 +45,24 @@ class ImportFiles : public importers::Files {
     return Outcome::found;
   }
 
+  std::optional<std::string> same_but_for_case(const std::string& path) override {
+    return files_.same_but_for_case(path, model_);
+  }
+
+  std::optional<std::string> relative(const std::string& path) const override {
+    const std::filesystem::path folder = std::filesystem::path(model_.key).parent_path();
+    return std::filesystem::path(path)
+        .lexically_normal()
+        .lexically_relative(folder)
+        .generic_string();
+  }
+
   void declare(const std::string& path) override {
     if (log_.files()) log_.files()->will_read(std::filesystem::path(display_name(path)));
   }
 
   std::string display_name(const std::string& path) const override {
-    return (std::filesystem::path(model_.name).parent_path() / path).string();
+    return (std::filesystem::path(model_.name).parent_path() / path).lexically_normal().string();
   }
 
  private:

@@ -170,6 +170,41 @@ TEST(Import, a_text_beside_the_folder_of_its_file_lies_with_it_in_root) {
   EXPECT_EQ(straight["errors"], 0);
 }
 
+// Every command that takes --root obeys it, for files of CAD files and of texts around them.
+TEST(Import, files_are_taken_from_the_root_by_every_command) {
+  const TemporaryFolder folder;
+  for (const char* name : {"robots", "meshes", "texts"}) fs::create_directories(folder / name);
+  folder.write("meshes/w.stl",
+               "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+               "0\nendloop\nendfacet\nendsolid s\n");
+  const std::string robot =
+      folder.write("robots/m.urdf",
+                   "<robot name='r'><link name='b'><visual><geometry><mesh "
+                   "filename='package://sat/meshes/w.stl'/></geometry></visual></link></robot>");
+  const std::string text = folder.write(
+      "texts/m.pxn", "<pangu_model ver=\"1\"><import file=\"../robots/m.urdf\"/></pangu_model>");
+  const std::vector<std::vector<std::string>> runs = {
+      {"info"},
+      {"check"},
+      {"render", "-o", folder / "a.npy", "--size", "8x8"},
+      {"export", "-o", folder / "a.glb"},
+      {"joints"},
+      {"compile", "-o", folder / "a.pan"},
+      {"import", "-o", folder / "b.pan"}};
+  for (const std::string& model : {robot, text})
+    for (std::vector<std::string> words : runs) {
+      const std::string command = words[0];
+      if (command == (model == robot ? "compile" : "import")) continue;
+      words.insert(words.begin() + 1, model);
+      const support::Outcome refused = panwright(words);
+      EXPECT_NE(refused.code, 0) << command << model;
+      words.insert(words.end(), {"--root", folder / ""});
+      const support::Outcome made = panwright(words);
+      EXPECT_EQ(made.code, 0) << command << " " << model << "\n" << made.err;
+      EXPECT_THAT(made.err, testing::Not(HasSubstr("E6010"))) << command << model;
+    }
+}
+
 TEST(Import, a_text_around_a_file_without_a_unit_says_it) {
   const TemporaryFolder folder;
   const auto triangle = [](const std::string& size) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -25,7 +26,8 @@ struct Pose {
 
 struct MeshAsset {
   MeshFile file;
-  Pose reference;  // its vertices are moved by the inverse, then scaled
+  std::shared_ptr<const geometry::Mesh> mesh;  // of vertices in the model, in place of a file
+  Pose reference;                              // its vertices are moved by the inverse, then scaled
 };
 
 struct Geom {

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "importers/mjcf/internal/attributes.h"
+#include "importers/mjcf/internal/mesh_vertices.h"
 
 namespace panwright::importers::mjcf {
 
@@ -82,14 +83,28 @@ class ModelReader {
 
   // ---- assets
 
-  std::string path_in(const std::string& folder, const std::string& file) const {
-    const std::filesystem::path path(file);
-    const std::filesystem::path name = a_.compiler().strip_path ? path.filename() : path;
-    return (std::filesystem::path(folder) / name).generic_string();
+  // The name of a file, without folders on request, and the files that it is relative to: beside
+  // the model, then beside the text that names it, each with the folder of <compiler>.
+  FileName file_name(const xml_node& element, const std::string& folder,
+                     const std::string& written) const {
+    FileName out{.text = std::string_view(written), .including = {}};
+    if (a_.compiler().strip_path) out.text.remove_prefix(written.find_last_of("/\\") + 1);
+    const std::string below = path_in(folder, false);
+    const auto add = [&](const std::string& including, const std::string& inside) {
+      const std::filesystem::path at = std::filesystem::path(including).parent_path() / inside;
+      const std::string base = (at / "model").lexically_normal().generic_string();
+      if (std::ranges::find(out.including, base) == out.including.end())
+        out.including.push_back(base);
+    };
+    const std::string& own = text_.path_of(element);
+    add(c_.file.path, below);
+    add(own, below);
+    add(own, {});
+    return out;
   }
 
   static std::string stem_of(const std::string& file) {
-    return std::filesystem::path(file).stem().generic_string();
+    return std::filesystem::path(path_in(file, false)).stem().generic_string();
   }
 
   void read_assets(const xml_node& section) {
@@ -107,10 +122,16 @@ class ModelReader {
   void read_mesh(const xml_node& element) {
     const std::size_t its_class = a_.classes().of(element, 0);
     const std::string file = element.attribute("file").value();
-    if (file.empty()) return c_.skipped("mesh without a file");
     MeshAsset mesh;
-    mesh.file.name = path_in(a_.compiler().mesh_folder, file);
-    mesh.file.where = text_.at(element.attribute("file"));
+    if (!file.empty()) {
+      FileName name = file_name(element, a_.compiler().mesh_folder, file);
+      mesh.file.name = name.text;
+      mesh.file.including = std::move(name.including);
+      mesh.file.where = text_.at(element.attribute("file"));
+    } else {
+      mesh.mesh = mesh_of_vertices(element, its_class, a_, c_);
+      if (!mesh.mesh) return;
+    }
     if (const auto scale = a_.vector(element, "scale", its_class)) {
       if (scale->x != 0 && scale->y != 0 && scale->z != 0)
         mesh.file.scale = *scale;
@@ -132,8 +153,9 @@ class ModelReader {
     const bool flat = std::string_view(element.attribute("type").value()) == "2d";
     if (!file.empty() && flat) {
       add_asset(element, file, textures_, texture_files_.size());
-      texture_files_.emplace_back(path_in(a_.compiler().texture_folder, file),
-                                  text_.at(element.attribute("file")));
+      FileName name = file_name(element, a_.compiler().texture_folder, file);
+      texture_files_.push_back(
+          {std::string(name.text), std::move(name.including), text_.at(element.attribute("file"))});
       return;
     }
     c_.lost(file.empty() ? "procedural textures" : "cube textures");
@@ -156,8 +178,10 @@ class ModelReader {
                                   in_quotes(texture.value())),
                       near_of(texture.value(), textures_));
       } else {
-        paint.texture = texture_files_[known->second].first;
-        paint.texture_at = texture_files_[known->second].second;
+        const TextureFile& file = texture_files_[known->second];
+        paint.texture = file.name;
+        paint.including = file.including;
+        paint.texture_at = file.where;
       }
     }
     // note: a material without a colour is white in MuJoCo
@@ -533,7 +557,12 @@ class ModelReader {
   Named meshes_, textures_, materials_, body_names_, joint_names_, mark_names_;
   std::string suffix_;          // of names, by the <replicate>s around
   std::uint64_t replicas_ = 0;  // so far
-  std::vector<std::pair<std::string, SourceSpan>> texture_files_;  // empty: none that is read
+  struct TextureFile {
+    std::string name;  // empty: none that is read
+    std::vector<std::string> including;
+    SourceSpan where;
+  };
+  std::vector<TextureFile> texture_files_;
   std::map<std::pair<std::int32_t, std::array<double, 4>>, std::int32_t> colored_;
 };
 

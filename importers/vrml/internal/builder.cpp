@@ -120,13 +120,15 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
   }
   material.emissive = clamped(phong.emissive);
   if (material.emissive != Vec3(0)) material.weights.z = 1;
+  const double transparency = std::clamp(phong.transparency, 0.0, 1.0);
   if (material.diffuse != phong.diffuse || specular != phong.specular ||
-      material.emissive != phong.emissive)
-    lost("colours outside of 0 to 1");
+      material.emissive != phong.emissive || shininess != phong.shininess ||
+      transparency != phong.transparency)
+    lost("values outside of 0 to 1");
   materials::fit(material);
   cad.name = name;
   cad.base_color = material.diffuse;
-  cad.opacity = 1 - std::clamp(phong.transparency, 0.0, 1.0);
+  cad.opacity = 1 - transparency;
   cad.textured = textured;
   return add_material(material, cad);
 }

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/internal/gzip.h"
+#include "importers/internal/named_file.h"
 #include "importers/vrml/internal/characters.h"
 #include "importers/vrml/internal/parser.h"
 
@@ -62,12 +63,6 @@ Header header_of(std::string_view line) {
     if (same_letters(words[i], "V1.0")) return {Format::vrml1};
   }
   return {};
-}
-
-// "/home/…", "C:\\…", "file:///…".
-bool is_absolute(std::string_view url) {
-  return url.starts_with('/') || url.starts_with('\\') || url.starts_with("file:/") ||
-         (url.size() > 2 && url[1] == ':');
 }
 
 // The first word of a text that is no comment. It is taken off.
@@ -208,53 +203,20 @@ SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool text
     problem = "an empty name";
     return nullptr;
   }
-  auto target = resolved(path_of(where.file), plain, true);
-  bool beside = false;
-  if (!target) {
-    const bool remote = plain.find("://") != plain.npos || plain.starts_with("urn:");
-    if (!remote) code = Code::W6005;
-    problem = fmt::format("{} {}", in_quotes(plain),
-                          remote ? "is not a file of the model" : "leads out of its folder");
-    // a folder of the machine that wrote it: the file may have come along without it
-    if (remote || !(texture || is_absolute(plain))) return nullptr;
-    target = resolved(path_of(where.file), plain.substr(plain.find_last_of("/\\:") + 1), true);
-    if (!target) return nullptr;
-    beside = true;
-  }
-  path = *target;
   if (++files_read_ > options.limits.files) throw OverLimit{"files", where};
-  SharedText bytes;
-  Files::Outcome outcome = files.read(path, bytes);
-  if (outcome == Files::Outcome::missing) {
-    if (const auto other = files.same_but_for_case(path)) {
-      log.report(
-          Code::W6118, where,
-          fmt::format("{} is read as {}: case matters", in_quotes(plain), in_quotes(*other)));
-      path = *other;
-      outcome = files.read(path, bytes);
-    }
+  NamedFile found = find_file(files, {.text = plain,
+                                      .including = {path_of(where.file)},
+                                      .percent_encoded = true,
+                                      .part = !texture});
+  if (found.outcome == Files::Outcome::too_large) throw OverLimit{"bytes", where};
+  if (found.outcome != Files::Outcome::found) {
+    if (found.outside) code = Code::W6005;
+    problem = found.problem;
+    return nullptr;
   }
-  if (beside && outcome != Files::Outcome::found) return nullptr;
-  if (beside)
-    log.report(Code::W6118, where,
-               fmt::format("{} leads out of the model's folder; {} is taken for it",
-                           in_quotes(plain), in_quotes(files.display_name(path))));
-  switch (outcome) {
-    case Files::Outcome::found:
-      break;
-    case Files::Outcome::missing:
-      problem = fmt::format("{} does not exist", in_quotes(files.display_name(path)));
-      return nullptr;
-    case Files::Outcome::outside:
-      code = Code::W6005;
-      problem = fmt::format("{} leads out of the model's folder", in_quotes(plain));
-      return nullptr;
-    case Files::Outcome::too_large:
-      throw OverLimit{"bytes", where};
-    case Files::Outcome::unreadable:
-      problem = fmt::format("{} cannot be read", in_quotes(files.display_name(path)));
-      return nullptr;
-  }
+  if (!found.deviation.empty()) log.report(Code::W6118, where, found.deviation);
+  path = found.path;
+  SharedText bytes = std::move(found.bytes);
   const bool known = std::any_of(further_inputs.begin(), further_inputs.end(),
                                  [&](const scene::Input& input) { return input.path == path; });
   if (!known) further_inputs.push_back({path, hash128(as_bytes(*bytes)), bytes->size()});
@@ -311,7 +273,7 @@ Document* ReaderContext::inlined(std::span<const std::string_view> urls, SourceS
 // A part whose file cannot be used, for the reason that `code` would give a texture.
 void ReaderContext::report_missing_part(SourceSpan where, const std::string& problem, Code code) {
   log.report(Code::E6010, where, fmt::format("part not found: {}", problem),
-             code == Code::W6005 ? "--root FOLDER takes files from all of FOLDER" : "");
+             code == Code::W6005 ? kRootHint : "");
 }
 
 }  // namespace panwright::importers::vrml

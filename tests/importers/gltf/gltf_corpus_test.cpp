@@ -102,6 +102,7 @@ const std::map<std::string, const char*> kHarmless = {
     {"SKIN_NO_COMMON_ROOT", "W6215: joints are found by index"},
     {"SKIN_SKELETON_INVALID", "joints are found by index"},
     {"UNDECLARED_EXTENSION", "W6215: it is read all the same"},
+    {"VALUE_NOT_IN_RANGE", "W6215: the nearest value is taken"},
     {"UNEXPECTED_EXTENSION_OBJECT", "W6215: it is left out"},
 };
 

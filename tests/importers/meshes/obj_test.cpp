@@ -168,6 +168,32 @@ TEST(Obj, MissingFilesAreNamed) {
   EXPECT_EQ(out->material(0).name, "a");  // rules by name still find it
 }
 
+TEST(Obj, LibrariesMayStandAnywhere) {
+  const std::string faces = kSquare + "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n";
+  for (const std::string& text :
+       {"mtllib m.mtl\n" + faces, faces + "mtllib m.mtl\n",
+        kSquare + "usemtl a\nf 1 2 3\nmtllib m.mtl\nusemtl b\nf 1 3 4\n"}) {
+    const auto out = read_obj(text, "newmtl b\nKd 0 1 0\nnewmtl a\nKd 1 0 0\n");
+    ASSERT_TRUE(out->out);
+    EXPECT_THAT(out->places(), testing::IsEmpty()) << out->text();
+    EXPECT_EQ(out->material(0).diffuse, Vec3(1, 0, 0));
+    EXPECT_EQ(out->material(1).diffuse, Vec3(0, 1, 0));
+  }
+}
+
+// Values of other programs that no material has are clamped, and are no errors.
+TEST(Obj, MaterialsOutOfRangeAreClampedAndSaid) {
+  for (const char* line : {"Pr -0.13", "Pm 1.2", "Kd 1.5 0 0", "Ks 0 -1 0", "d 1.01", "Ns -3"}) {
+    const auto out = read_obj("mtllib m.mtl\n" + kSquare + "usemtl a\nf 1 2 3\n",
+                              "newmtl a\n" + std::string(line) + "\n");
+    ASSERT_TRUE(out->out);
+    EXPECT_FALSE(out->log.has_errors()) << out->text();
+    EXPECT_THAT(out->text(), HasSubstr("values outside of 0 to 1")) << line;
+    const CadMaterial& cad = out->out->materials[0];
+    EXPECT_TRUE(cad.roughness >= 0 && cad.metallic <= 1 && cad.opacity <= 1) << line;
+  }
+}
+
 TEST(Obj, AnUnknownMaterialHasItsNearestName) {
   const auto out = read_obj("mtllib m.mtl\n" + kSquare + "usemtl Alumnium\nf 1 2 3\nf 1 3 4\n",
                             "newmtl Aluminium\nKd 1 0 0\n");

@@ -218,5 +218,47 @@ TEST(Ply, WrongHeadersAreRefusedAtTheirPlace) {
   EXPECT_EQ(place_of("ply\nend_header\n").size(), 1u);
 }
 
+// As MeshLab writes it: several lines TextureFile, and for each face which of them.
+TEST(Ply, FacesHaveTexturesOfTheirOwn) {
+  const std::string red("P6\n1 1\n255\n\xff\x00\x00", 14), blue("P6\n1 1\n255\n\x00\x00\xff", 14);
+  const auto text = [](const std::string& numbers) {
+    std::string out =
+        "ply\nformat ascii 1.0\ncomment TextureFile red one.ppm\ncomment TextureFile blue.ppm\n"
+        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 4\nproperty list uchar int vertex_indices\n"
+        "property list uchar float texcoord\n" +
+        std::string(numbers.empty() ? "" : "property int texnumber\n") +
+        "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    for (std::size_t i = 0; i < 4; ++i) {
+      out += i % 2 == 0 ? "3 0 1 2 6 0 0 1 0 1 1 " : "3 0 2 3 6 0 0 1 1 0 1 ";
+      if (!numbers.empty()) out += numbers.substr(2 * i, 2);
+      out += "\n";
+    }
+    return out;
+  };
+  const auto read = [&](const std::string& numbers) {
+    return read_meshes({{"m.ply", text(numbers)}, {"red one.ppm", red}, {"blue.ppm", blue}});
+  };
+  const auto out = read(" 1 0-1 1");
+  ASSERT_TRUE(out->out) << out->text();
+  EXPECT_THAT(out->places(), testing::IsEmpty()) << out->text();
+  ASSERT_EQ(out->scene().instances.size(), 3u);  // none, red, blue
+  EXPECT_EQ(out->material(0).maps.albedo, -1);
+  EXPECT_EQ(out->mesh(0).triangles.size(), 1u);
+  const auto texel = [&](std::size_t i) {
+    return out->scene().textures[static_cast<std::size_t>(out->material(i).maps.albedo)].rgba[0];
+  };
+  EXPECT_EQ(texel(1), 255);
+  EXPECT_EQ(out->mesh(1).triangles.size(), 1u);
+  EXPECT_EQ(texel(2), 0);
+  EXPECT_EQ(out->mesh(2).triangles.size(), 2u);
+  EXPECT_EQ(out->mesh(2).texcoords.size(), out->mesh(2).positions.size());
+  const auto wrong = read(" 1 0 7 1");
+  EXPECT_THAT(wrong->text(), HasSubstr("texture 7 of 2"));
+  const auto silent = read("");
+  EXPECT_THAT(silent->text(), HasSubstr("no 'texnumber'"));
+  EXPECT_EQ(silent->scene().instances.size(), 1u);
+}
+
 }  // namespace
 }  // namespace panwright::importers::ply_test

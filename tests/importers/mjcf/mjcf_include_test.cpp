@@ -61,11 +61,64 @@ TEST(MjcfInclude, ProblemsAreSaidInTheirFile) {
   EXPECT_THAT(foreign->text(),
               HasSubstr("unexpected element 'robot', expected mujoco or mujocoinclude"));
   EXPECT_THAT(with("")->text(), testing::AnyOf(HasSubstr("not well-formed"), HasSubstr("empty")));
-  // each comes once, so that files which include each other end
-  const auto twice = with("<mujocoinclude><include file='other.xml'/></mujocoinclude>",
-                          "<include file='other.xml'/>");
-  EXPECT_EQ(twice->log.errors(), 2u) << twice->text();
-  EXPECT_THAT(with("<mujoco/>", "<include file='../out.xml'/>")->text(), HasSubstr("W6005"));
+  // files which include themselves or each other end
+  const auto itself = with("<mujocoinclude><include file='other.xml'/></mujocoinclude>");
+  EXPECT_THAT(itself->places(), testing::ElementsAre("1:31 E6220")) << itself->text();
+  const auto ring = read_mujoco(
+      "<include file='a.xml'/>" + body,
+      {{"a.xml", "<mujoco><include file='b.xml'/></mujoco>"},
+       {"b.xml", "<mujoco><include file='a.xml'/><include file='model.xml'/></mujoco>"}});
+  EXPECT_THAT(ring->places(), testing::ElementsAre("1:24 E6220", "1:47 E6220")) << ring->text();
+  EXPECT_THAT(with("<mujoco/>", "<include file='../out.xml'/>")->text(), HasSubstr("E6010"));
+}
+
+TEST(MjcfInclude, IsLookedForBesideTheModelThenBesideTheIncludingFile) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+  const auto r = read_mujoco(
+      "<include file='parts/arm.xml'/>",
+      {{"parts/arm.xml",
+        "<mujoco><include file='assets.xml'/><include file='geoms.xml'/></mujoco>"},
+       {"parts/assets.xml",
+        "<mujoco><compiler meshdir='meshes'/><asset><mesh name='beside model' "
+        "file='a.obj'/><mesh name='beside text' file='b.obj'/><mesh name='no "
+        "folder' file='c.obj'/></asset></mujoco>"},
+       {"geoms.xml",
+        "<mujoco><worldbody><geom name='right' type='mesh' mesh='beside model'/><geom type='mesh' "
+        "mesh='beside text'/><geom type='mesh' mesh='no folder'/></worldbody></mujoco>"},
+       {"parts/geoms.xml", "<mujoco><worldbody><geom name='wrong'/></worldbody></mujoco>"},
+       {"meshes/a.obj", square},
+       {"parts/meshes/a.obj", "v 0 0 0\n"},
+       {"parts/meshes/b.obj", square},
+       {"parts/c.obj", square}});
+  ASSERT_TRUE(r->out) << r->text();
+  EXPECT_EQ(r->log.errors() + r->log.warnings(), 0u) << r->text();
+  EXPECT_EQ(r->scene().instances.size(), 3u);
+  EXPECT_LT(node_index(r->scene(), "right"), r->scene().nodes.size());
+}
+
+TEST(MjcfInclude, StandsInEveryPlaceThatUsesIt) {
+  const auto r = read_mujoco(
+      "<worldbody><body name='l' pos='0 2 0'><include file='./wheel.xml'/></body>"
+      "<body name='r' pos='0 -2 0'><include file='wheel.xml'/></body></worldbody>",
+      {{"wheel.xml", "<mujoco><geom type='box' size='1 1 1'/><geom size='x'/></mujoco>"}});
+  ASSERT_TRUE(r->out) << r->text();
+  EXPECT_EQ(r->scene().instances.size(), 2u);
+  EXPECT_EQ(r->path(0), "/l/l_geom");
+  EXPECT_EQ(r->path(1), "/r/r_geom");
+  EXPECT_EQ(r->scene().inputs.size(), 2u) << "a file is an input once";
+  EXPECT_THAT(r->text(), HasSubstr("wheel.xml:1:52"));
+}
+
+// Forty files that use the next one twice stand for 2^40.
+TEST(MjcfInclude, IsBounded) {
+  std::vector<MemoryFile> files;
+  for (int i = 0; i < 40; ++i) {
+    const std::string next = "<include file='" + std::to_string(i + 1) + ".xml'/>";
+    files.push_back({std::to_string(i) + ".xml", "<mujoco>" + next + next + "</mujoco>"});
+  }
+  files.push_back({"40.xml", "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"});
+  const auto r = read_mujoco("<include file='0.xml'/>", files);
+  EXPECT_THAT(r->text(), HasSubstr("E6002"));
 }
 
 // Copy n is placed by the n-th power of the step: four quarter turns about a square.

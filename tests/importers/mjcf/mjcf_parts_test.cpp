@@ -130,5 +130,69 @@ TEST(MjcfParts, IsToldByItsFirstElement) {
               HasSubstr("an XML file is not supported"));
 }
 
+// Signed by winding: outward faces give the volume.
+double volume_of(const geometry::Mesh& mesh) {
+  double sum = 0;
+  for (const geometry::Triangle& t : mesh.triangles)
+    sum +=
+        glm::dot(mesh.positions[t[0]], glm::cross(mesh.positions[t[1]], mesh.positions[t[2]])) / 6;
+  return sum;
+}
+
+TEST(MjcfMesh, GivesItsOwnVertices) {
+  const auto reading = read_mujoco(R"(<default><mesh scale="2 1 1"/></default><asset>
+<mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0 2 1 0 1 3 0 3 2 1 2 3"/>
+<mesh name="hull" vertex="0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 .5 .5 .5 .5 .5 0"/>
+<mesh name="flat" vertex="0 0 0 1 0 0 1 1 0" face="0 1 2" texcoord="0 0 1 0 1 1" normal="0 0 2 0 0 2 0 1 0"/>
+</asset><worldbody><geom type="mesh" mesh="t"/><geom type="mesh" mesh="t" pos="5 0 0"/>
+<geom type="mesh" mesh="hull"/><geom type="mesh" mesh="flat"/></worldbody>)");
+  ASSERT_TRUE(reading->out) << reading->text();
+  EXPECT_THAT(reading->places(), IsEmpty()) << reading->text();
+  const scene::Scene& scene = reading->scene();
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.instances[0].shape, scene.instances[1].shape);
+  const auto mesh_of = [&](std::size_t i) {
+    return *std::get<geometry::MeshShape>(
+        scene.shapes[static_cast<std::size_t>(scene.instances[i].shape)]);
+  };
+  EXPECT_NEAR(volume_of(mesh_of(0)), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(volume_of(mesh_of(2)), 1, 1e-15);
+  EXPECT_EQ(mesh_of(2).triangles.size(), 12u);
+  EXPECT_EQ(mesh_of(3).normals[2], Vec3(0, 1, 0));
+  EXPECT_EQ(mesh_of(3).texcoords[2], Vec2(1, 0));  // v counts from the top
+  const auto matrices = scene::world_from_nodes(scene);
+  EXPECT_EQ(matrices[static_cast<std::size_t>(scene.instances[0].node)][0].x, 2);
+}
+
+TEST(MjcfMesh, WrongVerticesAreLeftOut) {
+  const auto place_of = [](const std::string& attributes) {
+    return read_mujoco("<asset><mesh name='a' " + attributes + "/></asset>" +
+                       world("<geom size='1'/>"))
+        ->text();
+  };
+  EXPECT_THAT(place_of("vertex='0 0 0 1'"), HasSubstr("multiple of 3"));
+  EXPECT_THAT(place_of("vertex='0 0 0 1 x 1'"), HasSubstr("E6220"));
+  EXPECT_THAT(place_of("vertex='0 0 0 1 0 0 0 1 0 1 1 0'"), HasSubstr("lie in one plane"));
+  EXPECT_THAT(place_of("vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'"),
+              HasSubstr("face 0 has vertex 3 of 3"));
+  EXPECT_THAT(place_of("vertex='0 0 0 1 0 0 0 1 0' face='0 1 2' normal='0 0 1'"),
+              HasSubstr("normal of <mesh> has 1 item for 3"));
+  EXPECT_THAT(place_of("builtin='sphere'"), HasSubstr("neither a file nor a vertex"));
+}
+
+TEST(MjcfMesh, FoldersAreTakenOff) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+  for (const std::string name :
+       {"C:\\work\\sat\\panel.obj", "/home/someone/panel.obj", "panel.obj", "a\\b/panel.obj"}) {
+    const auto reading =
+        read_mujoco("<compiler meshdir='stl' strippath='true'/><asset><mesh file='" + name +
+                        "'/></asset>" + world("<geom type='mesh' mesh='panel'/>"),
+                    {{"stl/panel.obj", square}});
+    ASSERT_TRUE(reading->out) << reading->text();
+    EXPECT_THAT(reading->places(), IsEmpty()) << reading->text();
+    EXPECT_EQ(reading->scene().instances.size(), 1u) << name;
+  }
+}
+
 }  // namespace
 }  // namespace panwright::importers::mjcf_parts_test

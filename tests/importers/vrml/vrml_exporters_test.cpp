@@ -154,7 +154,7 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
       {"./Parts/Panel.wrl#View", 1, {}},
       {"parts/PANEL.WRL", 1, {"2:14 W6118"}},
       {"C:\\\\cad\\\\hull.wrl", 1, {"2:14 W6118"}},
-      {"/home/me/HULL.wrl", 1, {"2:14 W6118", "2:14 W6118"}},
+      {"/home/me/HULL.wrl", 1, {"2:14 W6118"}},
       {"C:\\\\cad\\\\none.wrl", 0, {"2:14 E6010"}},
       {"../hull.wrl", 0, {"2:14 E6010"}},
       {"http://a.b/hull.wrl", 0, {"2:14 E6010"}},
@@ -234,7 +234,7 @@ TEST(VrmlLost, ColoursThatAreNone) {
       "Shape { appearance Appearance { material Material { diffuseColor 255 128 0 } } geometry Box "
       "{ } }");
   EXPECT_EQ(note(*material, Code::W6008),
-            "unsupported properties ignored: colours outside of 0 to 1");
+            "unsupported properties ignored: values outside of 0 to 1");
   EXPECT_EQ(material->scene().materials[0].diffuse, Vec3(1, 1, 0));
   const auto corners = read97(
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
