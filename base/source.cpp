@@ -11,6 +11,7 @@ namespace panwright {
 namespace {
 
 constexpr std::size_t kPiece = std::size_t{4} << 20;  // bytes of a mapping in memory at a time
+constexpr std::uint32_t kMarkPiece = 1024;            // bytes whose characters are counted anew
 
 // Length of the well-formed UTF-8 sequence at text[i], or 0.
 std::size_t utf8_length(std::string_view text, std::size_t i) {
@@ -56,7 +57,7 @@ void SharedText::forget(std::size_t begin, std::size_t end) const {
 FileId SourceMap::add(SourceFile file) {
   files_.push_back(std::move(file));
   line_starts_.emplace_back();
-  counted_.emplace_back();
+  marks_.emplace_back();
   return static_cast<FileId>(files_.size() - 1);
 }
 
@@ -106,28 +107,49 @@ const std::vector<std::uint32_t>& SourceMap::line_starts(FileId id) const {
   return starts;
 }
 
+const SourceMap::Mark& SourceMap::mark_before(FileId id, std::uint32_t offset) const {
+  std::vector<Mark>& marks = marks_[id];
+  const SharedText& bytes = files_[id].bytes;
+  if (marks.empty()) {
+    marks.reserve(bytes->size() / kMarkPiece + 1);
+    std::size_t i = 0, forgotten = 0;
+    for (std::uint32_t characters = 0; i < bytes->size(); ++characters) {
+      if (i / kMarkPiece >= marks.size())
+        marks.push_back({static_cast<std::uint32_t>(i), characters});
+      i += std::max<std::size_t>(1, utf8_length(*bytes, i));
+      if (i < forgotten + kPiece && i < bytes->size()) continue;
+      bytes.forget(forgotten, i);
+      forgotten = i;
+    }
+  }
+  const std::size_t piece = std::min<std::size_t>(offset / kMarkPiece, marks.size() - 1);
+  return marks[marks[piece].offset > offset ? piece - 1 : piece];
+}
+
 Position SourceMap::position(FileId id, std::uint32_t offset) const {
   const auto& starts = line_starts(id);
   const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
   const auto line = static_cast<std::uint32_t>(after - starts.begin());
   const std::uint32_t start = starts[line - 1];
-  std::uint32_t column = offset - start + 1;
   const SourceFile& source = files_[id];
-  if (source.bytes && source.encoding == Encoding::utf8) {
-    Counted& last = counted_[id];
-    if (last.line != line || last.offset > offset) last = {line, start, 1};
-    const std::size_t stop = std::min<std::size_t>(offset, source.bytes->size());
-    std::size_t i = last.offset;
-    column = last.column;
-    while (i < stop) {
-      const std::size_t next = i + std::max<std::size_t>(1, utf8_length(*source.bytes, i));
-      if (next > stop) break;  // a place inside a character counts as the character's
-      i = next;
-      ++column;
+  if (!source.bytes || source.encoding != Encoding::utf8) return {line, offset - start + 1};
+  const std::string_view text = *source.bytes;
+  const std::size_t stop = std::min<std::size_t>(offset, text.size());
+  // the number of characters between two places, the second one within or behind the last of them
+  const auto characters = [&](std::size_t i, std::size_t end) {
+    std::uint32_t count = 0;
+    for (std::size_t next = i; i < end; i = next) {
+      next += std::max<std::size_t>(1, utf8_length(text, i));
+      if (next > end) break;  // a place inside a character counts as the character's
+      ++count;
     }
-    last = {line, static_cast<std::uint32_t>(i), column};
-  }
-  return {line, column};
+    return count;
+  };
+  if (stop < start + std::size_t{4} * kMarkPiece) return {line, 1 + characters(start, stop)};
+  const Mark& near = mark_before(id, static_cast<std::uint32_t>(stop));
+  const Mark& first = mark_before(id, start);
+  return {line, 1 + near.characters + characters(near.offset, stop) - first.characters -
+                    characters(first.offset, start)};
 }
 
 std::string SourceMap::line_text(FileId id, std::uint32_t line) const {

@@ -73,8 +73,8 @@ class SourceMap {
   std::size_t size() const { return files_.size(); }
   void set_encoding(FileId id, Encoding encoding) { files_[id].encoding = encoding; }
 
-  // Cost: O(bytes before the place) for the first call on a file; after it O(log lines), and in
-  // UTF-8 the bytes between the place and the last one asked for on its line.
+  // Cost: O(log lines), in any order of calls; O(bytes of the file) for the first one, and for the
+  // first one far into a long line of UTF-8.
   Position position(FileId id, std::uint32_t offset) const;
 
   // The text of a line without its end, as UTF-8. Empty when the file is not text.
@@ -83,16 +83,16 @@ class SourceMap {
  private:
   const std::vector<std::uint32_t>& line_starts(FileId id) const;
 
-  // The place of the file counted last; counting goes on from there.
-  struct Counted {
-    std::uint32_t line = 0;  // 0: none yet
+  // Start of a character of a UTF-8 text, and the number of characters before it.
+  struct Mark {
     std::uint32_t offset = 0;
-    std::uint32_t column = 1;
+    std::uint32_t characters = 0;
   };
+  const Mark& mark_before(FileId id, std::uint32_t offset) const;
 
   std::vector<SourceFile> files_;
   mutable std::vector<std::vector<std::uint32_t>> line_starts_;
-  mutable std::vector<Counted> counted_;
+  mutable std::vector<std::vector<Mark>> marks_;  // of texts with long lines: one in each piece
 };
 
 // Converts bytes of an encoding to UTF-8; invalid bytes become U+FFFD.

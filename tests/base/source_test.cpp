@@ -47,6 +47,30 @@ TEST(SourceMap, ColumnsDoNotDependOnTheOrderOfQuestions) {
   }
 }
 
+// The column is the number of starts of characters before, counted here from the line's start.
+TEST(SourceMap, PlacesOfALongLineCostTheSameInAnyOrder) {
+  SourceMap map;
+  std::string text = "first\n";
+  const std::string parts[] = {"x", "ä", "\xff", "\xe2\x82", "€", "\xf0\x9f\x9b\xb0", "yz"};
+  std::vector<std::uint32_t> columns(text.size(), 1);
+  std::uint32_t column = 0;
+  for (std::uint32_t i = 0; text.size() < (1u << 20); ++i) {
+    const std::string& part = parts[(i * 2654435761u >> 7) % std::size(parts)];
+    const bool whole = part.size() > 1 && part != "yz" && part != parts[3];
+    for (std::size_t k = 0; k < part.size(); ++k)
+      columns.push_back(k == 0 || !whole ? ++column : column);
+    text += part;
+  }
+  const FileId f = add(map, text);
+  const auto size = static_cast<std::uint32_t>(text.size());
+  for (std::uint32_t k = 0; k < 200'000; ++k) {  // 100 GB to count from the line's start each time
+    const std::uint32_t offset = 6 + static_cast<std::uint32_t>(k * 2654435761ull % (size - 6));
+    const Position at = map.position(f, offset);
+    ASSERT_EQ(at.line, 2u);
+    ASSERT_EQ(at.column, columns[offset]) << offset;
+  }
+}
+
 TEST(SourceMap, OffsetsPastTheEndAreSafe) {
   SourceMap map;
   const FileId f = add(map, "ab");
