@@ -76,11 +76,11 @@ class SceneBuilder {
     out_.scene.nodes.push_back(root);
     std::vector<int> roots;
     if (!choose_scene(roots)) return failed;
-    if (const auto root = exported_root(model_, roots)) {
+    if (const auto exported = exported_root(model_, roots)) {
       out_.z_up = true;
-      const Node& node = model_.nodes[static_cast<std::size_t>(*root)];
-      scene_nodes_[*root] = 0;
-      if (node.mesh >= 0) add_mesh(*root, node, 0);
+      const Node& node = model_.nodes[static_cast<std::size_t>(*exported)];
+      scene_nodes_[*exported] = 0;
+      if (node.mesh >= 0) add_mesh(*exported, node, 0);
       roots = node.children;
     }
     for (auto i = roots.rbegin(); i != roots.rend(); ++i) todo_.push_back({*i, 0, 1});
