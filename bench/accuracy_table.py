@@ -77,10 +77,10 @@ of 1024 × 1024 pixels with a map drawn anew, beside the first line's. `panwrigh
 NOTES = """
 ## What the preview leaves out
 
-- Light between surfaces ("with light between surfaces" above has three bounces in the reference). A concave spacecraft gets a few
-  per cent more light than the preview shows.
+- Light between surfaces ("with light between surfaces" above has three bounces in the reference). A concave spacecraft gets
+  more light than the preview shows: 7.5 % of the servicer, up to 16 % of Landsat 8 and 44 % of Hubble.
 - With `--samples N`, unless `--shadows soft`: the half shadow at the edges of shadows, 9.3 mm wide for each metre between caster and receiver ([shadows](shadows.md)).
-- Lobes wider than a slope of 0.15 (GGX: 0.2) are those of a point Sun, from 0.98 AU on: 2 % of their peak at 85°, 0.1 % at normal incidence.
+- Lobes wider than a slope of 0.15 (GGX: 0.2) are those of a point Sun, from 0.98 AU on: 2 % of their peak at 85°, 0.1 % at normal incidence. Mirrored light at 88°, 89° and 89.5° is 1.05, 1.19 and 1.74 times too bright for a slope of 0.15 (Beckmann).
 - Retroreflectors: their lobe is the mean over the Sun's disc of a Gaussian; what depends on the angle of incidence is taken at the disc's centre.
 """
 

@@ -38,10 +38,15 @@ class Extension {
   double number(const std::string& key, double otherwise) const {
     return value_ && value_->Has(key) ? value_->Get(key).GetNumberAsDouble() : otherwise;
   }
+  static constexpr double kLargest = 2147483648.0;
   Vec3 color(const std::string& key, Vec3 otherwise) const {
     if (!value_ || !value_->Has(key)) return otherwise;
     const Value& list = value_->Get(key);
-    for (int k = 0; k < 3; ++k) otherwise[k] = list.Get(k).GetNumberAsDouble();
+    for (int k = 0; k < 3; ++k) {
+      const double number = list.Get(k).GetNumberAsDouble();
+      // tinygltf keeps whole numbers as int, which large ones overflow; none is negative in a file
+      otherwise[k] = number < 0 ? kLargest : number;
+    }
     return otherwise;
   }
   double fourth(const std::string& key, double otherwise) const {

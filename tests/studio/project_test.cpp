@@ -67,26 +67,26 @@ TEST(Project, ShowsThoseThatCanBeRead) {
 // A CAD file with an error is drawn where possible, until a version without an error.
 TEST(Project, ShowsCadFilesInSpiteOfErrors) {
   const support::TemporaryFolder folder;
-  const auto gltf = [](const std::string& roughness) {
+  const auto gltf = [](const std::string& index) {
     return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-      "materials": [{"pbrMetallicRoughness": {"roughnessFactor": )" +
-           roughness +
-           R"(}}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+      "materials": [{"extensions": {"KHR_materials_ior": {"ior": )" +
+           index +
+           R"(}}}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
         "min": [0, 0, 0], "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
       "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
   };
-  const std::string path = folder.write("a.gltf", gltf("-0.1"));
+  const std::string path = folder.write("a.gltf", gltf("0.5"));
   Project project({path}, {});
   ASSERT_TRUE(reaches(project, [](const auto& s) { return s.readings == 1; }));
   EXPECT_TRUE(project.state().failed);
   EXPECT_TRUE(project.state().partial);
   const auto first = project.state().world;
   ASSERT_TRUE(first);
-  folder.write("a.gltf", gltf("-0.25"));
+  folder.write("a.gltf", gltf("0.25"));
   ASSERT_TRUE(reaches(project, [&](const auto& s) { return s.world != first; }));
   EXPECT_TRUE(project.state().partial);
-  folder.write("a.gltf", gltf("0.5"));
+  folder.write("a.gltf", gltf("1.5"));
   ASSERT_TRUE(reaches(project, [](const auto& s) { return !s.failed; }));
   EXPECT_FALSE(project.state().partial);
 }
