@@ -131,6 +131,7 @@ struct Writing {
   Written what;
   preview::Image image;
   preview::FileOptions files;
+  std::string record;  // of files without ids
   Drawer* drawer = nullptr;
   double seconds = 0;
   double sync = 0;
@@ -141,6 +142,9 @@ struct Writing {
 void write(const preview::PngExposure& exposure, Writing& writing) {
   const auto start = Clock::now();
   const auto write_one = [&](const std::string& output) {
+    const bool has_ids =
+        preview::stores_ground_truth(*preview::image_format(output), writing.files);
+    writing.image.metadata.back().second = has_ids ? writing.what.record : writing.record;
     return preview::write_image(output, writing.image, exposure, writing.log, &writing.sync,
                                 writing.files);
   };
@@ -320,10 +324,12 @@ class Run {
     drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
     if (view.auto_ev) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
-    add_names(world_, image, image.metadata.back().second);
+    std::string record = image.metadata.back().second;
+    add_names(world_, image, record);
     const DrawOptions& draw = options_of(view, options_);
     writing_ = std::make_unique<Writing>();
     writing_->files = draw.files;
+    writing_->record = image.metadata.back().second;
     writing_->log = log_.apart();
     Written& what = writing_->what;
     what.view = drawing.view;
@@ -338,7 +344,7 @@ class Run {
     what.orthographic = view.camera.projection == world::Projection::orthographic;
     what.seconds = seconds;
     for (const world::Instance& target : world_.instances()) what.targets.push_back(target.name());
-    what.record = image.metadata.back().second;
+    what.record = std::move(record);
     what.measured = drawn->measured;
     what.sampling = drawn->sampling;
     writing_->image = std::move(image);

@@ -295,7 +295,8 @@ TEST_F(FirstHour, ATableSaysWhichWordIsNoNumber) {
 // Textures of the file that an assigned material hides or replaces.
 TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
   const auto image = [&](const std::string& name, std::uint32_t side) {
-    const std::vector<std::uint8_t> rgba(std::size_t{4} * side * side, 90);
+    std::vector<std::uint8_t> rgba(std::size_t{4} * side * side, 90);
+    for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
     folder_.write(name, png_file(side, side, rgba));
   };
   image("small.png", 64);
