@@ -297,9 +297,10 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   frame.thin.clear();
   const unsigned finest = options.samples > 0 ? options.samples : kMostSamplesASide;
   if (rest)
-    for (const VisibleTarget& target : rest->targets)
-      if (Outline(camera, target.boxes).width() * finest < 1)
-        frame.thin.push_back(world[target.target].name());
+    for (const VisibleTarget& target : rest->targets) {
+      outline.find(camera, target.boxes);
+      if (outline.width() * finest < 1) frame.thin.push_back(world[target.target].name());
+    }
   if (rest && submit_radiance({world, camera, states, *rest}, options, index, log) &&
       (!options.ground_truth ||
        submit_truth({world, camera, states, *visible}, options, index, log))) {

@@ -19,9 +19,11 @@ double distance_to_segment(const Vec2& point, const Vec2& a, const Vec2& b) {
 
 }  // namespace
 
-Outline::Outline(const world::Camera& camera, std::span<const PlacedBox> boxes) {
+void Outline::find(const world::Camera& camera, std::span<const PlacedBox> boxes) {
   const bool perspective = camera.projection == world::Projection::perspective;
-  std::vector<Vec2> all;
+  all_.clear();
+  points_.clear();
+  width_ = 0;
   for (const PlacedBox& box : boxes)
     for (const Vec3& corner : corners(box.low, box.high)) {
       const Vec3 p(box.camera_from_mesh * Vec4(corner, 1));
@@ -29,9 +31,9 @@ Outline::Outline(const world::Camera& camera, std::span<const PlacedBox> boxes) 
         width_ = HUGE_VAL;
         return;
       }
-      all.push_back(camera.focal * (perspective ? Vec2(p) / p.z : Vec2(p)) + camera.principal);
+      all_.push_back(camera.focal * (perspective ? Vec2(p) / p.z : Vec2(p)) + camera.principal);
     }
-  std::sort(all.begin(), all.end(),
+  std::sort(all_.begin(), all_.end(),
             [](const Vec2& a, const Vec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   // the lower chain, then the upper one (Andrew 1979)
   const auto add_chain = [&](const auto& points) {
@@ -44,9 +46,9 @@ Outline::Outline(const world::Camera& camera, std::span<const PlacedBox> boxes) 
     }
     if (!points_.empty()) points_.pop_back();  // the other chain begins with it
   };
-  add_chain(all);
-  std::reverse(all.begin(), all.end());
-  add_chain(all);
+  add_chain(all_);
+  std::reverse(all_.begin(), all_.end());
+  add_chain(all_);
   if (points_.size() < 3) return;
   width_ = HUGE_VAL;
   for (std::size_t i = 0; i < points_.size(); ++i) {

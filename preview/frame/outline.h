@@ -11,8 +11,8 @@ namespace panwright::preview {
 // Convex hull of boxes on the image plane, pixels.
 class Outline {
  public:
-  // Cost: O(n log n) of the boxes.
-  Outline(const world::Camera& camera, std::span<const PlacedBox> boxes);
+  // Cost: O(n log n) of the boxes. Memory is kept from call to call.
+  void find(const world::Camera& camera, std::span<const PlacedBox> boxes);
 
   // Smallest distance of two parallels around it; infinite if a box reaches behind the camera.
   double width() const { return width_; }
@@ -20,6 +20,7 @@ class Outline {
   double distance(const Vec2& point) const;
 
  private:
+  std::vector<Vec2> all_;     // corners of the boxes
   std::vector<Vec2> points_;  // in order around it
   double width_ = 0;
 };

@@ -13,6 +13,7 @@
 #include "preview/frame/ground_truth.h"
 #include "preview/frame/imposters.h"
 #include "preview/frame/level_states.h"
+#include "preview/frame/outline.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
@@ -137,6 +138,7 @@ struct Renderer::Impl {
   std::vector<float> sum_radiance, sum_coverage;  // of partial images
   VisibleSetFinder visible_sets;
   ImposterFinder imposter_finder;
+  Outline outline;
   double relief = 0;                 // of the last draw_texels(): of shadows, relative to the flux
   Image other_texels;                // of targets without imposters
   VisibleSetFinder drawn_sets;       // of partial draws, without some targets

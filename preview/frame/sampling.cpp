@@ -268,14 +268,14 @@ void Sampling::for_small_targets(const Frame& frame, const Use& use) {
     const Tile& part = target.part;
     const std::uint32_t side = std::max(part.width, part.height);
     const bool small = side <= kSmallPixels;
-    const Outline outline(frame.scene.camera, frame.scene.visible.targets[target.visible].boxes);
-    if (!small && !(outline.width() < kThinPixels)) continue;
+    outline_.find(frame.scene.camera, frame.scene.visible.targets[target.visible].boxes);
+    if (!small && !(outline_.width() < kThinPixels)) continue;
     const unsigned samples =
         small ? (side > kTinyPixels ? kSmallSide : kTinySide)
-              : static_cast<unsigned>(std::clamp(kAcrossThin / outline.width(), 1.0, 64.0));
+              : static_cast<unsigned>(std::clamp(kAcrossThin / outline_.width(), 1.0, 64.0));
     for (std::uint32_t y = part.y; y < part.y + part.height; ++y)
       for (std::uint32_t x = part.x; x < part.x + part.width; ++x)
-        if (small || outline.distance(Vec2(x, y) + 0.5) < kBesideThin) use(Pixel{x, y}, samples);
+        if (small || outline_.distance(Vec2(x, y) + 0.5) < kBesideThin) use(Pixel{x, y}, samples);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "preview/frame/outline.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/pixel_errors.h"
 #include "preview/frame/samples.h"
@@ -97,6 +98,7 @@ class Sampling {
   std::vector<std::uint32_t> inside_;  // those within a tile's conservative bounds
   std::vector<std::uint32_t> order_;   // of the refined pixels
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
+  Outline outline_;
   SamplingReport report_;
 };
 

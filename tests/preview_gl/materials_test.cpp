@@ -1,6 +1,6 @@
 // Every pair of BRDFs, pixel by pixel, against the double-precision reading of the formulas.
 #include "materials/brdf.h"
-#include "models.h"
+#include "textured.h"
 
 namespace panwright::preview::materials_test {
 namespace {
@@ -41,18 +41,6 @@ struct Comparison {
   std::size_t pixels = 0;
   double worst = 0;  // |error| over the brightest pixel's channel
 };
-
-// The direction to the Sun; where the horizon of a normal cuts its disc, with the mean cosine of
-// the disc's part above it.
-Vec3 to_mean_sun(const Vec3& to_sun, const Vec3& normal) {
-  const double radius = std::sqrt(8 * materials::kSunAlpha2);
-  const double cosine = glm::dot(normal, to_sun);
-  const double t = cosine / radius;
-  if (std::fabs(t) >= 1) return to_sun;
-  const double mean =
-      t / 2 + ((2 + t * t) * std::sqrt(1 - t * t) + 3 * t * std::asin(t)) / (3 * kPi);
-  return to_sun + normal * (radius * mean - cosine);
-}
 
 // The radiance layer against the formulas at the ground truth layers' normals.
 Comparison compared(const Image& image, const View& view, const pan::Model& model) {

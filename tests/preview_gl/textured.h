@@ -4,6 +4,7 @@
 #include <functional>
 #include <list>
 
+#include "materials/brdf.h"
 #include "models.h"
 
 namespace panwright::preview::testing_support {
@@ -52,6 +53,18 @@ inline View above(std::uint32_t size, double width, const Vec3& to_sun = Vec3(0,
       *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = to_sun;
   return view;
+}
+
+// The direction to the Sun; where the horizon of a normal cuts its disc, with the mean cosine of
+// the disc's part above it.
+inline Vec3 to_mean_sun(const Vec3& to_sun, const Vec3& normal) {
+  const double radius = std::sqrt(8 * materials::kSunAlpha2);
+  const double cosine = glm::dot(normal, to_sun);
+  const double t = cosine / radius;
+  if (std::fabs(t) >= 1) return to_sun;
+  const double mean =
+      t / 2 + ((2 + t * t) * std::sqrt(1 - t * t) + 3 * t * std::asin(t)) / (3 * kPi);
+  return to_sun + normal * (radius * mean - cosine);
 }
 
 struct Sums {
