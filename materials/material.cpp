@@ -124,7 +124,9 @@ std::string as_codes(const Material& material) {
     for (int k = 0; k < 3; ++k)
       whole = whole && colour[k] >= 0 && colour[k] <= 255 && colour[k] == std::floor(colour[k]);
     if (!whole || std::max({colour.x, colour.y, colour.z}) <= 1) continue;
-    const auto linear = [&colour = colour](int k) { return srgb_decoded(static_cast<std::uint8_t>(colour[k])); };
+    const auto linear = [&codes = colour](int k) {
+      return srgb_decoded(static_cast<std::uint8_t>(codes[k]));
+    };
     return fmt::format(
         "; colours are linear, from 0 to 1: the 8-bit codes {} {} {} of {} are {:.3g} "
         "{:.3g} {:.3g}",
