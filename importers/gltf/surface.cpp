@@ -137,7 +137,7 @@ std::vector<std::uint32_t> compacted(std::vector<Triangle>& triangles) {
   used.reserve(3 * triangles.size());
   for (const Triangle& t : triangles) used.insert(used.end(), t.begin(), t.end());
   std::ranges::sort(used);
-  used.erase(std::ranges::unique(used).begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
   for (Triangle& t : triangles)
     for (std::uint32_t& v : t)
       v = static_cast<std::uint32_t>(std::ranges::lower_bound(used, v) - used.begin());

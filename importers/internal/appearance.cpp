@@ -128,7 +128,7 @@ class AppearanceRules {
     }
     // a reader may have a material in several versions
     std::ranges::sort(parts);
-    parts.erase(std::ranges::unique(parts).begin(), parts.end());
+    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
     if (!parts.empty())
       log_.report_file(Code::W6008, name_,
                        fmt::format("unsupported: opacity, drawn opaque: {}", listed(parts)));
