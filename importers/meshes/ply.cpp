@@ -489,8 +489,10 @@ class PlyReader {
     const SourceSpan where = s_.at(0, 0);
     const std::int32_t node = assembly_.add_node(0, {}, "mesh", where);
     if (node < 0) return;
-    if (header_.textures.size() < 2)
-      return assembly_.add_part(node, std::move(mesh_), material(0), where);
+    if (header_.textures.size() < 2) {
+      const std::int32_t one = material(0);  // before the mesh, which it looks at, is moved
+      return assembly_.add_part(node, std::move(mesh_), one, where);
+    }
     std::map<std::int32_t, std::vector<geometry::Triangle>> parts;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
       parts[textures_[i]].push_back(mesh_.triangles[i]);

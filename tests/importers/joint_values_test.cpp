@@ -21,13 +21,14 @@ const std::string kJoint =
 
 std::string glb(nlohmann::json stage, nlohmann::json more = nlohmann::json::object()) {
   Sample sample = triangle();
-  sample.json["extensionsUsed"] = {"AGI_articulations"};
+  sample.json["extensionsUsed"] = nlohmann::json::array({"AGI_articulations"});
   sample.json["nodes"][0]["extensions"]["AGI_articulations"]["articulationName"] = "KNEE";
   stage["name"] = "s";
   if (!stage.contains("type")) stage["type"] = "yTranslate";
-  nlohmann::json articulation = {{"name", "KNEE"}, {"stages", {stage}}};
+  nlohmann::json articulation = {{"name", "KNEE"}, {"stages", nlohmann::json::array({stage})}};
   articulation.update(more);
-  sample.json["extensions"]["AGI_articulations"]["articulations"] = {articulation};
+  sample.json["extensions"]["AGI_articulations"]["articulations"] =
+      nlohmann::json::array({articulation});
   return sample.glb();
 }
 
@@ -70,7 +71,7 @@ TEST(JointValues, LimitsAgainstEachOtherAreLeftOutAndReported) {
         "<mujoco><worldbody><body><joint name=\"KNEE\" type=\"slide\" range=\"2 1\"/><geom "
         "size=\"1\"/></body></worldbody></mujoco>"}},
       {{"m.glb", glb({{"minimumValue", 2}, {"maximumValue", 1}})}},
-      {{"m.glb", glb({{"minimumValue", 2}})}},
+      {{"m.glb", glb(nlohmann::json::object({{"minimumValue", 2}}))}},
   };
   for (const std::vector<MemoryFile>& files : cases) {
     const auto reading = read_meshes(files);
