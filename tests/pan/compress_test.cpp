@@ -9,19 +9,13 @@
 #include "pan/diff.h"
 #include "pan/internal/packing.h"
 #include "pan/model.h"
+#include "tests/pan/load.h"
 #include "tests/support/pan_sample.h"
 
 namespace panwright::pan::compress_test {
 namespace {
 
 using layout::SectionKind;
-
-Model load(const std::vector<std::byte>& bytes) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(bytes, "x.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return *std::move(model);
-}
 
 // Whether a file is refused, by errors of pan files alone.
 bool refused(std::span<const std::byte> bytes) {

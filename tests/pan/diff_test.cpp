@@ -6,17 +6,11 @@
 #include <cstring>
 #include <functional>
 
+#include "tests/pan/load.h"
 #include "tests/support/pan_sample.h"
 
 namespace panwright::pan::diff_test {
 namespace {
-
-Model load(const std::vector<std::byte>& bytes) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(bytes, "x.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return *std::move(model);
-}
 
 std::vector<std::string> lines(const std::vector<Difference>& list) {
   std::vector<std::string> out;

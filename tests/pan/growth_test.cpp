@@ -6,6 +6,7 @@
 #include "pan/diff.h"
 #include "pan/internal/unpack.h"
 #include "pan/model.h"
+#include "tests/pan/load.h"
 #include "tests/support/pan_sample.h"
 
 namespace panwright::pan::growth_test {
@@ -14,13 +15,6 @@ namespace {
 using layout::FieldDefault;
 using layout::FieldType;
 using layout::SectionKind;
-
-Model load(const std::vector<std::byte>& bytes) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(bytes, "x.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return *std::move(model);
-}
 
 TEST(Growth, TailsOfLongerRecordsAreIgnored) {
   const Model known = load(support::small_pan());

@@ -7,17 +7,11 @@
 #include <functional>
 
 #include "pan/writer.h"
+#include "tests/pan/load.h"
 #include "tests/support/pan_sample.h"
 
 namespace panwright::pan::place_diff_test {
 namespace {
-
-Model load(const std::vector<std::byte>& bytes) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(bytes, "x.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return *std::move(model);
-}
 
 PlaceDifferences after(const std::function<void(Contents&)>& change) {
   Contents changed = support::small_contents();

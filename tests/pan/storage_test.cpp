@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "pan/diff.h"
 #include "pan/model.h"
+#include "tests/pan/load.h"
 #include "tests/support/pan_sample.h"
 #include "tests/support/paths.h"
 
@@ -42,13 +43,6 @@ Contents wavy() {
       mesh.normals[3 * v + 2] = z / length;
     }
   return out;
-}
-
-Model load(const std::vector<std::byte>& bytes) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(bytes, "x.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return *std::move(model);
 }
 
 // Triangles as corners of positions, each from its least corner, sorted.
