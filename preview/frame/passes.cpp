@@ -117,9 +117,17 @@ Passes::Passes(Device::Impl& device)
     : device_(device),
       gl_(device.context->gl()),
       screen_(make_vertex_array(gl_)),
+      no_pixels_(make_stream_buffer(gl_)),
+      no_pixels_texture_(make_buffer_texture(gl_)),
       stream_(gl_),
       view_stride_(block_stride(gl_, sizeof(ViewBlock))),
-      draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
+      draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {
+  // Software contexts build a program again for a texture that is there and one that is not. No
+  // size is a power of two: see ensure_render_target().
+  constexpr std::uint32_t kNone[3] = {};
+  gl_.NamedBufferData(no_pixels_.id(), sizeof kNone, kNone, GL_STREAM_DRAW);
+  gl_.TextureBuffer(no_pixels_texture_.id(), GL_R32UI, no_pixels_.id());
+}
 
 GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
                        Pass pass, bool instanced) {
@@ -394,7 +402,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
                     apart ? blocks.rows : tile.tile.height};
   gl_.Viewport(0, 0, static_cast<GLsizei>(window.width * samples),
                static_cast<GLsizei>(window.height * samples));
-  if (apart) gl_.BindTextureUnit(kBlocksUnit, blocks.pixels);
+  gl_.BindTextureUnit(kBlocksUnit, apart ? blocks.pixels : no_pixels_texture_.id());
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
   constexpr std::pair<Layer, GLuint> kUnits[] = {

@@ -92,6 +92,8 @@ class Passes {
   Device::Impl& device_;
   const GladGLContext& gl_;
   GlVertexArray screen_;         // no vertices
+  GlBuffer no_pixels_;
+  GlTexture no_pixels_texture_;  // in the place of Blocks::pixels: see Passes()
   StreamBuffer stream_;          // a view block, then draw blocks
   std::size_t view_stride_ = 0;  // bytes
   std::size_t draw_stride_ = 0;  // bytes

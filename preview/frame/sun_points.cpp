@@ -1,6 +1,7 @@
 #include "preview/frame/sun_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,6 +28,38 @@ unsigned sun_points_for(double error) {
   return 8 * static_cast<unsigned>(std::clamp(eights, 1.0, kMostSunPoints / 8.0));
 }
 
+namespace {
+
+// Orders each four points that follow each other so that every fourth point of all is a part of the
+// disc with nearly the disc's centre.
+void balance_quarters(std::vector<Vec2>& places) {
+  std::array<Vec2, 4> sums{Vec2(0), Vec2(0), Vec2(0), Vec2(0)};
+  for (std::size_t first = 0; first + 4 <= places.size(); first += 4) {
+    std::array<int, 4> order{0, 1, 2, 3};
+    std::array<int, 4> best = order;
+    double least = INFINITY;
+    do {
+      double squares = 0;
+      for (std::size_t part = 0; part < 4; ++part) {
+        const Vec2 sum = sums[part] + places[first + static_cast<std::size_t>(order[part])];
+        squares += glm::dot(sum, sum);
+      }
+      if (squares < least) {
+        least = squares;
+        best = order;
+      }
+    } while (std::next_permutation(order.begin(), order.end()));
+    const std::array<Vec2, 4> four{places[first], places[first + 1], places[first + 2],
+                                   places[first + 3]};
+    for (std::size_t part = 0; part < 4; ++part) {
+      places[first + part] = four[static_cast<std::size_t>(best[part])];
+      sums[part] += places[first + part];
+    }
+  }
+}
+
+}  // namespace
+
 void find_sun_points(const SunDisc& disc, unsigned points, std::vector<Vec2>& places) {
   places.assign(1, Vec2(0));
   if (points <= 1) return;
@@ -43,6 +76,7 @@ void find_sun_points(const SunDisc& disc, unsigned points, std::vector<Vec2>& pl
     const double radius = disc.tangent * 0.5 * (low + high);
     places.emplace_back(radius * std::cos(golden * i), radius * std::sin(golden * i));
   }
+  balance_quarters(places);
 }
 
 }  // namespace panwright::preview

@@ -19,7 +19,8 @@ struct SunDisc {
 };
 
 // Finds places on the disc, in tangents of angles from its centre, of equal light: a Vogel spiral
-// whose radii are the quantiles of the disc's light. One point: the centre.
+// whose radii are the quantiles of the disc's light. One point: the centre. Every fourth point is a
+// part of the disc about its centre.
 //
 // Error of the disc's share beyond a straight edge, over all edges of the penumbra: 16 points 0.037
 // rms and 0.14 at most; 64: 0.0125 and 0.05.

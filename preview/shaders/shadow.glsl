@@ -77,14 +77,18 @@ vec2 point_visibility(int layer, vec3 place, vec2 slope) {
 
 // The mean over the points of the Sun's disc that stand above the surface's horizon, by the light that they
 // bring: each looks along a direction of its own. In light space sheared by it rays to that point run
-// along z. below: the disc's centre is below the horizon.
+// along z. below: the disc's centre is below the horizon. Of N×N samples, N a multiple of four, each takes
+// one of four parts of the disc: all four fall in each quarter of a pixel and on each of its rows.
 vec2 sun_visibility(ivec2 sample_at, bool below) {
   uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
   vec2 slope = unpackHalf2x16(found.w);
   vec2 seen = vec2(0.0);
   float sum = 0.0;
-  for (int k = 0; k < shadow.points; ++k) {
+  bool in_parts = shadow.points >= 8 && (blocks.x & 3u) == 0u;
+  ivec2 turned = (sample_at >> 1) ^ sample_at.yx;
+  int first = in_parts ? (turned.x & 1) + 2 * (turned.y & 1) : 0;
+  for (int k = first; k < shadow.points; k += in_parts ? 4 : 1) {
     vec4 pair = shadow.sun[k >> 1];
     vec2 shear = (k & 1) == 0 ? pair.xy : pair.zw;
     // the cosine to this point, in parts of that to the centre
