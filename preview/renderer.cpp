@@ -212,6 +212,7 @@ static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
   return {a.samples + b.samples,
           std::max(a.rmse, b.rmse),
           std::max(a.flux, b.flux),
+          a.limited || b.limited,
           std::max(a.shadow_edge, b.shadow_edge),
           std::max(a.penumbra, b.penumbra),
           std::max(a.sun_points, b.sun_points),

@@ -30,8 +30,9 @@ struct ImposterReport {
 struct SamplingReport {
   double samples = 0;  // points a pixel, the mean over the image
   // Remaining error, as estimated from the samples; 0 for a given N in every pixel.
-  double rmse = 0;  // RMS over the target's pixels, relative to the RMS of their radiance
-  double flux = 0;  // relative, of the sum of all pixels
+  double rmse = 0;       // RMS over the target's pixels, relative to the RMS of their radiance
+  double flux = 0;       // relative, of the sum of all pixels
+  bool limited = false;  // RenderOptions::work ended sampling
   // Error of shadow edges, pixels: 99 of 100 are nearer; 0 without shadow maps.
   double shadow_edge = 0;
   // The widest possible penumbra, pixels, and the fewest points of the Sun's disc used for it; 1:
@@ -69,6 +70,9 @@ struct RenderOptions {
   // For samples = 0: target error of the pixels of targets (RMSE over RMS radiance) and of the
   // flux; > 0. docs/sampling.md
   double pixel_error = 0.05;
+  // For samples = 0: where sampling ends before that, in samples beyond two a pixel, triangles
+  // drawn for them included; 0: nowhere.
+  double work = 0;
   Imposters imposters = Imposters::automatic;
   // For automatic ones: the largest side, pixels, whatever the samples; none: small ones, only for
   // samples = 0.

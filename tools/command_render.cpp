@@ -115,9 +115,8 @@ void declare_images(Arguments& arguments, Options& options) {
   arguments
       .add("--quality", options.quality,
            "Preset: draft (--samples 4 --adaptive --shadows hard --flux-error 1%), standard "
-           "(default), "
-           "exact (--pixel-error 1% --sun-points 64 --flux-error 0.01%); options given beside it "
-           "replace its parts")
+           "(default: --samples auto, in limited time), exact (--pixel-error 1% --sun-points 64 "
+           "--flux-error 0.01%); options given beside it replace its parts")
       .type("draft|standard|exact");
   arguments
       .add("--samples", options.samples,
@@ -126,8 +125,8 @@ void declare_images(Arguments& arguments, Options& options) {
       .type("N|auto");
   arguments
       .add("--pixel-error", options.pixel_error,
-           "Target error with --samples auto (default 5%): RMS over the pixels of targets, "
-           "relative to their RMS radiance, and of their flux")
+           "Target error with --samples auto, however long it takes (default 5%, in limited time): "
+           "RMS over the pixels of targets, relative to their RMS radiance, and of their flux")
       .type("SHARE");
   arguments.flag("--adaptive", options.adaptive,
                  "Take N x N samples only where they change the pixel, with --samples N");

@@ -57,8 +57,9 @@ std::string line_of(const Written& image) {
     line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
     if (sampling.rmse + sampling.flux > 0)
       line += fmt::format(
-          " (estimated RMS error {:.2g} % of the radiance, of the flux at most {:.2g} %)",
-          100 * sampling.rmse, 100 * sampling.flux);
+          " (estimated RMS error {:.2g} % of the radiance, of the flux at most {:.2g} %{})",
+          100 * sampling.rmse, 100 * sampling.flux,
+          sampling.limited ? "; --pixel-error 5% takes longer" : "");
     else if (image.samples == 0)
       line += " (auto)";
     if (!sampling.imposters.empty()) {

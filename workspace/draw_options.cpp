@@ -111,6 +111,9 @@ const char* stray_option(const ViewText& text, bool traced) {
   return given(text.no_sun_disc) ? "no-sun-disc" : nullptr;
 }
 
+// Of images without a given error, in samples: about a second of two processors.
+constexpr double kStandardWork = 1 << 20;
+
 // The options of a quality, where none is given.
 ViewText with_quality(ViewText text, DrawReader& reader) {
   if (!text.quality || *text.quality == "standard") return text;
@@ -180,6 +183,7 @@ void read_shadows(const ViewText& text, DrawReader& reader, preview::RenderOptio
 void read_gl(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
   preview::RenderOptions& gl = draw.gl;
   gl.samples = draw.samples;
+  if (draw.samples == 0 && !text.pixel_error) gl.work = kStandardWork;
   if (text.pixel_error && draw.samples > 0)
     reader.fail("--pixel-error requires --samples auto");
   else

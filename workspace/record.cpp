@@ -130,7 +130,10 @@ void add_engine(const DrawOptions& draw, Json& view) {
       view["samples"] = samples;
     else
       view["samples"] = "auto";
-    if (samples == 0) view["pixel-error"] = draw.gl.pixel_error;
+    if (samples == 0 && draw.gl.work > 0)
+      view["quality"] = "standard";
+    else if (samples == 0)
+      view["pixel-error"] = draw.gl.pixel_error;
     if (draw.gl.adaptive && samples > 0) view["adaptive"] = true;
     if (draw.gl.flat) view["flat"] = true;
     if (!draw.gl.specular_filter) view["specular-filter"] = "off";

@@ -449,11 +449,16 @@ class Run {
     const DrawOptions& draw = options_of(view, options_);
     const double asked = draw.gl.pixel_error;
     const double reached = std::max(report.rmse, report.flux);
-    if (draw.samples > 0 || draw.gl.samples > 0 || reached <= asked) return;
+    // the line of the image states what is less
+    constexpr double kLimited = 0.1;
+    const double silent = report.limited ? std::max(asked, kLimited) : asked;
+    if (draw.samples > 0 || draw.gl.samples > 0 || reached <= silent) return;
     log_.report_file(
         Code::W5008, view.output,
         fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",
-                    view.label.empty() ? "" : view.label + ": ", 100 * reached, 100 * asked));
+                    view.label.empty() ? "" : view.label + ": ", 100 * reached, 100 * asked),
+        report.limited ? "--quality standard limits the time of an image; --pixel-error does not"
+                       : "");
   }
 
   void tell(const Step& step) const {

@@ -91,7 +91,7 @@ class Passes {
 
   Device::Impl& device_;
   const GladGLContext& gl_;
-  GlVertexArray screen_;         // no vertices
+  GlVertexArray screen_;  // no vertices
   GlBuffer no_pixels_;
   GlTexture no_pixels_texture_;  // in the place of Blocks::pixels: see Passes()
   StreamBuffer stream_;          // a view block, then draw blocks

@@ -176,6 +176,7 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
   frames[frame].report.samples += sampled_report.samples;
   frames[frame].report.rmse = sampled_report.rmse;
   frames[frame].report.flux = sampled_report.flux;
+  frames[frame].report.limited = sampled_report.limited;
   if (shared.went_well(log)) return true;
   shadow_maps.forget();  // what failed may have been one of them
   return false;

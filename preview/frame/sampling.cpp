@@ -35,6 +35,8 @@ constexpr float kChange = 1.2f;
 // A change that many times what was predicted is a surprise; and what it tells of its neighbours.
 constexpr float kSurprise = 2;
 constexpr float kSurpriseShare = 0.2f;
+// What a triangle costs, in samples (measured on a software context).
+constexpr double kTriangleWork = 0.4;
 // Targets so small that N×N samples of 4×4 may miss what they show: every pixel begins with more.
 constexpr std::uint32_t kTinyPixels = 10;
 constexpr std::uint32_t kSmallPixels = 40;
@@ -57,6 +59,18 @@ Tile moved(Tile tile, const Tile& part) {
 }
 
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
+
+double triangles_on(const FrameScene& scene, const TileScene& tile) {
+  double triangles = 0;
+  for (const TileTarget& target : tile.targets) {
+    const TargetState& state = scene.state(target.visible);
+    for (const std::uint32_t k : target.drawn) {
+      const DrawItem& item = state.items()[scene.visible.targets[target.visible].items[k]];
+      triangles += state.model().model->meshes()[item.mesh].triangle_count;
+    }
+  }
+  return triangles;
+}
 
 ImageSums sums_of(const Image& image) {
   ImageSums sums;
@@ -99,6 +113,7 @@ struct Sampling::Frame {
   std::uint32_t width = 0;   // of the largest tile, samples
   std::uint32_t height = 0;  // the same
   Tile part;                 // of the image that anything may fall on
+  double triangles = 0;      // on it
 
   bool cancelled() const {  // reports E0001 then
     if (job.cancelled()) report_cancelled(log);
@@ -153,8 +168,11 @@ bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint
 bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
                       std::span<const GLenum> formats, Image& image, const Job& job,
                       DiagnosticLog& log) {
-  Frame frame{scene, options, formats, image, job, log, 0, 0, {}};
-  frame.part = tile_scene(scene, {0, 0, image.width, image.height}).tile;
+  Frame frame{scene, options, formats, image, job, log, 0, 0, {}, 0};
+  const TileScene whole = tile_scene(scene, {0, 0, image.width, image.height});
+  frame.part = whole.tile;
+  frame.triangles = triangles_on(scene, whole);
+  work_ = 0;
   report_ = {};
   if (frame.part.width == 0 || frame.part.height == 0) return true;
   // As wide as what is in view, or as high: what lies on two tiles is drawn twice.
@@ -213,7 +231,6 @@ bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
 bool Sampling::until_error(const Frame& frame) {
   constexpr std::array<unsigned, 6> kSides{1, 4, 8, 16, 32, 64};
   const std::span<const unsigned> sides = kSides;
-  const std::size_t last = sides.size() - 1;
   levels_.assign(frame.count(), 0);
   errors_.assign(frame.count(), 0.0f);
   std::vector<std::vector<Pixel>> wanted(sides.size());
@@ -229,34 +246,50 @@ bool Sampling::until_error(const Frame& frame) {
     raise_around_surprises(frame);
     const ImageSums sums = sums_of(frame.image);
     estimate(sums);
-    double at_last = 0;  // what cannot be helped
-    for (std::size_t i = 0; i < errors_.size(); ++i)
-      if (levels_[i] == last)
-        at_last += static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
-    if (report_.rmse <= asked && report_.flux <= asked) break;
+    if (report_.limited || (report_.rmse <= asked && report_.flux <= asked)) break;
     // As long as the flux is what is not good enough, less and less is left; in small steps, or
     // glossy foil has eight times the samples in one image of an approach, and not in the next.
     if (report_.rmse <= asked) share *= 0.6;
-    // The last level has its part of the budget; the others the rest of it, and a tenth at least,
-    // or every pixel would be taken to the last level in vain.
-    const double budget = share * asked * asked * sums.squares;
-    const Allocation allocation(errors_, levels_, sides,
-                                std::max(kAim * budget - at_last, 0.1 * budget));
-    for (std::vector<Pixel>& pixels : wanted) pixels.clear();
-    bool any = false;
-    for (std::size_t i = 0; i < errors_.size(); ++i) {
-      const std::size_t level = allocation.level(errors_[i], levels_[i]);
-      if (level == levels_[i]) continue;
-      wanted[level].push_back(frame.pixel(i));
-      any = true;
-    }
-    if (!any) break;
+    if (!want_more(frame, sides, share * asked * asked * sums.squares, wanted)) break;
   }
   std::vector<std::size_t> counts(sides.size());
   for (const std::uint8_t level : levels_) ++counts[level];
   for (std::size_t i = 1; i < sides.size(); ++i)
     report_.samples += frame.added(counts[i], sides[i]);
   return true;
+}
+
+// Chooses the pixels to be sampled more, so that the squares of their errors sum to the budget; or
+// those that the work left allows, with the largest errors. False: none.
+bool Sampling::want_more(const Frame& frame, std::span<const unsigned> sides, double budget,
+                         std::vector<std::vector<Pixel>>& wanted) {
+  const std::size_t last = sides.size() - 1;
+  double at_last = 0;  // what cannot be helped
+  for (std::size_t i = 0; i < errors_.size(); ++i)
+    if (levels_[i] == last)
+      at_last += static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
+  for (;; budget *= 2) {
+    // The last level has its part of the budget; the others the rest of it, and a tenth at least,
+    // or every pixel would be taken to the last level in vain.
+    const Allocation allocation(errors_, levels_, sides,
+                                std::max(kAim * budget - at_last, 0.1 * budget));
+    for (std::vector<Pixel>& pixels : wanted) pixels.clear();
+    for (std::size_t i = 0; i < errors_.size(); ++i) {
+      const std::size_t level = allocation.level(errors_[i], levels_[i]);
+      if (level != levels_[i]) wanted[level].push_back(frame.pixel(i));
+    }
+    double work = 0;
+    bool any = false;
+    for (std::size_t level = 1; level < sides.size(); ++level) {
+      if (wanted[level].empty()) continue;
+      any = true;
+      work += static_cast<double>(wanted[level].size()) * sides[level] * sides[level] +
+              frame.triangles * kTriangleWork;
+    }
+    if (!any) return false;
+    if (frame.options.work == 0 || work_ + work <= frame.options.work) return true;
+    report_.limited = true;
+  }
 }
 
 // Calls use(pixel, samples) for all pixels of targets so small that their neighbours tell little,
@@ -406,8 +439,8 @@ bool Sampling::look_at_corners(const Frame& frame) {
                          .pixel = frame.scene.pixel,
                          .texels = frame.scene.texels,
                          .specular_filter = frame.scene.specular_filter};
-  Frame other{scene,     frame.options, frame.formats, corners_,  frame.job,
-              frame.log, frame.width,   frame.height,  frame.part};
+  Frame other{scene,     frame.options, frame.formats, corners_,   frame.job,
+              frame.log, frame.width,   frame.height,  frame.part, frame.triangles};
   if (!one_sample_each(other, corners_, corner_patternless_)) return false;
   report_.samples = 2;
   corner_errors_.assign(frame.count(), 0.0f);
@@ -440,8 +473,10 @@ bool Sampling::refine(const Frame& frame, unsigned samples, std::span<const Pixe
           pixel.y < tile.y + tile.height)
         inside_.push_back(index);
     }
-    if (!inside_.empty() && !refine_tile(frame, on_tile, samples, pixels, inside_, error))
-      return false;
+    if (inside_.empty()) continue;
+    work_ += triangles_on(frame.scene, on_tile) * kTriangleWork +
+             static_cast<double>(inside_.size()) * samples * samples;
+    if (!refine_tile(frame, on_tile, samples, pixels, inside_, error)) return false;
   }
   return true;
 }

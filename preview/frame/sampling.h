@@ -60,6 +60,8 @@ class Sampling {
   void clear_runs(const Tile& tile, unsigned samples, GLsizei runs, bool first);
   bool some_in_full(const Frame& frame, unsigned samples);
   bool until_error(const Frame& frame);
+  bool want_more(const Frame& frame, std::span<const unsigned> sides, double budget,
+                 std::vector<std::vector<Pixel>>& wanted);
   void estimate(const ImageSums& sums);
   void raise_around_surprises(const Frame& frame);
   template <class Use>
@@ -99,6 +101,7 @@ class Sampling {
   std::vector<std::uint32_t> order_;   // of the refined pixels
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   Outline outline_;
+  double work_ = 0;  // of this frame: RenderOptions::work
   SamplingReport report_;
 };
 

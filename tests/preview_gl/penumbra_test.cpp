@@ -33,7 +33,8 @@ struct Off {
 
 // What pixels see of the Sun on a meadow, 0.4 m of it, whose other half lies in the shadow of a
 // plate at a height; the plate's edge is turned by `about`.
-Off off_edge(double height, double about, double tilt, double u, unsigned points) {
+Off off_edge(double height, double about, double tilt, double u, unsigned points,
+             unsigned samples = 1) {
   const Vec3 sun = sun_at(tilt, about + kPi / 2);  // along the edge: the throw alone grows
   const double distance = height / std::cos(tilt * kDegree);
   pan::Contents contents = single(plate(0.6, 0.6), lambert(1));
@@ -44,7 +45,9 @@ Off off_edge(double height, double about, double tilt, double u, unsigned points
   View view = above(200, 0.4, sun);
   view.camera.position.z = 0.5 * height;
   view.limb_darkening = u;
-  const Pair pair = both(model, view, soft(points));
+  RenderOptions options = soft(points);
+  options.samples = samples;
+  const Pair pair = both(model, view, options);
   Off off;
   for (std::uint32_t y = 0; y < 200; ++y)
     for (std::uint32_t x = 0; x < 200; ++x) {
@@ -81,6 +84,16 @@ TEST(Penumbra, ProfileOfAnEdge) {
 }
 
 // A disc before the Sun: its penumbra and umbra, and nothing of an umbra behind its end.
+// Each of 4×4 samples takes a quarter of the points: together no more off than all of one sample.
+TEST(Penumbra, QuartersOfTheDiscMakeAWhole) {
+  for (const double about : {0.0, 0.3, 0.8}) {
+    const Off one = off_edge(20, about, 30, 0.6, 16, 1);
+    const Off many = off_edge(20, about, 30, 0.6, 16, 4);
+    EXPECT_LT(many.rms, one.rms) << about;
+    EXPECT_LT(many.most, one.most) << about;
+  }
+}
+
 TEST(Penumbra, DiscBeforeTheSun) {
   for (const double radius : {0.01, 0.03, 0.06}) {
     const double height = 8;
