@@ -320,7 +320,7 @@ bool shows_back(const scene::Scene& scene, const scene::Instance& instance,
           scene.materials[static_cast<std::size_t>(instance.material)].maps.cutout >= 0);
 }
 
-// Leaves out the materials of backs that nobody sees.
+// Leaves out the materials of backs that are hidden.
 void drop_unseen_backs(const scene::Scene& scene, pan::Contents& out) {
   std::vector<char> unseen(out.materials.size());
   for (const scene::Instance& instance : scene.instances)

@@ -146,7 +146,7 @@ class Exporter {
     const auto material = static_cast<std::size_t>(part[1]);
     const std::int64_t side = part[3];
     ordered_json out = side == kBack ? turned(index) : geometry(index);
-    // our back faces are drawn but where nobody can see one
+    // our back faces are drawn but where they are hidden
     const bool closed = (model_.meshes()[index].flags & pan::layout::kMeshClosed) != 0 &&
                         model_.materials()[material].cutout_map < 0;
     const Faces faces = side != kBoth ? Faces::one_side : closed ? Faces::front : Faces::both;

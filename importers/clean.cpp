@@ -147,7 +147,7 @@ class SceneCleaner {
       const double stretch = stretch_[out_.meshes[i].shape];
       if (stretch > 0) options.tolerance /= stretch;
       if (stretch > 0) options.junction /= stretch;
-      // which side is which has been said
+      // which side is which is already reported
       if (sided_[out_.meshes[i].shape]) options.orient = false;
       CleanReport& report = out_.meshes[i].report;
       report = clean(mesh, options);

@@ -445,7 +445,7 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
     const double more = (made.tilts.apart > 0 ? 2 : 1) * static_cast<double>(coarse.heights.size());
     if (vertices + more > max_vertices) continue;
     vertices += more;
-    DiagnosticLog log;  // what the finest sheet has to say has been said
+    DiagnosticLog log;  // what the finest sheet reports is already reported
     Sheet level_sheet = coarse;
     std::ranges::fill(level_sheet.heights, 0.0);
     auto mesh = formed(coarse, form, log);

@@ -29,7 +29,7 @@ constexpr std::size_t kTextRows = 20;
 
 // What of the budget's terms was used, as far as there are bounds.
 struct Spent {
-  double pixel = 0;              // metres that a pixel sees at the nearest; 0: not said
+  double pixel = 0;              // metres that a pixel sees at the nearest; 0: not stated
   double error_pixels = 0;       // the largest error of a shape or simplified mesh, at its nearest
   double centroid_left_out = 0;  // pixels
   std::uint64_t triangles = 0, bytes = 0;

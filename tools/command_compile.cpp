@@ -129,7 +129,7 @@ int run(const Options& options, const Host& host) {
   if (!read) return context.finish();
   workspace::OpenReport steps;
   auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps);
-  // what could be read is written only where the user said where to
+  // what could be read is written only where the user named the output
   if (!scene || (log.has_errors() && options.output.empty())) {
     if (scene) context.left_out();
     context.add_timings(steps.steps);

@@ -160,7 +160,7 @@ int CommandContext::finish(int clean) {
       out[key] = std::move(diagnostics[key]);
     print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
-    // a log that is full has left out what nobody can count here
+    // a log that is full has left out an unknown number
     const bool summarise = summarises_imports_ && log_.hidden() == 0;
     print(stderr, "{}",
           to_text(summarise ? summarised(log_, options_.quiet) : log_,

@@ -226,7 +226,7 @@ std::vector<std::size_t> chosen(const std::vector<std::string>& names, const Opt
   return all;
 }
 
-// ---- what is said
+// ---- reports
 
 Json two(const Vec2& v) { return Json::array({v.x, v.y}); }
 Json three(const mli::Covariance& c) { return Json::array({c.xx, c.xy, c.yy}); }

@@ -332,7 +332,7 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
     }
     work.views = {*std::move(typed)};
   }
-  // what nobody outside sees costs an image less than its removal
+  // hidden surfaces cost an image less than their removal
   work.open.prune = false;
   return work;
 }
@@ -356,7 +356,7 @@ int run(const Options& options, const Host& host) {
       !work->record) {
     const world::World* world =
         session.world(work->views[0], report.listener(), log, context.job());
-    // what could be read is drawn only where the user said where to
+    // what could be read is drawn only where the user named the output
     if (world == nullptr || log.has_errors()) {
       if (world != nullptr) context.left_out();
       return context.finish();

@@ -1,7 +1,7 @@
 // Text and report of `panwright mli --fit`: the target, and the recipe as pxn text.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -344,7 +344,7 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   const KeptWork work(options, report);
   compiler::Options compile = compile_options(options);
   compile.cache = work.cache();
-  // a guessed unit has been said with the sizes by it; one cause has one warning
+  // a guessed unit is already reported with the sizes; one cause has one warning
   // and what an error has left out, or a unit that was not read, leaves no size to judge
   compile.check_size = guessed_units(log) == guesses && log.errors() == errors;
   auto bytes = compiler::compiled(*scene, compile, log, job);

@@ -170,7 +170,7 @@ class MeshCheck {
           if (const Json* item = sampler.find(key)) look(*item);
   }
 
-  // A number type or shape that nobody knows was taken out, as a deviation; who reads it cannot.
+  // A number type or shape that is unknown was taken out, as a deviation; who reads it cannot.
   static bool has_format(const Accessor& a) {
     return a.json->find("componentType") && a.json->find("type");
   }

@@ -267,7 +267,7 @@ class SurfaceReader {
     d_.report(code, nullptr, object_ + std::string(below), std::move(message));
   }
 
-  // Points and lines are left out, and what is wrong with their indices is said.
+  // Points and lines are left out, and problems of their indices are reported.
   void check_lines(std::size_t position) {
     if (primitive_.indices < 0) return;
     const auto index = static_cast<std::size_t>(primitive_.indices);

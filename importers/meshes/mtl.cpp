@@ -174,7 +174,7 @@ class MtlReader {
     out = number;
   }
 
-  // A number within bounds: others are clamped, and said.
+  // A number within bounds: others are clamped, and reported.
   void read_within(double low, double high, std::string_view word, std::string_view rest,
                    std::optional<double>& out) {
     read_number(word, rest, out);

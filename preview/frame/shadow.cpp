@@ -186,7 +186,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
       }
   for (Group& group : groups_) {
     if (group.map != kNone) continue;
-    // a map that nobody asks for now is drawn anew before memory is taken for another one
+    // a map that is not asked for now is drawn anew before memory is taken for another one
     Map* chosen = nullptr;
     for (Map& map : maps_)
       if (map.last_use < image_ && has_room(group, map) &&

@@ -289,7 +289,7 @@ std::optional<Measured> Values::evaluate(std::uint32_t element, const Text& text
   const SourceSpan all = place(text, token);
   const auto measured = expressions_.evaluate(inside, all.begin, scope_, problem, need);
   if (measured && std::isfinite(measured->value)) return measured;
-  // what is wrong with a parameter has been said where it stands
+  // problems of a parameter are already reported where it stands
   if (scope_ != nullptr && mentions_unread(inside, *scope_)) return std::nullopt;
   problem.end = std::min(std::max(problem.end, problem.begin + 1), token.text.size() - 1);
   const Token part = {text.text.substr(token.at + 1 + problem.begin, problem.end - problem.begin),

@@ -23,7 +23,7 @@ std::string number_in(double si, const Unit* unit, bool with_name) {
 }
 
 // The same of a limit. One that is no round number there loses its digits past the third, so that
-// what is said to be accepted is.
+// What messages name as accepted is accepted.
 std::string limit_in(double si, const Unit* unit, bool with_name, bool is_lowest) {
   if (is_si(unit) || si == 0) return number_in(si, unit, with_name);
   const double in_unit = si / unit->factor;

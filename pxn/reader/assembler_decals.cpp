@@ -17,7 +17,7 @@ void Assembler::decal(Use& use, const Item& item) {
       report_missing_shape(use, item, known.on);
     return;
   }
-  if (known.decal.texture == scene::kNone) return;  // wrong, which has been said
+  if (known.decal.texture == scene::kNone) return;  // wrong, already reported
   const auto& all = on->second;
   auto first = all.begin();
   auto last = all.end();

@@ -23,7 +23,7 @@ namespace {
 
 // metres; the stand-off that is not given, and its largest part of a shape's diagonal
 constexpr double kStandOff = 0.025, kShare = 1.0 / 40;
-// what heights are scaled by under a stand-off that nobody asked for, without a word
+// what heights are scaled by under a stand-off that was not asked for
 constexpr double kQuietScale = 0.5;
 // of the stand-off: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;

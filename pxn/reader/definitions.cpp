@@ -68,7 +68,7 @@ void Loader::read_root(File& file) {
 }
 
 // Brings over what a file defines that the root includes. Whatever is wrong with the include itself
-// is said where it is read as a node.
+// is reported where it is read as a node.
 void Loader::import_definitions(File& file, std::uint32_t element) {
   const xml::Attribute* given = find_attribute(file.document, element, "file");
   if (given == nullptr) return;

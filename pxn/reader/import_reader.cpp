@@ -205,7 +205,7 @@ void Loader::read_import(Work& work, std::uint32_t element) {
   const auto found = find(work, element, attribute::import_file, *name);
   if (!found) return;
   const auto model = imported_model(work, element, *found);
-  // what is wrong with the file itself has been said
+  // problems of the file itself are already reported
   if (!model) return;
   PartImport import;
   import.model = *model;

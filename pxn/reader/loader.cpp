@@ -462,7 +462,7 @@ void Loader::read_include(Work& work, std::uint32_t element, std::uint32_t depth
   } else {
     index = known->second;
   }
-  // what is wrong with the file itself has been said
+  // problems of the file itself are already reported
   if (!index) return;
   const Part& inner = parts_[*index];
   if (inner.loading) {
@@ -507,7 +507,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
     return;
   }
   const auto index = part_of(*definition, arguments, document.tag_span(element));
-  // what is wrong with the part itself has been said
+  // problems of the part itself are already reported
   if (!index) return;
   const Part& inner = parts_[*index];
   if (!fits_in(work, element, where, inner, definition->name, depth)) return;

@@ -241,7 +241,7 @@ class ShapeReader {
   bool indices(std::uint32_t child, std::size_t limit, std::vector<std::uint32_t>& out,
                std::string_view of = "vertices") {
     if (!values_.integers(child, out)) return false;
-    if (!ok_) return true;  // without the vertices nothing can be said
+    if (!ok_) return true;  // without the vertices nothing is known
     for (std::size_t i = 0; i < out.size(); ++i) {
       if (out[i] < limit) continue;
       reporter_.report(Code::E2001, values_.place_of(child, i), doc_, child, [&] {

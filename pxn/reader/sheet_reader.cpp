@@ -514,7 +514,7 @@ FoilMeshes meshes_of(const FoilSheet& foil, double crease_angle, double room, Di
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
                                     const WorkCache* cache, Reporter& reporter, const Job& job) {
-  // note: a log of its own, so that what is wrong in a repeat is said once
+  // note: a log of its own, so that problems in a repeat are reported once
   DiagnosticLog log;
   const auto pass_on = [&](const std::vector<Diagnostic>& entries) {
     for (const Diagnostic& entry : entries)

@@ -50,7 +50,7 @@ class Extruder {
   // nothing when the outline is not what problem_of() lets pass
   std::optional<Mesh> build() {
     if (fault_of(region_)) return std::nullopt;
-    // the mesh is as tall as the author said, and z = 0 stays exact
+    // the mesh is as tall as authored, and z = 0 stays exact
     low_ = high_ = points_.front();
     for (std::uint32_t i = 0; i < region_.loops[1]; ++i) {
       low_ = glm::min(low_, points_[i]);

@@ -116,7 +116,7 @@ class Child {
     set(RLIMIT_CORE, 0, 0);
   }
 
-  // How it ended by itself, within some seconds; nothing where it did not, or nobody knows.
+  // How it ended by itself, within some seconds; nothing where it did not, or it is unknown.
   std::optional<ProcessEnd> ended(double seconds) const {
     for (double waited = 0; waited <= seconds; waited += 0.005) {
       siginfo_t info{};

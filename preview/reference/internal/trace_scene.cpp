@@ -98,7 +98,7 @@ void TraceScene::update(const world::World& world, const Job& job) {
   }
   states_ = std::move(states);
   frames_ = std::move(frames);
-  // no world can ask for a model again that nobody else holds
+  // no world can ask for a model again that is not held elsewhere
   std::erase_if(models_, [](const auto& entry) { return entry.second->model().use_count() == 1; });
 }
 
