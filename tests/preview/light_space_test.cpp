@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "preview/frame/light_space.h"
+#include "preview/frame/projection.h"
 
 namespace panwright::preview::light_space_test {
 namespace {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "preview/frame/light_space.h"
+#include "preview/frame/projection.h"
 
 namespace panwright::preview::sun_points_test {
 namespace {

@@ -518,6 +518,9 @@ TEST(Completion, KnowsCommandsOptionsValuesPresetsAndFrames) {
 TEST(Progress, SaysHowMuchHowFastAndHowLong) {
   EXPECT_EQ(tools::progress_words({"rendering", 10, 40, 0, false}, 5),
             "rendering  25 %, 10 of 40, 2/s, 15 s left");
+  // a quarter of the views, a tenth of the work
+  EXPECT_EQ(tools::progress_words({"rendering", 10, 40, 0, false, 0.1}, 5),
+            "rendering  10 %, 10 of 40, 2/s, 45 s left");
   EXPECT_EQ(tools::progress_words({"hiding", 1'500'000, 3'000'000, 0, false}, 300),
             "hiding  50 %, 1.5M of 3M, 5000/s, 5 min left");
   EXPECT_EQ(tools::progress_words({"reading", 0, 0, 0, false}, 4), "reading: 4 s");
