@@ -56,15 +56,16 @@ Phase::~Phase() {
   tell(done_, true);
 }
 
-void Phase::advance(std::uint64_t steps) {
+void Phase::advance(std::uint64_t steps, double work) {
   if (!state_) return;
   const std::lock_guard lock(state_->mutex);
   done_ = steps < total_ - done_ ? done_ + steps : total_;
+  work_ = work;
   tell(done_, false);
 }
 
 void Phase::tell(std::uint64_t done, bool finished) {
-  state_->listener({name_, done, total_, depth_, finished});
+  state_->listener({name_, done, total_, depth_, finished, work_});
 }
 
 void run_on_threads(const Job& job, const std::function<void()>& work) {

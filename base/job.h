@@ -22,6 +22,7 @@ struct Progress {
   std::uint64_t total = 0;  // > 0
   std::size_t depth = 0;    // phases around this one
   bool finished = false;    // the phase is over, even if done is below total
+  double work = 0;          // share of the time that is over, if known better; 0: done / total
 };
 
 // Called from any thread that works, one call at a time. It must not throw, and should be quick.
@@ -76,7 +77,9 @@ class Phase {
   Phase& operator=(const Phase&) = delete;
 
   // May be called from several threads.
-  void advance(std::uint64_t steps = 1);
+  //
+  //   work  the share of the time that is over, where steps differ in theirs
+  void advance(std::uint64_t steps = 1, double work = 0);
 
  private:
   void tell(std::uint64_t done, bool finished);
@@ -85,6 +88,7 @@ class Phase {
   const std::uint64_t total_;
   std::uint64_t done_ = 0;
   std::size_t depth_ = 0;
+  double work_ = 0;
 };
 
 // Calls work on the threads of a job: all that it runs in parallel uses no more, including

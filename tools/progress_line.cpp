@@ -64,9 +64,10 @@ std::string progress_words(const Progress& progress, double seconds) {
   const double total = static_cast<double>(progress.total);
   if (progress.total <= 1 || progress.done == 0 || !(seconds > 0))
     return fmt::format("{}: {}", progress.phase, duration_words(seconds));
-  return fmt::format("{} {:3.0f} %, {} of {}, {}/s, {} left", progress.phase, 100 * done / total,
+  const double share = progress.work > 0 ? std::min(progress.work, 1.0) : done / total;
+  return fmt::format("{} {:3.0f} %, {} of {}, {}/s, {} left", progress.phase, 100 * share,
                      short_number(done), short_number(total), short_number(done / seconds),
-                     duration_words(seconds * (total / done - 1)));
+                     duration_words(seconds * (1 / share - 1)));
 }
 
 // What is told by threads that work, and shown by one of its own, so that a step that tells nothing

@@ -205,6 +205,7 @@ class Run {
     if (!are_sound(world_, views_, log_)) return failed;
     if (views_.empty()) return std::size_t{0};
     if (!prepare(options_of(views_[0], options_))) return failed;
+    find_work();
     Phase phase(job_, "rendering", views_.size());
     try {
       // while one view is drawn, the one before is copied and the one before that is written
@@ -235,6 +236,35 @@ class Run {
   }
 
  private:
+  // What views take, estimated by the pixels of the image and, ten times as much each, those of the
+  // boxes of its targets.
+  void find_work() {
+    constexpr double kTarget = 10;
+    double sum = 0;
+    work_.clear();
+    for (const View& view : views_) {
+      show(view, world_, current_);
+      evaluation_.update(current_);
+      const double pixels = double{view.camera.width} * view.camera.height;
+      double covered = 0;
+      for (std::size_t i = 0; i < current_.size(); ++i) {
+        const std::optional<AxisBox>& box = evaluation_[i].bounds;
+        if (!box) continue;
+        const world::Pose& pose = current_[i].pose();
+        const double radius = 0.5 * glm::length(box->high - box->low);
+        const Vec3 centre = pose.translation + pose.rotation * (0.5 * (box->low + box->high));
+        const bool flat = view.camera.projection == world::Projection::orthographic;
+        const double distance = glm::length(centre - view.camera.position);
+        const double side =
+            2 * radius * view.camera.focal.x / (flat ? 1 : std::max(distance, radius));
+        covered += std::min(side * side, pixels);
+      }
+      sum += pixels + kTarget * std::min(covered, pixels);
+      work_.push_back(sum);
+    }
+    for (double& work : work_) work /= sum;
+  }
+
   // Makes the drawer of an engine the one in use.
   bool prepare(const DrawOptions& draw) {
     OpenReport report;
@@ -319,7 +349,7 @@ class Run {
       warn_of_error(view, *drawn->sampling);
       note_imposters(view, *drawn->sampling);
     }
-    phase.advance();
+    phase.advance(1, work_[drawing.view]);
     preview::Image& image = drawn->image;
     drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
     if (view.auto_ev) drawing.ev += drawing.shown_ev;
@@ -478,6 +508,7 @@ class Run {
   // labels of views, by W5006's and W5016's reasons
   std::map<std::pair<Code, std::string>, std::vector<std::string>> misplaced_;
   world::Evaluation evaluation_;
+  std::vector<double> work_;  // share that is over after each view
   struct Uncertain {
     std::size_t views = 0;
     double flux_error = 0, asked = 0;  // of the worst
