@@ -107,7 +107,7 @@ preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const V
   return view;
 }
 
-std::vector<float> shown(const preview::Image& image) {
+std::vector<float> shown(const image::Image& image) {
   std::vector<float> rgb(image.radiance.size());
   std::transform(image.radiance.begin(), image.radiance.end(), rgb.begin(),
                  [](float value) { return static_cast<float>(kPi) * value; });
@@ -115,7 +115,7 @@ std::vector<float> shown(const preview::Image& image) {
 }
 
 // The irradiance that an image holds, of its brightest channel.
-double flux_of(const preview::Image& image, const world::Camera& camera) {
+double flux_of(const image::Image& image, const world::Camera& camera) {
   Vec3 sum(0);
   for (std::uint32_t row = 0; row < image.height; ++row)
     for (std::uint32_t column = 0; column < image.width; ++column) {
@@ -134,7 +134,7 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
   support::ModelRenderer renderer(gl, *model);
   preview::RenderOptions fast;
   fast.samples = kSamples;
-  std::optional<preview::Image> image;
+  std::optional<image::Image> image;
   const Timing timing = timed(
       [&] {
         auto drawn = renderer.render(view, fast, log);

@@ -73,8 +73,8 @@ world::World world_of(const std::vector<const Subject*>& subjects, DiagnosticLog
 
 // The largest difference between a run's last image and the same view drawn by itself.
 double largest_difference(const world::World& world, const workspace::View& view,
-                          const std::shared_ptr<preview::Device>& device,
-                          const preview::Image& image, DiagnosticLog& log) {
+                          const std::shared_ptr<preview::Device>& device, const image::Image& image,
+                          DiagnosticLog& log) {
   world::World own = world;
   own.set_sun(*view.sun);
   for (const workspace::TargetPose& pose : view.poses)
@@ -115,7 +115,7 @@ void time_runs(Context& context, const Subject& subject, DiagnosticLog& log) {
     // the same frames under way two at a time, against frames by themselves
     preview::Renderer renderer(*device);
     world::World moving = world;
-    preview::Image last;
+    image::Image last;
     for (const std::size_t frame : {std::size_t{0}, views[i].size() - 1}) {
       const workspace::View& view = views[i][frame];
       moving.set_sun(*view.sun);

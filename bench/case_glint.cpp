@@ -98,7 +98,7 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl, const
   preview::RenderOptions options;
   options.samples = 1;
   options.shadow_side = 0;
-  std::optional<preview::Image> image;
+  std::optional<image::Image> image;
   worst.timing = timed(
       [&] {
         auto drawn = renderer.render(world, view.camera, options, log);

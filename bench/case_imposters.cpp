@@ -63,7 +63,7 @@ struct Sums {
   Vec2 centre{0};
 };
 
-Sums sums_of(const preview::Image& image) {
+Sums sums_of(const image::Image& image) {
   Sums sums;
   for (std::size_t y = 0; y < image.height; ++y) {
     double row = 0;
@@ -478,7 +478,7 @@ void run_ranges(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
     preview::RenderOptions options;
     options.samples = 0;
     options.levels = false;
-    std::optional<preview::Image> kept;
+    std::optional<image::Image> kept;
     const Timing timing = timed(
         [&] {
           auto image = renderer.render(target->world, target->camera, options, log);

@@ -25,7 +25,7 @@ struct Errors {
   double noise = 0;  // of the reference, as rmse
 };
 
-Errors errors(const preview::Image& image, const preview::ReferenceImage& truth) {
+Errors errors(const image::Image& image, const preview::ReferenceImage& truth) {
   double sum = 0;
   double off = 0;
   double square = 0;

@@ -65,7 +65,7 @@ class Studio {
     options.samples = samples;
     options.flat = flat;
     if (!shadows) options.shadow_side = 0;
-    std::optional<preview::Image> kept;
+    std::optional<image::Image> kept;
     Measured out;
     out.timing = timed(
         [&] {

@@ -56,7 +56,7 @@ struct Errors {
   double flux = 0;
 };
 
-Errors errors_of(const preview::Image& image, const preview::Image& reference) {
+Errors errors_of(const image::Image& image, const image::Image& reference) {
   double squares = 0;
   double whole = 0;
   double sum = 0;

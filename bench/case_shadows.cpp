@@ -43,8 +43,8 @@ struct Errors {
   double wrong = 0;  // share of the lit pixels that rays answer otherwise, partly shaded ones half
 };
 
-Errors errors(const pan::Model& model, const preview::View& view, const preview::Image& with,
-              const preview::Image& without, unsigned side) {
+Errors errors(const pan::Model& model, const preview::View& view, const image::Image& with,
+              const image::Image& without, unsigned side) {
   const support::SunRays rays(model, view);
   const double texel = rays.texel(std::max(side, 16u));
   double drawn = 0;
@@ -81,9 +81,9 @@ void run_side(Context& context, std::array<support::ModelRenderer, 2>& renderers
     preview::RenderOptions options;
     options.shadow_side = texels;
     auto image = renderers[which].render(view, options, log);
-    return image ? *std::move(image) : preview::Image{};
+    return image ? *std::move(image) : image::Image{};
   };
-  const preview::Image without = render(small, 0);
+  const image::Image without = render(small, 0);
   bool turned = false;
   const auto other_sun = [&](unsigned texels) {
     // another Sun for each image, so that the map is drawn again

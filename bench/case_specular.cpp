@@ -43,7 +43,7 @@ constexpr Paint kPaints[] = {
     {"coat 0.02 over Lambert", "<coat n=\"1.5\" slope=\"0.02\"/><diffuse>0.3 0.3 0.3</diffuse>"},
 };
 
-double flux_of(const preview::Image& image) {
+double flux_of(const image::Image& image) {
   double sum = 0;
   for (std::size_t i = 1; i < image.radiance.size(); i += 3)
     sum += static_cast<double>(image.radiance[i]);
@@ -51,7 +51,7 @@ double flux_of(const preview::Image& image) {
 }
 
 // RMS of the difference over the RMS.
-double apart(const preview::Image& image, const preview::Image& truth) {
+double apart(const image::Image& image, const image::Image& truth) {
   double off = 0, all = 0;
   for (std::size_t i = 1; i < image.radiance.size(); i += 3) {
     const auto is = static_cast<double>(image.radiance[i]);

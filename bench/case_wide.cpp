@@ -70,7 +70,7 @@ struct Errors {
   double noise = 0;  // of the reference, the same
 };
 
-Errors errors(const preview::Image& image, const preview::ReferenceImage& truth) {
+Errors errors(const image::Image& image, const preview::ReferenceImage& truth) {
   double sum = 0;
   double off = 0;
   double square = 0;

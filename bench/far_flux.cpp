@@ -11,7 +11,7 @@
 
 namespace panwright::bench {
 
-double flux_of(const preview::Image& image) {
+double flux_of(const image::Image& image) {
   double sum = 0;
   for (std::size_t i = 1; i < image.radiance.size(); i += 3)
     sum += static_cast<double>(image.radiance[i]);

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "bench/bench.h"
+#include "image/image.h"
 #include "pan/model.h"
-#include "preview/image.h"
 #include "preview/renderer.h"
 #include "tests/support/view.h"
 
 namespace panwright::bench {
 
 // Sum over the pixels of the second channel.
-double flux_of(const preview::Image& image);
+double flux_of(const image::Image& image);
 
 // Traces the flux; only direct light unless bounces is above 0; nothing: not drawn.
 std::optional<double> traced_flux(const world::World& world, const world::Camera& camera,

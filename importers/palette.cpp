@@ -10,9 +10,9 @@
 #include <set>
 #include <tuple>
 
-#include "base/srgb.h"
 #include "base/text.h"
 #include "geometry/mesh/check.h"
+#include "image/srgb.h"
 
 namespace panwright::importers {
 
@@ -54,12 +54,12 @@ std::optional<Sample> color_at(const scene::Texture& image, const Vec2& at) {
       for (std::size_t k = 0; k < 3; ++k) {
         least[k] = std::min(least[k], code[k]);
         most[k] = std::max(most[k], code[k]);
-        sum[static_cast<int>(k)] += weight * srgb_decoded(code[k]);
+        sum[static_cast<int>(k)] += weight * image::srgb_decoded(code[k]);
       }
     }
   for (std::size_t k = 0; k < 3; ++k)
     if (most[k] - least[k] > kLossy) return std::nullopt;
-  return Sample{{srgb_code(sum.x), srgb_code(sum.y), srgb_code(sum.z)}, sum};
+  return Sample{{image::srgb_code(sum.x), image::srgb_code(sum.y), image::srgb_code(sum.z)}, sum};
 }
 
 // The colours of a mesh's triangles; nothing where one has not a single colour. reflectance: may be
@@ -200,14 +200,14 @@ class Splitter {
     materials::Material material = scene_.materials[static_cast<std::size_t>(palette)];
     CadMaterial cad = imported_.materials[static_cast<std::size_t>(palette)];
     const auto decoded = [&](std::size_t first) {
-      return Vec3(srgb_decoded(color[first]), srgb_decoded(color[first + 1]),
-                  srgb_decoded(color[first + 2]));
+      return Vec3(image::srgb_decoded(color[first]), image::srgb_decoded(color[first + 1]),
+                  image::srgb_decoded(color[first + 2]));
     };
     const Vec3 linear = exact_.at(material.maps.albedo).at({color[0], color[1], color[2]});
     // metals have their colour in the reflectance
     const Vec3 both = glm::min(linear + decoded(3), Vec3(1));
-    const std::string code =
-        fmt::format("_{:02x}{:02x}{:02x}", srgb_code(both.x), srgb_code(both.y), srgb_code(both.z));
+    const std::string code = fmt::format("_{:02x}{:02x}{:02x}", image::srgb_code(both.x),
+                                         image::srgb_code(both.y), image::srgb_code(both.z));
     material.diffuse *= linear;
     cad.palette = material.maps.albedo;
     material.maps.albedo = -1;

@@ -11,8 +11,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/srgb.h"
 #include "base/text.h"
+#include "image/srgb.h"
 #include "materials/kept_fits.h"
 
 namespace panwright::materials {
@@ -125,7 +125,7 @@ std::string as_codes(const Material& material) {
       whole = whole && colour[k] >= 0 && colour[k] <= 255 && colour[k] == std::floor(colour[k]);
     if (!whole || std::max({colour.x, colour.y, colour.z}) <= 1) continue;
     const auto linear = [&codes = colour](int k) {
-      return srgb_decoded(static_cast<std::uint8_t>(codes[k]));
+      return image::srgb_decoded(static_cast<std::uint8_t>(codes[k]));
     };
     return fmt::format(
         "; colours are linear, from 0 to 1: the 8-bit codes {} {} {} of {} are {:.3g} "

@@ -53,7 +53,7 @@ void mix_in(std::span<const float> sum, float weight, std::span<float> values) {
 
 }  // namespace
 
-void reset(Image& image, const world::Camera& camera, bool ground_truth) {
+void reset(image::Image& image, const world::Camera& camera, bool ground_truth) {
   image.width = camera.width;
   image.height = camera.height;
   image.metadata.clear();
@@ -321,7 +321,7 @@ bool Renderer::submit(const world::World& world, const world::Camera& camera,
   return false;
 }
 
-Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
+Result<image::Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   assert(in_flight() > 0);
   Impl& impl = *impl_;
   impl.job = job;
@@ -338,7 +338,7 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   --impl.used_frames;
   impl.report = frame.report;
   impl.finish(frame);
-  Image image = std::move(frame.image);
+  image::Image image = std::move(frame.image);
   frame.image = {};
   if (!frame.other_radiance.empty()) {
     const auto weight = static_cast<float>(frame.weight);
@@ -356,8 +356,9 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   return image;
 }
 
-Result<Image> Renderer::render(const world::World& world, const world::Camera& camera,
-                               const RenderOptions& options, DiagnosticLog& log, const Job& job) {
+Result<image::Image> Renderer::render(const world::World& world, const world::Camera& camera,
+                                      const RenderOptions& options, DiagnosticLog& log,
+                                      const Job& job) {
   assert(in_flight() == 0);
   if (!submit(world, camera, options, log, job)) return failed;
   return collect(log, job);
@@ -367,7 +368,7 @@ std::size_t Renderer::in_flight() const { return impl_->used_frames; }
 
 void Renderer::drop() { impl_->drop(); }
 
-void Renderer::recycle(Image image) {
+void Renderer::recycle(image::Image image) {
   if (impl_->spare.size() < kMostInFlight) impl_->spare.push_back(std::move(image));
 }
 

@@ -9,8 +9,8 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "image/image.h"
 #include "preview/device.h"
-#include "preview/image.h"
 #include "world/camera.h"
 #include "world/world.h"
 
@@ -150,8 +150,9 @@ class Renderer {
   // current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit. After
   // E0001 and E5003 the renderer and earlier contents of the device stay usable. Cost: about one
   // draw of the visible set per tile of tile_side² samples.
-  Result<Image> render(const world::World& world, const world::Camera& camera,
-                       const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
+  Result<image::Image> render(const world::World& world, const world::Camera& camera,
+                              const RenderOptions& options, DiagnosticLog& log,
+                              const Job& job = {});
 
   // The two halves of render(), so that one view is drawn while the one before is copied: submit()
   // returns as soon as its commands are queued, collect() waits for the oldest submitted view. Both
@@ -165,12 +166,12 @@ class Renderer {
               DiagnosticLog& log, const Job& job = {});
   // Expects: a view under way, which it ends. Reports: W5006. Fails: E0001, E5001, E5003; all are
   // dropped then, unless another thread has the context.
-  Result<Image> collect(DiagnosticLog& log, const Job& job = {});
+  Result<image::Image> collect(DiagnosticLog& log, const Job& job = {});
   std::size_t in_flight() const;
   void drop();  // drops all views under way
 
   // Takes an unused image: a later view reuses its memory, which is faster than fresh memory.
-  void recycle(Image image);
+  void recycle(image::Image image);
 
   const std::shared_ptr<Device>& device() const;
 

@@ -46,8 +46,8 @@ const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; 
 SamplingReport Renderer::sampling() const { return {}; }
 Renderer::Counts Renderer::counts() const { return {}; }
 
-Result<Image> Renderer::render(const world::World&, const world::Camera&, const RenderOptions&,
-                               DiagnosticLog& log, const Job&) {
+Result<image::Image> Renderer::render(const world::World&, const world::Camera&,
+                                      const RenderOptions&, DiagnosticLog& log, const Job&) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
@@ -57,10 +57,10 @@ bool Renderer::submit(const world::World&, const world::Camera&, const RenderOpt
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return false;
 }
-Result<Image> Renderer::collect(DiagnosticLog&, const Job&) { return failed; }
+Result<image::Image> Renderer::collect(DiagnosticLog&, const Job&) { return failed; }
 std::size_t Renderer::in_flight() const { return 0; }
 void Renderer::drop() {}
-void Renderer::recycle(Image) {}
+void Renderer::recycle(image::Image) {}
 
 double Renderer::seconds_of_bare_draw(const world::World&, const world::Camera&) { return 0; }
 

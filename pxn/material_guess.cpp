@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "base/srgb.h"
+#include "image/srgb.h"
 
 namespace panwright::pxn {
 
@@ -156,7 +156,8 @@ std::pair<Vec3, bool> mean_of(const scene::Texture& texture) {
   for (std::size_t i = 0; i + 3 < texture.rgba.size(); i += 4) {
     const double a = texture.rgba[i + 3] / 255.0;
     const auto decoded = [&](std::size_t k) {
-      return texture.linear ? texture.rgba[i + k] / 255.0 : srgb_decoded(texture.rgba[i + k]);
+      return texture.linear ? texture.rgba[i + k] / 255.0
+                            : image::srgb_decoded(texture.rgba[i + k]);
     };
     sum += a * Vec3(decoded(0), decoded(1), decoded(2));
     weight += a;

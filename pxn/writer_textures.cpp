@@ -4,8 +4,8 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "base/png.h"
-#include "importers/image.h"
+#include "image/decode.h"
+#include "image/png.h"
 #include "pxn/writer.h"
 
 namespace panwright::pxn {
@@ -25,8 +25,8 @@ bool holds(const fs::path& path, const scene::Texture& texture) {
   DiagnosticLog ignored;
   const auto bytes = read_file(path, kMostTextureBytes, ignored);
   if (!bytes) return false;
-  importers::DecodedImage image;
-  if (importers::decode_image(as_bytes(*bytes), texture.rgba.size(), image).code) return false;
+  image::DecodedImage image;
+  if (image::decode_image(as_bytes(*bytes), texture.rgba.size(), image).code) return false;
   return image.width == texture.width && image.height == texture.height &&
          image.rgba == texture.rgba;
 }
@@ -58,7 +58,7 @@ Result<std::vector<std::string>> write_textures(const scene::Scene& scene, const
         may_keep && own.extension() == ".png" && !fs::exists(fs::symlink_status(own, error));
     if (free) fs::create_directories(own.parent_path(), error);
     names.push_back(free ? texture.name : fmt::format("{}-{}.png", stem, ++number));
-    const std::string bytes = png_file(texture.width, texture.height, texture.rgba);
+    const std::string bytes = image::png_file(texture.width, texture.height, texture.rgba);
     if (!write_file(folder / names.back(), as_bytes(bytes), log)) return failed;
   }
   return names;

@@ -86,7 +86,7 @@ void level_color(int level, std::uint8_t* rgb) {
   std::copy(color.begin(), color.end(), rgb);
 }
 
-Pixels level_pixels(const preview::Image& image, const std::vector<Detail>& details) {
+Pixels level_pixels(const image::Image& image, const std::vector<Detail>& details) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> levels;
   for (const Detail& each : details)
     levels[{static_cast<std::uint32_t>(each.target), each.node}] = each.level;

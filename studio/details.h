@@ -33,7 +33,7 @@ std::vector<Detail> details_of(const world::World& world, const world::Camera& c
 // Colours of levels; grey: no levels.
 //
 // Expects: an image with ground truth, details of its view.
-Pixels level_pixels(const preview::Image& image, const std::vector<Detail>& details);
+Pixels level_pixels(const image::Image& image, const std::vector<Detail>& details);
 
 // Colour of a level from −1; from 6, the same one.
 void level_color(int level, std::uint8_t* rgb);

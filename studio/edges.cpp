@@ -16,7 +16,7 @@ struct ProjectedVertex {
 
 class EdgeImage {
  public:
-  EdgeImage(const world::Camera& camera, const preview::Image& image)
+  EdgeImage(const world::Camera& camera, const image::Image& image)
       : camera_(camera), image_(image), edges_(image.pixels()), farthest_(image.pixels()) {
     // an edge may cross a pixel beside the point of the known depth
     const auto width = static_cast<std::ptrdiff_t>(image.width),
@@ -90,7 +90,7 @@ class EdgeImage {
   }
 
   const world::Camera& camera_;
-  const preview::Image& image_;
+  const image::Image& image_;
   std::vector<std::uint8_t> edges_;
   std::vector<float> farthest_;
 };
@@ -98,7 +98,7 @@ class EdgeImage {
 }  // namespace
 
 std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera,
-                                   const preview::Image& image, const Job& job) {
+                                   const image::Image& image, const Job& job) {
   EdgeImage image_edges(camera, image);
   const Mat3 camera_from_world = glm::transpose(glm::mat3_cast(camera.world_from_camera));
   std::vector<ProjectedVertex> vertices;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/job.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "world/camera.h"
 #include "world/world.h"
 
@@ -17,6 +17,6 @@ namespace panwright::studio {
 // Expects: an image with ground truth of that world and camera. Cost: O(triangles + length of their
 // edges, pixels).
 std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camera& camera,
-                                   const preview::Image& image, const Job& job = {});
+                                   const image::Image& image, const Job& job = {});
 
 }  // namespace panwright::studio

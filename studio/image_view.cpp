@@ -146,7 +146,7 @@ void ImageView::paint_reference() {
   const bool split = image.comparison == "split", flicker = image.comparison == "flicker";
   if (!(split || flicker) || !result.reference) return;
   if (layer != "light" && layer != "false colours") return;
-  const preview::Image& reference = result.reference->image;
+  const image::Image& reference = result.reference->image;
   const std::vector<std::uint8_t> other =
       layer == "light" ? srgb_pixels(reference, result.ev) : layer_pixels(reference, layer).rgba;
   const std::size_t width = canvas_.width;
@@ -228,7 +228,7 @@ void ImageView::handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken)
 
 void ImageView::select_part(const Vec2& pixel) {
   const RenderResult& result = *state_.result;
-  const preview::Image& image = result.image;
+  const image::Image& image = result.image;
   const auto x = static_cast<std::size_t>(std::max(0.0, pixel.x));
   const auto y = static_cast<std::size_t>(std::max(0.0, pixel.y));
   std::string& selected = state_.parts.selected;
@@ -244,7 +244,7 @@ void ImageView::select_part(const Vec2& pixel) {
 void ImageView::pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) const {
   if (!state_.result || texture == 0) return;
   const RenderResult& result = *state_.result;
-  const preview::Image& image = result.image;
+  const image::Image& image = result.image;
   const Vec2 part = (mouse - at) / state_.image_size;
   if (part.x < 0 || part.y < 0 || part.x >= 1 || part.y >= 1) return;
   const auto x = static_cast<std::uint32_t>(part.x * image.width);

@@ -52,7 +52,7 @@ Rgb id_color(std::uint32_t id) {
 }
 
 template <class Color>
-std::vector<std::uint8_t> colored_pixels(const preview::Image& image, const Color& color) {
+std::vector<std::uint8_t> colored_pixels(const image::Image& image, const Color& color) {
   std::vector<std::uint8_t> out(4 * image.pixels());
   parallel_for(image.height, [&](std::size_t row) {
     for (std::size_t i = row * image.width; i < (row + 1) * image.width; ++i) {
@@ -64,14 +64,14 @@ std::vector<std::uint8_t> colored_pixels(const preview::Image& image, const Colo
   return out;
 }
 
-double channel_mean(const preview::Image& image, std::size_t i) {
+double channel_mean(const image::Image& image, std::size_t i) {
   return (static_cast<double>(image.radiance[3 * i]) +
           static_cast<double>(image.radiance[3 * i + 1]) +
           static_cast<double>(image.radiance[3 * i + 2])) /
          3;
 }
 
-Pixels false_color_pixels(const preview::Image& image) {
+Pixels false_color_pixels(const image::Image& image) {
   constexpr double kDecades = 4;
   Pixels out;
   for (std::size_t i = 0; i < image.pixels(); ++i)
@@ -88,7 +88,7 @@ Pixels false_color_pixels(const preview::Image& image) {
   return out;
 }
 
-Pixels depth_pixels(const preview::Image& image) {
+Pixels depth_pixels(const image::Image& image) {
   Pixels out;
   out.unit = "m";
   out.low = INFINITY;
@@ -115,7 +115,7 @@ void scale_color(double share, std::uint8_t* rgb) {
   std::copy(color.begin(), color.end(), rgb);
 }
 
-Pixels layer_pixels(const preview::Image& image, const std::string& layer) {
+Pixels layer_pixels(const image::Image& image, const std::string& layer) {
   if (layer == "false colours") return false_color_pixels(image);
   if (layer == "depth") return depth_pixels(image);
   Pixels out;
@@ -152,7 +152,7 @@ void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba) {
   }
 }
 
-Comparison compared(const preview::Image& image, const preview::ReferenceImage& reference) {
+Comparison compared(const image::Image& image, const preview::ReferenceImage& reference) {
   Comparison out;
   double off = 0, all = 0, noise = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -184,7 +184,7 @@ Comparison compared(const preview::Image& image, const preview::ReferenceImage& 
   return out;
 }
 
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+Pixels difference_pixels(const image::Image& image, const image::Image& reference, double rms,
                          double range) {
   constexpr Rgb kDarker = {0, 114, 178};
   constexpr Rgb kEqual = {240, 240, 240};

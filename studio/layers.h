@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "preview/image.h"
+#include "image/image.h"
 #include "preview/reference/reference.h"
 
 namespace panwright::studio {
@@ -24,7 +24,7 @@ struct Pixels {
 };
 
 // Pixels of a layer. layer: one of kLayers, except light and levels (studio/details.h)
-Pixels layer_pixels(const preview::Image& image, const std::string& layer);
+Pixels layer_pixels(const image::Image& image, const std::string& layer);
 
 // Draws stripes over pixels with a code of 255 in a channel.
 void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba);
@@ -37,11 +37,11 @@ struct Comparison {
   double noise = 0;       // RMS of the standard errors of the reference, over the same
   double rms = 0;         // of the reference's radiance
 };
-Comparison compared(const preview::Image& image, const preview::ReferenceImage& reference);
+Comparison compared(const image::Image& image, const preview::ReferenceImage& reference);
 
 // Difference of the mean of the channels: blue where the preview is darker, orange where it is
 // brighter. range: at the ends of the colours, in parts of `rms`
-Pixels difference_pixels(const preview::Image& image, const preview::Image& reference, double rms,
+Pixels difference_pixels(const image::Image& image, const image::Image& reference, double rms,
                          double range);
 
 // Colour of a share from 0 to 1, dark blue to yellow in equal steps of lightness, suited to colour

@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "base/srgb.h"
+#include "image/srgb.h"
 #include "studio/edges.h"
 #include "workspace/drawer.h"
 #include "workspace/exposure.h"
@@ -36,7 +36,8 @@ class SrgbTable {
  public:
   SrgbTable() {
     for (std::size_t i = 0; i < codes_.size(); ++i)
-      codes_[i] = srgb_code((static_cast<double>(i) + 0.5) / static_cast<double>(codes_.size()));
+      codes_[i] =
+          image::srgb_code((static_cast<double>(i) + 0.5) / static_cast<double>(codes_.size()));
   }
   std::uint8_t operator()(double linear) const {
     if (!(linear > 0)) return 0;
@@ -50,7 +51,7 @@ class SrgbTable {
 
 }  // namespace
 
-std::vector<std::uint8_t> srgb_pixels(const preview::Image& image, double ev) {
+std::vector<std::uint8_t> srgb_pixels(const image::Image& image, double ev) {
   static const SrgbTable codes;
   const double gain = kPi * std::exp2(ev);
   std::vector<std::uint8_t> out(4 * image.pixels());

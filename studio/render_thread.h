@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "base/job.h"
+#include "image/image.h"
 #include "preview/context.h"
-#include "preview/image.h"
 #include "preview/renderer.h"
 #include "studio/details.h"
 #include "studio/layers.h"
@@ -52,8 +52,8 @@ struct RenderResult {
   Quality quality = Quality::interactive;
   bool exact = false;
   double level_scale =
-      1;  // of an interactive image: factor on the pixel footprint of levels of detail
-  preview::Image image;             // of radiance
+      1;               // of an interactive image: factor on the pixel footprint of levels of detail
+  image::Image image;  // of radiance
   std::vector<std::uint8_t> rgba;   // 4*H*W of the image, sRGB
   double ev = 0;                    // exposure of `rgba`, stops
   std::vector<std::uint8_t> edges;  // edges_of(), where requested
@@ -137,6 +137,6 @@ class RenderThread {
 };
 
 // 4*H*W bytes, as write_image() writes them to a PNG, with alpha 255. ev: stops
-std::vector<std::uint8_t> srgb_pixels(const preview::Image& image, double ev);
+std::vector<std::uint8_t> srgb_pixels(const image::Image& image, double ev);
 
 }  // namespace panwright::studio

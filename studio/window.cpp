@@ -16,9 +16,9 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/file_uses.h"
-#include "base/png.h"
 #include "base/text.h"
-#include "preview/image.h"
+#include "image/image.h"
+#include "image/png.h"
 #include "studio/main_window.h"
 #include "studio/script_runner.h"
 
@@ -128,7 +128,7 @@ class Screen {
 
   bool screenshot(const std::filesystem::path& path, DiagnosticLog& log) {
     if (!log.files()->will_write(path, "the screenshot", log)) return false;
-    if (preview::image_format(path) != preview::ImageFormat::png) {
+    if (image::image_format(path) != image::ImageFormat::png) {
       log.report(Code::E0202, {},
                  fmt::format("screenshots are written as .png, not {}", in_quotes(path.string())));
       return false;
@@ -146,10 +146,10 @@ class Screen {
                        pixels.begin() + static_cast<std::ptrdiff_t>((y + 1) * row),
                        pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
     for (std::size_t i = 3; i < pixels.size(); i += 4) pixels[i] = 255;
-    PngOptions options;
+    image::PngOptions options;
     options.says_srgb = true;
-    const std::string file = png_file(static_cast<std::uint32_t>(width),
-                                      static_cast<std::uint32_t>(height), pixels, options);
+    const std::string file = image::png_file(static_cast<std::uint32_t>(width),
+                                             static_cast<std::uint32_t>(height), pixels, options);
     return write_file(path, as_bytes(file), log);
   }
 

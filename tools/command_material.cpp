@@ -308,8 +308,8 @@ constexpr float kBackground = 0.0105f;  // 1/sr: a PNG shows 51 of 255
 constexpr const char* kStudioCaption = "Sunlight and lamps of a studio, for display only.";
 
 // A sheet of dark grey.
-preview::Image empty_sheet(std::uint32_t width, std::uint32_t height) {
-  preview::Image sheet;
+image::Image empty_sheet(std::uint32_t width, std::uint32_t height) {
+  image::Image sheet;
   sheet.width = width;
   sheet.height = height;
   sheet.unit = "1/sr";
@@ -319,7 +319,7 @@ preview::Image empty_sheet(std::uint32_t width, std::uint32_t height) {
 }
 
 // Lays an image on a sheet, whose grey shows where it is not covered.
-void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview::Image& sheet) {
+void lay(const image::Image& image, std::uint32_t x, std::uint32_t y, image::Image& sheet) {
   for (std::uint32_t row = 0; row < image.height; ++row)
     for (std::uint32_t column = 0; column < image.width; ++column) {
       const std::size_t from = std::size_t{row} * image.width + column;
@@ -331,8 +331,8 @@ void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview:
 }
 
 // One image of a material's samples.
-Result<preview::Image> sample_image(const DescribedMaterial& material, const Options& options,
-                                    workspace::Drawer& drawer, CommandContext& context) {
+Result<image::Image> sample_image(const DescribedMaterial& material, const Options& options,
+                                  workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
   const auto light =
       options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
@@ -389,7 +389,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
                     width, height, kMostPixels / 1'000'000));
     return false;
   }
-  preview::Image sheet =
+  image::Image sheet =
       empty_sheet(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
   for (std::size_t i = 0; i < all.size(); ++i) {
     context.step("render " + all[i].material.name);
@@ -406,7 +406,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   write_overlay_text(
       sheet, {10, sheet.height - kLabelHeight + 3, sheet.width - 20, kLabelHeight - 6}, caption);
   context.step("write " + options.render);
-  if (!preview::write_image(options.render, sheet, 0, context.log())) return false;
+  if (!image::write_image(options.render, sheet, 0, context.log())) return false;
   context.wrote(options.render, fmt::format("{}x{}", sheet.width, sheet.height));
   return true;
 }

@@ -363,7 +363,7 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
   if (!drawer) return false;
   const auto drawn =
       drawer->draw(world, foil_camera(shown, options.width), false, log, context.job());
-  if (!drawn || !preview::write_image(options.output, drawn->image, 0, log)) return false;
+  if (!drawn || !image::write_image(options.output, drawn->image, 0, log)) return false;
   std::string detail = fmt::format("{}x{}", options.width, height);
   if (shown.columns != sheet.columns)
     detail += fmt::format(", drawn with {} by {} cells", shown.columns - 1, shown.rows - 1);
@@ -400,7 +400,7 @@ bool writes(const Options& options) {
 bool check_options(const Options& options, CommandContext& context) {
   DiagnosticLog& log = context.log();
   if (is_file(options.input)) context.files().will_read(options.input);
-  if (!options.output.empty() && !preview::image_format(options.output)) {
+  if (!options.output.empty() && !image::image_format(options.output)) {
     log.report_file(Code::E0202, options.output,
                     fmt::format("images are written as .png, .exr, .npy or .npz, not {}",
                                 in_quotes(workspace::extension_of(options.output))));

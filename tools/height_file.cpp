@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/file.h"
-#include "base/png.h"
 #include "base/text.h"
-#include "preview/image.h"
+#include "image/image.h"
+#include "image/png.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -40,7 +40,7 @@ bool write_npy(const std::filesystem::path& path, const mli::Sheet& sheet, Diagn
 }
 
 bool write_exr(const std::filesystem::path& path, const mli::Sheet& sheet, DiagnosticLog& log) {
-  preview::Image image;
+  image::Image image;
   image.width = sheet.columns;
   image.height = sheet.rows;
   image.unit = "m";
@@ -50,7 +50,7 @@ bool write_exr(const std::filesystem::path& path, const mli::Sheet& sheet, Diagn
   for (std::uint32_t row = sheet.rows; row-- > 0;)
     for (std::uint32_t column = 0; column < sheet.columns; ++column)
       image.radiance.insert(image.radiance.end(), 3, static_cast<float>(sheet.at(column, row)));
-  return preview::write_image(path, image, 0, log);
+  return image::write_image(path, image, 0, log);
 }
 
 bool write_png(const std::filesystem::path& path, const mli::Sheet& sheet, std::string& detail,
@@ -69,11 +69,11 @@ bool write_png(const std::filesystem::path& path, const mli::Sheet& sheet, std::
     }
   detail += fmt::format(", 0 is {} m, 65535 is {} m", format_double(lowest),
                         format_double(sheet.statistics.highest));
-  PngOptions options;
+  image::PngOptions options;
   options.grey16 = true;
   options.comment = fmt::format("height: 0 is {} m, 65535 is {} m", format_double(lowest),
                                 format_double(sheet.statistics.highest));
-  const std::string bytes = png_file(sheet.columns, sheet.rows, pixels, options);
+  const std::string bytes = image::png_file(sheet.columns, sheet.rows, pixels, options);
   return write_file(path, as_bytes(bytes), log);
 }
 

@@ -42,7 +42,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-void draw_ring(preview::Image& image) {
+void draw_ring(image::Image& image) {
   const double middle = kSide / 2.0, radius = kRing * kSide;
   for (std::uint32_t y = 0; y < kSide; ++y)
     for (std::uint32_t x = 0; x < kSide; ++x) {
@@ -103,9 +103,9 @@ class Camera {
     world_.set_sun(sun);
     auto drawn = drawer_->draw(world_, camera, false, log_, job_);
     if (!drawn) return {};
-    preview::Image& image = drawn->image;
+    image::Image& image = drawn->image;
     draw_ring(image);
-    if (!preview::write_image(file_, image, 0.5, log_)) return {};
+    if (!image::write_image(file_, image, 0.5, log_)) return {};
     const auto bytes = read_file(file_, 1u << 24, log_);
     return bytes ? base64(*bytes) : std::string();
   }

@@ -41,7 +41,7 @@ std::vector<int> code_points(std::string_view text) {
 
 }  // namespace
 
-void write_overlay_text(preview::Image& image, const OverlayLine& line, std::string_view utf8) {
+void write_overlay_text(image::Image& image, const OverlayLine& line, std::string_view utf8) {
   static const OverlayFont font;
   const std::vector<int> text = code_points(utf8);
   int ascent = 0, advance = 0, bearing = 0;

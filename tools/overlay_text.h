@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "preview/image.h"
+#include "image/image.h"
 
 namespace panwright::tools {
 
@@ -16,6 +16,6 @@ struct OverlayLine {
 
 // Writes text in white into an image. Parts outside are clipped; characters that the font lacks
 // are boxes.
-void write_overlay_text(preview::Image& image, const OverlayLine& line, std::string_view utf8);
+void write_overlay_text(image::Image& image, const OverlayLine& line, std::string_view utf8);
 
 }  // namespace panwright::tools

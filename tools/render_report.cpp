@@ -9,7 +9,7 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "tools/print.h"
 
 namespace panwright::tools {
@@ -35,7 +35,7 @@ std::string outputs_of(const Written& image) {
 }
 
 bool is_png(const std::string& output) {
-  return preview::image_format(output) == preview::ImageFormat::png;
+  return image::image_format(output) == image::ImageFormat::png;
 }
 
 std::string milliseconds(double seconds) {

@@ -224,7 +224,7 @@ void read_psf(const ViewText& text, DrawReader& reader, DrawOptions& draw) {
     reader.refuse("psf", text.psf, fmt::format("a number from 0 to {} pixels", kWidestPsf));
 }
 
-void read_files(const ViewText& text, DrawReader& reader, preview::FileOptions& files) {
+void read_files(const ViewText& text, DrawReader& reader, image::FileOptions& files) {
   reader.flag("compress", text.compress, files.compress);
   if (!text.layers) return;
   files.layers = 0;
@@ -233,15 +233,14 @@ void read_files(const ViewText& text, DrawReader& reader, preview::FileOptions& 
   for (std::size_t at = all.find_first_not_of(kSeparators); at != all.npos;) {
     const std::size_t end = std::min(all.find_first_of(kSeparators, at), all.size());
     const std::string_view name = all.substr(at, end - at);
-    const auto* found = std::ranges::find(preview::kLayerNames, name);
-    if (found == std::end(preview::kLayerNames)) {
-      const auto near = nearest_name(name, preview::kLayerNames);
-      return reader.refuse(
-          "layers", std::string(name),
-          fmt::format("names of layers: {}{}", fmt::join(preview::kLayerNames, ", "),
-                      near ? fmt::format("; did you mean '{}'?", *near) : ""));
+    const auto* found = std::ranges::find(image::kLayerNames, name);
+    if (found == std::end(image::kLayerNames)) {
+      const auto near = nearest_name(name, image::kLayerNames);
+      return reader.refuse("layers", std::string(name),
+                           fmt::format("names of layers: {}{}", fmt::join(image::kLayerNames, ", "),
+                                       near ? fmt::format("; did you mean '{}'?", *near) : ""));
     }
-    files.layers |= 1u << (found - std::begin(preview::kLayerNames));
+    files.layers |= 1u << (found - std::begin(image::kLayerNames));
     at = all.find_first_not_of(kSeparators, end);
   }
   if (files.layers == 0) reader.refuse("layers", text.layers, "the name of one layer or more");

@@ -113,7 +113,7 @@ std::size_t Drawer::in_flight() const {
   return impl_->renderer ? impl_->renderer->in_flight() : impl_->traced.size();
 }
 
-void Drawer::recycle(preview::Image image) {
+void Drawer::recycle(image::Image image) {
   if (impl_->renderer) impl_->renderer->recycle(std::move(image));
 }
 

@@ -11,8 +11,8 @@
 #include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "image/image.h"
 #include "preview/context.h"
-#include "preview/image.h"
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "world/world.h"
@@ -32,8 +32,8 @@ struct DrawOptions {
   // `ground_truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
-  bool photo = false;          // tone curve of PNGs: preview::PngExposure
-  preview::FileOptions files;  // of the image's .exr and .npz
+  bool photo = false;        // tone curve of PNGs: preview::PngExposure
+  image::FileOptions files;  // of the image's .exr and .npz
 };
 
 // Engine in use.
@@ -55,7 +55,7 @@ struct Measured {
 };
 
 struct Drawn {
-  preview::Image image;
+  image::Image image;
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
 };
@@ -93,7 +93,7 @@ class Drawer {
   Result<Drawn> collect(DiagnosticLog& log, const Job& job = {});
   std::size_t in_flight() const;
   // Takes back an image, to reuse its memory.
-  void recycle(preview::Image image);
+  void recycle(image::Image image);
 
   // Draws a world.
   //

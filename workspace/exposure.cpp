@@ -8,7 +8,7 @@
 
 namespace panwright::workspace {
 
-double auto_exposure(const preview::Image& image, double stops_of_sun) {
+double auto_exposure(const image::Image& image, double stops_of_sun) {
   constexpr double kShare = 0.99;  // of the lit pixels, that stay below
   constexpr double kBright = 0.8;  // of white, linear
   constexpr double kSteps = 8;     // of a stop: neighbouring images differ by none or a visible one

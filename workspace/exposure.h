@@ -1,7 +1,7 @@
 // Automatic exposure of an image.
 #pragma once
 
-#include "preview/image.h"
+#include "image/image.h"
 
 namespace panwright::workspace {
 
@@ -11,6 +11,6 @@ namespace panwright::workspace {
 //   stops_of_sun  difference of --ev from write_image's exposure: log2 of the irradiance
 //   returns       stops; 0: nothing is lit
 // Cost: a copy of a number for each lit pixel.
-double auto_exposure(const preview::Image& image, double stops_of_sun);
+double auto_exposure(const image::Image& image, double stops_of_sun);
 
 }  // namespace panwright::workspace

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "workspace/internal/json_text.h"
 #include "workspace/joints.h"
 #include "world/evaluation.h"
@@ -113,11 +113,11 @@ void add_lens(const world::Camera& camera, Json& view) {
   view["ortho"] = width;
 }
 
-void add_files(const preview::FileOptions& files, Json& view) {
-  if (files.layers != preview::FileOptions().layers)
-    for (std::size_t i = 0; i < std::size(preview::kLayerNames); ++i)
-      if (files.has(static_cast<preview::FileLayer>(i)))
-        view["layers"].push_back(std::string(preview::kLayerNames[i]));
+void add_files(const image::FileOptions& files, Json& view) {
+  if (files.layers != image::FileOptions().layers)
+    for (std::size_t i = 0; i < std::size(image::kLayerNames); ++i)
+      if (files.has(static_cast<image::FileLayer>(i)))
+        view["layers"].push_back(std::string(image::kLayerNames[i]));
   if (files.compress) view["compress"] = true;
 }
 
@@ -327,7 +327,7 @@ std::string record_text(const world::World& world, const world::Camera& camera,
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
-void add_names(const world::World& world, const preview::Image& image, std::string& record) {
+void add_names(const world::World& world, const image::Image& image, std::string& record) {
   if (!image.has_ground_truth()) return;
   std::vector<std::vector<char>> nodes(world.size()), materials(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -357,7 +357,7 @@ void add_names(const world::World& world, const preview::Image& image, std::stri
 }
 
 Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& log) {
-  const auto text = preview::read_image_record(image, log);
+  const auto text = image::read_image_record(image, log);
   if (!text) return failed;
   Record record;
   JsonProblem problem;

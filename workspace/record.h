@@ -8,7 +8,7 @@
 
 #include "base/diagnostic.h"
 #include "base/result.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
 #include "world/world.h"
@@ -33,7 +33,7 @@ std::string record_text(const world::World& world, const world::Camera& camera,
 
 // Adds to a record the names of an image's ids: paths of nodes and names of materials by target,
 // each by its number in the layer. Only those that the image has; nothing without ground truth.
-void add_names(const world::World& world, const preview::Image& image, std::string& record);
+void add_names(const world::World& world, const image::Image& image, std::string& record);
 
 struct RecordedTarget {
   std::string name;

@@ -38,7 +38,7 @@ double stops_of_sun(const world::Sun& sun) {
 std::string words(const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 std::string words(const Quat& q) { return fmt::format("{} {} {} {}", q.w, q.x, q.y, q.z); }
 
-using Metadata = decltype(preview::Image::metadata);
+using Metadata = decltype(image::Image::metadata);
 
 // Metadata of an image, for its header.
 void describe(const world::World& world, const world::Camera& camera, const DrawOptions& options,
@@ -73,7 +73,7 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
         options.gl.shadow_side ? fmt::format("{}", *options.gl.shadow_side) : "auto");
   if (!traced && options.gl.shadows != preview::Shadows::automatic)
     add("panwright.shadows", options.gl.shadows == preview::Shadows::hard ? "hard" : "soft");
-  add(preview::kRecordName, std::move(record));
+  add(image::kRecordName, std::move(record));
 }
 
 // All files of a view.
@@ -86,7 +86,7 @@ std::vector<std::string> outputs_of(const View& view) {
 bool stores_ground_truth(const View& view, const DrawOptions& draw) {
   const std::vector<std::string> outputs = outputs_of(view);
   return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
-    return preview::stores_ground_truth(*preview::image_format(output), draw.files);
+    return image::stores_ground_truth(*image::image_format(output), draw.files);
   });
 }
 
@@ -103,7 +103,7 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
   for (const View& view : views) {
     DiagnosticLog apart = log.apart();
     for (const std::string& output : outputs_of(view)) {
-      if (!preview::image_format(output))
+      if (!image::image_format(output))
         apart.report(Code::E0202, {},
                      fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
                                  in_quotes(output)));
@@ -129,8 +129,8 @@ struct Drawing {
 // An image that is being written.
 struct Writing {
   Written what;
-  preview::Image image;
-  preview::FileOptions files;
+  image::Image image;
+  image::FileOptions files;
   std::string record;  // of files without ids
   Drawer* drawer = nullptr;
   double seconds = 0;
@@ -139,14 +139,13 @@ struct Writing {
   DiagnosticLog log;
 };
 
-void write(const preview::PngExposure& exposure, Writing& writing) {
+void write(const image::PngExposure& exposure, Writing& writing) {
   const auto start = Clock::now();
   const auto write_one = [&](const std::string& output) {
-    const bool has_ids =
-        preview::stores_ground_truth(*preview::image_format(output), writing.files);
+    const bool has_ids = image::stores_ground_truth(*image::image_format(output), writing.files);
     writing.image.metadata.back().second = has_ids ? writing.what.record : writing.record;
-    return preview::write_image(output, writing.image, exposure, writing.log, &writing.sync,
-                                writing.files);
+    return image::write_image(output, writing.image, exposure, writing.log, &writing.sync,
+                              writing.files);
   };
   writing.ok = write_one(writing.what.output);
   for (const std::string& output : writing.what.more_outputs)
@@ -350,7 +349,7 @@ class Run {
       note_imposters(view, *drawn->sampling);
     }
     phase.advance(1, work_[drawing.view]);
-    preview::Image& image = drawn->image;
+    image::Image& image = drawn->image;
     drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
     if (view.auto_ev) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
@@ -386,7 +385,7 @@ class Run {
     // one thread beside those that draw the next image
     pending_ = std::async(
         std::launch::async,
-        [exposure = preview::PngExposure(drawing.ev, drawing.photo), &writing = *writing_] {
+        [exposure = image::PngExposure(drawing.ev, drawing.photo), &writing = *writing_] {
           run_on_threads(Job({1, {}}), [&] { write(exposure, writing); });
         });
     return true;

@@ -9,7 +9,7 @@
 
 #include "base/angle_text.h"
 #include "base/text.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "workspace/internal/forward.h"
 #include "world/evaluation.h"
 
@@ -342,7 +342,7 @@ void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
   view.output = text.output.value_or("");
   view.more_outputs = text.more_outputs;
   const auto check = [&](const std::string& output) {
-    if (!preview::image_format(output))
+    if (!image::image_format(output))
       log.report(Code::E0202, {},
                  fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
                              in_quotes(output)));

@@ -7,9 +7,9 @@
 #include <variant>
 
 #include "base/parallel.h"
-#include "base/srgb.h"
 #include "compiler/internal/fit.h"
 #include "geometry/tessellate/tessellate.h"
+#include "image/srgb.h"
 
 namespace panwright::compiler::internal {
 namespace {
@@ -84,7 +84,7 @@ struct LightMap {
       double sum = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint8_t code = texture.rgba[i + k];
-        sum += texture.linear ? code / 255.0 : srgb_decoded(code);
+        sum += texture.linear ? code / 255.0 : image::srgb_decoded(code);
       }
       texels.push_back(static_cast<float>(sum / 3));
     }
@@ -119,7 +119,7 @@ scene::Texture reduced(const scene::Texture& from, std::uint32_t width, std::uin
   std::array<double, 256> light;
   for (std::size_t code = 0; code < light.size(); ++code)
     light[code] = from.linear ? static_cast<double>(code) / 255
-                              : srgb_decoded(static_cast<std::uint8_t>(code));
+                              : image::srgb_decoded(static_cast<std::uint8_t>(code));
   // along x, then along y: each box over the texels that it overlaps
   const auto overlaps = [](std::uint32_t cells, std::uint32_t texels, std::uint32_t cell,
                            const auto& visit) {
@@ -149,7 +149,7 @@ scene::Texture reduced(const scene::Texture& from, std::uint32_t width, std::uin
       for (int k = 0; k < 3; ++k)
         out.rgba[4 * (std::size_t{y} * width + x) + static_cast<std::size_t>(k)] =
             from.linear ? static_cast<std::uint8_t>(std::floor(sum[k] * 255 + 0.5))
-                        : srgb_code(sum[k]);
+                        : image::srgb_code(sum[k]);
     }
   return out;
 }

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "base/parallel.h"
-#include "base/srgb.h"
 #include "compiler/tolerance.h"
 #include "geometry/tessellate/tessellate.h"
+#include "image/srgb.h"
 #include "materials/energy.h"
 
 namespace panwright::compiler::internal {
@@ -124,7 +124,7 @@ double mean_of(const scene::Texture& texture) {
   for (std::size_t i = 0; i < texels; i += step, count += 1)
     for (std::size_t k = 0; k < 3; ++k) {
       const double code = texture.rgba[4 * i + k] / 255.0;
-      sum += (texture.linear ? code : linear_from_srgb(code)) / 3;
+      sum += (texture.linear ? code : image::linear_from_srgb(code)) / 3;
     }
   return count > 0 ? sum / count : 1;
 }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/texture_bake.h"
+#include "image/texture_bake.h"
 #include "materials/material.h"
 
 namespace panwright::exporters {
@@ -18,7 +18,7 @@ class CellPattern {
 
   bool drawn() const { return !rgba_.empty(); }
   const Vec3& mean() const { return mean_; }
-  BakeSource source() const { return {rgba_, width_, height_, false}; }  // shares as RGB
+  image::BakeSource source() const { return {rgba_, width_, height_, false}; }  // shares as RGB
   // Returns the shares of a texel of the source, 0 to 1; the mean if it is not drawn.
   Vec3 shares(const Vec4& texel) const;
   // Returns the shares of the separate parts: each alone, or the mean.

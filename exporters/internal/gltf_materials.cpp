@@ -129,7 +129,7 @@ class Translation {
 
   // The mean of a texture stands for it; what it changes counts as lost.
   void flatten(std::int32_t texture) {
-    const BakeSource from = textures_.source(texture);
+    const image::BakeSource from = textures_.source(texture);
     Vec3 sum(0);
     std::vector<Vec3> all;
     each_sample([&](double u, double v) {
@@ -177,17 +177,17 @@ class Translation {
     return glm::min(shares.x * materials::reflectance_below_gltf_coat(m_, below), Vec3(1));
   }
 
-  Vec3 color_at(std::span<const BakeSource> sources, double u, double v) const {
+  Vec3 color_at(std::span<const image::BakeSource> sources, double u, double v) const {
     Vec3 color(1);
-    for (const BakeSource& source : sources) color *= Vec3(nearest_texel(source, u, v));
+    for (const image::BakeSource& source : sources) color *= Vec3(nearest_texel(source, u, v));
     return color;
   }
 
   void sample() {
-    std::vector<BakeSource> colors;
+    std::vector<image::BakeSource> colors;
     for (const std::int32_t texture : colors_) colors.push_back(textures_.source(texture));
-    const BakeSource shine = textures_.source(mapped() ? maps_.reflectance : -1);
-    const BakeSource rough = textures_.source(maps_.roughness);
+    const image::BakeSource shine = textures_.source(mapped() ? maps_.reflectance : -1);
+    const image::BakeSource rough = textures_.source(maps_.roughness);
     double roughness = 0;
     each_sample([&](double u, double v) {
       const Vec3 texel(nearest_texel(shine, u, v));
@@ -350,18 +350,19 @@ class Translation {
     const auto at = [&](std::size_t i) {
       return textures_.source(whole && i < colors_.size() ? colors_[i] : -1);
     };
-    const BakeSource sources[] = {at(0),
-                                  at(1),
-                                  textures_.source(whole && mapped() ? maps_.reflectance : -1),
-                                  textures_.source(wanted.rough ? maps_.roughness : -1),
-                                  textures_.source(wanted.base ? maps_.cutout : -1),
-                                  pattern_.source()};
+    const image::BakeSource sources[] = {
+        at(0),
+        at(1),
+        textures_.source(whole && mapped() ? maps_.reflectance : -1),
+        textures_.source(wanted.rough ? maps_.roughness : -1),
+        textures_.source(wanted.base ? maps_.cutout : -1),
+        pattern_.source()};
     // base, specular colour, metal and roughness, coat
     constexpr bool kCodes[] = {true, true, false, false};
     const Vec3 peak = glm::max(peak_, Vec3(1e-9));
     const Vec3 factor = glm::max(surface_.base, Vec3(1e-9));
     const bool cut = has_map(maps_.cutout);
-    Baked made = baked(
+    image::Baked made = image::baked(
         sources, kCodes,
         [&](std::span<const Vec4> from, std::span<Vec4> to) {
           const Vec3 shares = pattern_.shares(from[5]);

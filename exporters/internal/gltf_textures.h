@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/texture_bake.h"
+#include "image/texture_bake.h"
 #include "pan/model.h"
 
 namespace panwright::exporters {
@@ -35,7 +35,7 @@ class TexturePool {
                     std::vector<std::uint8_t> rgba);
 
   // A texture of the pan; −1: one that is 1 everywhere.
-  BakeSource source(std::int32_t texture) const;
+  image::BakeSource source(std::int32_t texture) const;
 
   // Returns all textures, in the order of their indices. Cost: O(texels).
   std::vector<Packed> packed() const;
@@ -59,6 +59,6 @@ class TexturePool {
 };
 
 // Returns the nearest texel of a texture at (u, v), 0 to 1, v downwards; RGBA decoded, 0 to 1.
-Vec4 nearest_texel(const BakeSource& source, double u, double v);
+Vec4 nearest_texel(const image::BakeSource& source, double u, double v);
 
 }  // namespace panwright::exporters

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/file.h"
-#include "base/srgb.h"
 #include "base/text.h"
+#include "image/srgb.h"
 #include "importers/gltf/base64.h"
 
 namespace panwright::importers::gltf {
@@ -20,7 +20,7 @@ bool is_webp(std::span<const std::byte> bytes) {
 }
 
 std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_bytes,
-                        DecodedImage& out) {
+                        image::DecodedImage& out) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   int width = 0, height = 0;
   if (!WebPGetInfo(data, bytes.size(), &width, &height) || width <= 0 || height <= 0)
@@ -28,7 +28,7 @@ std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_byte
   out.width = static_cast<std::uint32_t>(width);
   out.height = static_cast<std::uint32_t>(height);
   const std::uint64_t size = std::uint64_t{4} * out.width * out.height;
-  if (out.width > kMaxTextureSide || out.height > kMaxTextureSide || size > max_bytes)
+  if (out.width > image::kMaxTextureSide || out.height > image::kMaxTextureSide || size > max_bytes)
     return fmt::format("{} x {} pixels are over the limit", width, height);
   out.rgba.resize(size);
   if (!WebPDecodeRGBAInto(data, bytes.size(), out.rgba.data(), out.rgba.size(), width * 4))
@@ -36,7 +36,7 @@ std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_byte
   return {};
 }
 
-BakeSource source_of(const DecodedImage* image, bool srgb) {
+image::BakeSource source_of(const image::DecodedImage* image, bool srgb) {
   if (!image) return {};
   return {image->rgba, image->width, image->height, srgb};
 }
@@ -80,19 +80,19 @@ bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& n
   return true;
 }
 
-std::optional<DecodedImage> TextureReader::load(std::size_t image) {
+std::optional<image::DecodedImage> TextureReader::load(std::size_t image) {
   const Json& json = document_.root.list("images")[image];
   SharedText owner;
   std::span<const std::byte> bytes;
   if (!json.is(Json::Kind::object) || !bytes_of(image, json, names_[image], owner, bytes))
     return std::nullopt;
-  DecodedImage decoded;
+  image::DecodedImage decoded;
   const std::uint64_t left = document_.options.limits.texture_bytes - decoded_;
   std::string problem;
   if (is_webp(bytes)) {
     problem = decode_webp(bytes, left, decoded);
   } else {
-    const ImageProblem found = decode_image(bytes, left, decoded);
+    const image::ImageProblem found = image::decode_image(bytes, left, decoded);
     if (found.code) problem = found.message;
   }
   if (!problem.empty()) {
@@ -104,7 +104,7 @@ std::optional<DecodedImage> TextureReader::load(std::size_t image) {
   return decoded;
 }
 
-const DecodedImage* TextureReader::texture(int index, std::size_t& image) {
+const image::DecodedImage* TextureReader::texture(int index, std::size_t& image) {
   if (index < 0 || !document_.options.textures) return nullptr;
   const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(index)];
   int source = texture.source;
@@ -119,11 +119,11 @@ const DecodedImage* TextureReader::texture(int index, std::size_t& image) {
   image = static_cast<std::size_t>(source);
   const auto known = images_.find(image);
   if (known == images_.end()) images_[image] = load(image);
-  const std::optional<DecodedImage>& found = images_[image];
+  const std::optional<image::DecodedImage>& found = images_[image];
   return found ? &*found : nullptr;
 }
 
-const DecodedImage* TextureReader::texture(int index) {
+const image::DecodedImage* TextureReader::texture(int index) {
   std::size_t image = 0;
   return texture(index, image);
 }
@@ -135,7 +135,7 @@ std::string TextureReader::name_of(int index) {
 
 std::int32_t TextureReader::texture(int index, TextureUse use) {
   std::size_t image = 0;
-  const DecodedImage* found = texture(index, image);
+  const image::DecodedImage* found = texture(index, image);
   if (!found) return scene::kNone;
   const auto [place, is_new] =
       textures_.try_emplace({image, use}, static_cast<std::int32_t>(scene_.textures.size()));
@@ -156,7 +156,7 @@ std::int32_t TextureReader::texture(int index, TextureUse use) {
 
 Vec4 TextureReader::mean(int index, bool srgb) {
   std::size_t image = 0;
-  const DecodedImage* found = texture(index, image);
+  const image::DecodedImage* found = texture(index, image);
   if (!found || found->rgba.empty()) return Vec4(1);
   const auto [place, is_new] = means_.try_emplace({image, srgb}, Vec4(1));
   if (!is_new) return place->second;
@@ -168,14 +168,14 @@ Vec4 TextureReader::mean(int index, bool srgb) {
     for (std::size_t level = 0; level < 256; ++level) {
       const double value = static_cast<double>(level) / 255;
       sum[k] += static_cast<double>(counts[static_cast<std::size_t>(k)][level]) *
-                (srgb && k < 3 ? linear_from_srgb(value) : value);
+                (srgb && k < 3 ? image::linear_from_srgb(value) : value);
     }
   return place->second = sum / static_cast<double>(found->rgba.size() / 4);
 }
 
 bool TextureReader::is_even(int index, int channel) {
   std::size_t image = 0;
-  const DecodedImage* found = texture(index, image);
+  const image::DecodedImage* found = texture(index, image);
   if (!found || found->rgba.empty()) return true;
   const auto [place, is_new] = even_.try_emplace({image, channel}, true);
   const auto first = static_cast<std::size_t>(channel);
@@ -191,14 +191,15 @@ std::array<bool, 2> TextureReader::repeats(int index) const {
   return {found.wrapS == TINYGLTF_TEXTURE_WRAP_REPEAT, found.wrapT == TINYGLTF_TEXTURE_WRAP_REPEAT};
 }
 
-bool TextureReader::has_room(std::span<const BakeSource> sources, std::size_t textures) const {
+bool TextureReader::has_room(std::span<const image::BakeSource> sources,
+                             std::size_t textures) const {
   const std::uint64_t size =
-      std::uint64_t{4} * baked_width(sources) * baked_height(sources) * textures;
+      std::uint64_t{4} * image::baked_width(sources) * image::baked_height(sources) * textures;
   return size > 0 && size <= document_.options.limits.texture_bytes - decoded_;
 }
 
-std::int32_t TextureReader::add(int index, const char* what, Baked& baked, std::size_t texture,
-                                bool linear) {
+std::int32_t TextureReader::add(int index, const char* what, image::Baked& baked,
+                                std::size_t texture, bool linear) {
   std::vector<std::uint8_t>& rgba = baked.textures[texture];
   decoded_ += rgba.size();
   scene_.textures.push_back(
@@ -210,8 +211,8 @@ std::optional<RecipeTextures> TextureReader::metal(const MetalRecipe& recipe) {
   const int base = recipe.base, metal = recipe.metal;
   const Vec3 factor = recipe.factor, dielectric = recipe.dielectric;
   const double metallic = recipe.metallic;
-  const DecodedImage* color = texture(base);
-  const DecodedImage* part = texture(metal);
+  const image::DecodedImage* color = texture(base);
+  const image::DecodedImage* part = texture(metal);
   if ((base >= 0 && !color) || (metal >= 0 && !part)) return std::nullopt;
   // a metal and nothing else: its colour as it is
   if (!part && metallic == 1 && factor == Vec3(1))
@@ -220,17 +221,18 @@ std::optional<RecipeTextures> TextureReader::metal(const MetalRecipe& recipe) {
       made_.try_emplace({0.0, static_cast<double>(base), static_cast<double>(metal), factor.x,
                          factor.y, factor.z, metallic, dielectric.x, dielectric.y, dielectric.z});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {source_of(color, true), source_of(part, false)};
+  const image::BakeSource sources[] = {source_of(color, true), source_of(part, false)};
   // where all is equally metal, the colour's own texture is the albedo
   const bool two = part != nullptr;
   if (!has_room(sources, two ? 2 : 1)) return std::nullopt;
   constexpr bool kColors[] = {true, true};
-  Baked made = baked(sources, std::span(kColors, two ? 2 : 1),
-                     [&](std::span<const Vec4> from, std::span<Vec4> to) {
-                       const double share = metallic * from[1].z;
-                       to[0] = Vec4(glm::mix(dielectric, factor * Vec3(from[0]), share), from[0].w);
-                       if (two) to[1] = Vec4(Vec3(from[0]) * (1 - share), from[0].w);
-                     });
+  image::Baked made =
+      image::baked(sources, std::span(kColors, two ? 2 : 1),
+                   [&](std::span<const Vec4> from, std::span<Vec4> to) {
+                     const double share = metallic * from[1].z;
+                     to[0] = Vec4(glm::mix(dielectric, factor * Vec3(from[0]), share), from[0].w);
+                     if (two) to[1] = Vec4(Vec3(from[0]) * (1 - share), from[0].w);
+                   });
   RecipeTextures out;
   const int named = color ? base : metal;
   out.reflectance = add(named, ".reflectance", made, 0, false);
@@ -245,24 +247,25 @@ std::optional<RecipeTextures> TextureReader::gloss(const GlossRecipe& recipe) {
   const int diffuse = recipe.diffuse, specular = recipe.specular;
   const Vec3 factor = recipe.factor;
   const double glossiness = recipe.glossiness;
-  const DecodedImage* color = texture(diffuse);
-  const DecodedImage* shine = texture(specular);
+  const image::DecodedImage* color = texture(diffuse);
+  const image::DecodedImage* shine = texture(specular);
   if ((diffuse >= 0 && !color) || !shine) return std::nullopt;
   const auto [place, is_new] =
       made_.try_emplace({1.0, static_cast<double>(diffuse), static_cast<double>(specular), factor.x,
                          factor.y, factor.z, glossiness});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {source_of(color, true), source_of(shine, true)};
+  const image::BakeSource sources[] = {source_of(color, true), source_of(shine, true)};
   if (!has_room(sources, 3)) return std::nullopt;
   constexpr bool kColors[] = {true, true, false};
-  Baked made = baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
-    const Vec3 f0 = factor * Vec3(from[1]);
-    const double left = 1 - std::max({f0.x, f0.y, f0.z});
-    const double rough = 1 - glossiness * from[1].w;
-    to[0] = Vec4(f0, from[0].w);
-    to[1] = Vec4(Vec3(from[0]) * left, from[0].w);
-    to[2] = Vec4(Vec3(rough * rough), 1);
-  });
+  image::Baked made =
+      image::baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+        const Vec3 f0 = factor * Vec3(from[1]);
+        const double left = 1 - std::max({f0.x, f0.y, f0.z});
+        const double rough = 1 - glossiness * from[1].w;
+        to[0] = Vec4(f0, from[0].w);
+        to[1] = Vec4(Vec3(from[0]) * left, from[0].w);
+        to[2] = Vec4(Vec3(rough * rough), 1);
+      });
   RecipeTextures out;
   out.reflectance = add(specular, ".reflectance", made, 0, false);
   out.albedo = add(color ? diffuse : specular, ".albedo", made, 1, false);
@@ -271,21 +274,22 @@ std::optional<RecipeTextures> TextureReader::gloss(const GlossRecipe& recipe) {
 }
 
 std::optional<std::int32_t> TextureReader::normals(int index, double scale) {
-  const DecodedImage* image = texture(index);
+  const image::DecodedImage* image = texture(index);
   if (!image) return std::nullopt;
   const auto [place, is_new] = made_.try_emplace({2.0, static_cast<double>(index), scale});
   if (!is_new) return place->second ? std::optional(place->second->albedo) : std::nullopt;
-  const BakeSource sources[] = {source_of(image, false)};
+  const image::BakeSource sources[] = {source_of(image, false)};
   if (!has_room(sources, 1)) return std::nullopt;
   constexpr bool kNumbers[] = {false};
-  Baked made = baked(sources, kNumbers, [&](std::span<const Vec4> from, std::span<Vec4> to) {
-    Vec3 normal = Vec3(from[0]) * 2.0 - Vec3(1);
-    normal.x *= scale;
-    normal.y *= scale;
-    const double length = std::sqrt(glm::dot(normal, normal));
-    if (length > 1e-6) normal /= length;
-    to[0] = Vec4(normal * 0.5 + Vec3(0.5), 1);
-  });
+  image::Baked made =
+      image::baked(sources, kNumbers, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+        Vec3 normal = Vec3(from[0]) * 2.0 - Vec3(1);
+        normal.x *= scale;
+        normal.y *= scale;
+        const double length = std::sqrt(glm::dot(normal, normal));
+        if (length > 1e-6) normal /= length;
+        to[0] = Vec4(normal * 0.5 + Vec3(0.5), 1);
+      });
   RecipeTextures out;
   out.albedo = add(index, ".normals", made, 0, true);
   place->second = out;
@@ -294,18 +298,19 @@ std::optional<std::int32_t> TextureReader::normals(int index, double scale) {
 
 std::optional<std::int32_t> TextureReader::below_coat(int index, const Vec3& factor,
                                                       const materials::DiffuseCurve& curve) {
-  const DecodedImage* image = texture(index);
+  const image::DecodedImage* image = texture(index);
   if (!image) return std::nullopt;
   const auto [place, is_new] =
       made_.try_emplace({3.0, static_cast<double>(index), factor.x, factor.y, factor.z,
                          curve.gain.x, curve.gain.y, curve.gain.z, curve.back.x});
   if (!is_new) return place->second ? std::optional(place->second->albedo) : std::nullopt;
-  const BakeSource sources[] = {source_of(image, true)};
+  const image::BakeSource sources[] = {source_of(image, true)};
   if (!has_room(sources, 1)) return std::nullopt;
   constexpr bool kColors[] = {true};
-  Baked made = baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
-    to[0] = Vec4(curve.inverse(factor * Vec3(from[0])), from[0].w);
-  });
+  image::Baked made =
+      image::baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+        to[0] = Vec4(curve.inverse(factor * Vec3(from[0])), from[0].w);
+      });
   RecipeTextures out;
   out.albedo = add(index, ".albedo", made, 0, false);
   place->second = out;
@@ -321,8 +326,9 @@ Vec4 TextureReader::mean_of(std::int32_t texture) const {
     for (std::size_t level = 0; level < 256; ++level) {
       const auto code = static_cast<std::uint8_t>(level);
       const auto count = levels[static_cast<std::size_t>(k)][level];
-      sum[k] += static_cast<double>(count) *
-                (k < 3 && !found.linear ? srgb_decoded(code) : static_cast<double>(level) / 255);
+      sum[k] +=
+          static_cast<double>(count) *
+          (k < 3 && !found.linear ? image::srgb_decoded(code) : static_cast<double>(level) / 255);
     }
   return sum / static_cast<double>(std::max<std::size_t>(found.rgba.size() / 4, 1));
 }

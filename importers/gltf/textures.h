@@ -7,9 +7,9 @@
 #include <optional>
 #include <tuple>
 
-#include "base/texture_bake.h"
+#include "image/decode.h"
+#include "image/texture_bake.h"
 #include "importers/gltf/structs.h"
-#include "importers/image.h"
 #include "materials/gltf_surface.h"
 
 namespace panwright::importers::gltf {
@@ -75,19 +75,20 @@ class TextureReader {
   Vec4 mean_of(std::int32_t texture) const;
 
  private:
-  const DecodedImage* texture(int index, std::size_t& image);
-  const DecodedImage* texture(int index);
-  bool has_room(std::span<const BakeSource> sources, std::size_t textures) const;
-  std::int32_t add(int index, const char* what, Baked& baked, std::size_t texture, bool linear);
+  const image::DecodedImage* texture(int index, std::size_t& image);
+  const image::DecodedImage* texture(int index);
+  bool has_room(std::span<const image::BakeSource> sources, std::size_t textures) const;
+  std::int32_t add(int index, const char* what, image::Baked& baked, std::size_t texture,
+                   bool linear);
   std::string name_of(int index);
-  std::optional<DecodedImage> load(std::size_t image);
+  std::optional<image::DecodedImage> load(std::size_t image);
   bool bytes_of(std::size_t image, const Json& json, std::string& name, SharedText& owner,
                 std::span<const std::byte>& bytes);
 
   Document& document_;
   const tinygltf::Model& model_;
   scene::Scene& scene_;
-  std::map<std::size_t, std::optional<DecodedImage>> images_;
+  std::map<std::size_t, std::optional<image::DecodedImage>> images_;
   std::map<std::size_t, std::string> names_;
   std::map<std::pair<std::size_t, TextureUse>, std::int32_t> textures_;
   std::map<std::vector<double>, std::optional<RecipeTextures>> made_;  // by their recipes

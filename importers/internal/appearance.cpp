@@ -7,9 +7,9 @@
 #include <set>
 #include <vector>
 
-#include "base/srgb.h"
 #include "base/text.h"
-#include "importers/image.h"
+#include "image/decode.h"
+#include "image/srgb.h"
 #include "importers/internal/storable.h"
 
 namespace panwright::importers {
@@ -34,7 +34,7 @@ Vec3 brightest(const scene::Texture& texture) {
   Vec3 out;
   for (std::size_t k = 0; k < 3; ++k)
     out[static_cast<int>(k)] =
-        texture.linear ? static_cast<double>(most[k]) / 255 : srgb_decoded(most[k]);
+        texture.linear ? static_cast<double>(most[k]) / 255 : image::srgb_decoded(most[k]);
   return out;
 }
 
@@ -199,7 +199,7 @@ class AppearanceRules {
       if (m.maps.normal >= 0) maps.insert(m.maps.normal);
     for (const std::int32_t map : maps) {
       const scene::Texture& texture = scene_.textures[static_cast<std::size_t>(map)];
-      if (const auto problem = normal_map_problem(texture.rgba))
+      if (const auto problem = image::normal_map_problem(texture.rgba))
         log_.report_file(Code::W3003, name_,
                          fmt::format("{}: {}", in_quotes(texture.name), *problem));
     }

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
-#include "importers/image.h"
+#include "image/decode.h"
 
 namespace panwright::importers::meshes {
 
@@ -312,8 +312,8 @@ std::int32_t Assembly::texture(const FileName& name, bool linear, SourceSpan whe
   if (!is_new) return place->second;
   const auto found = context_.read_named(name, where);
   if (!found) return scene::kNone;
-  DecodedImage image;
-  const ImageProblem problem = decode_image(
+  image::DecodedImage image;
+  const image::ImageProblem problem = image::decode_image(
       as_bytes(*found->bytes), context_.options.limits.texture_bytes - texture_bytes_, image);
   if (problem.code) {
     context_.log.report(Code::W6004, where,

@@ -6,9 +6,9 @@
 #include <limits>
 #include <map>
 
-#include "base/srgb.h"
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
+#include "image/srgb.h"
 #include "importers/internal/reader_context.h"
 #include "importers/meshes/ply_values.h"
 #include "importers/meshes/readers.h"
@@ -210,7 +210,7 @@ class PlyReader {
   static double color_of(double value, PlyType type) {
     if (is_float(type)) return std::clamp(value, 0.0, 1.0);
     const double most = bytes_of(type) == 1 ? 255 : bytes_of(type) == 2 ? 65535 : 255;
-    return linear_from_srgb(std::clamp(value / most, 0.0, 1.0));
+    return image::linear_from_srgb(std::clamp(value / most, 0.0, 1.0));
   }
 
   void read_vertices(const PlyElement& element) {

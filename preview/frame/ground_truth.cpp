@@ -112,7 +112,7 @@ void set_truth_target(GroundTruthTarget& target, std::shared_ptr<const pan::Mode
 
 void fill_ground_truth(const world::Camera& camera, bool flat,
                        std::span<const GroundTruthTarget> targets, const Tile& tile,
-                       std::span<const TriangleId> ids, Image& image) {
+                       std::span<const TriangleId> ids, image::Image& image) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   const bool perspective = camera.projection == world::Projection::perspective;
   const auto fill_row = [&](std::size_t row) {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "image/image.h"
 #include "preview/frame/visible_set.h"
-#include "preview/image.h"
 #include "preview/model/draw_list.h"
 
 namespace panwright::preview {
@@ -47,6 +47,6 @@ struct TriangleId {
 //   image    its ground truth layers are initialised to background
 void fill_ground_truth(const world::Camera& camera, bool flat,
                        std::span<const GroundTruthTarget> targets, const Tile& tile,
-                       std::span<const TriangleId> ids, Image& image);
+                       std::span<const TriangleId> ids, image::Image& image);
 
 }  // namespace panwright::preview

@@ -52,7 +52,7 @@ float float_of_coarse(std::size_t bin) {
 
 }  // namespace
 
-void ErrorPredictor::predict(const Image& image, std::span<const float> patternless,
+void ErrorPredictor::predict(const image::Image& image, std::span<const float> patternless,
                              const Tile& part, std::vector<float>& errors) {
   const std::size_t stride = part.width + 2;
   const std::size_t count = stride * (part.height + 2);
@@ -119,8 +119,8 @@ void ErrorPredictor::predict(const Image& image, std::span<const float> patternl
   parallel_for(part.height, std::ref(error_row));
 }
 
-void ErrorPredictor::look_at_corners(const Image& image, std::span<const float> patternless,
-                                     const Image& corners,
+void ErrorPredictor::look_at_corners(const image::Image& image, std::span<const float> patternless,
+                                     const image::Image& corners,
                                      std::span<const float> corner_patternless, const Tile& part,
                                      std::span<float> errors) const {
   const auto look_at_row = [&](std::size_t row) {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "image/image.h"
 #include "preview/frame/samples.h"
-#include "preview/image.h"
 
 namespace panwright::preview {
 
@@ -21,16 +21,16 @@ class ErrorPredictor {
   // patternless: of each pixel of the part, its radiance without patterns (solar cells, which are
   //              no error), below 0: as it is; empty: no patterns.
   // errors: of each pixel of the part, radiance, rms over the channels; resized.
-  void predict(const Image& image, std::span<const float> patternless, const Tile& part,
+  void predict(const image::Image& image, std::span<const float> patternless, const Tile& part,
                std::vector<float>& errors);
 
   // Raises the errors of predict() by the corners of a pixel: the second differences along its
   // diagonals.
   //
   //   corners  an image whose samples lie half a pixel left of and above those of the first
-  void look_at_corners(const Image& image, std::span<const float> patternless, const Image& corners,
-                       std::span<const float> corner_patternless, const Tile& part,
-                       std::span<float> errors) const;
+  void look_at_corners(const image::Image& image, std::span<const float> patternless,
+                       const image::Image& corners, std::span<const float> corner_patternless,
+                       const Tile& part, std::span<float> errors) const;
 
  private:
   std::vector<float> values_;       // RGB of the part and a pixel around it

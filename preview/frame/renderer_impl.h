@@ -27,7 +27,7 @@ namespace panwright::preview {
 
 // Resets an image to the camera's size. Radiance and coverage keep their old values; the rest is
 // background.
-void reset(Image& image, const world::Camera& camera, bool ground_truth);
+void reset(image::Image& image, const world::Camera& camera, bool ground_truth);
 
 struct Renderer::Impl {
   explicit Impl(std::shared_ptr<Device> device_in)
@@ -38,7 +38,7 @@ struct Renderer::Impl {
 
   // View under way, or a finished one, whose memory is reused.
   struct Frame {
-    Image image;
+    image::Image image;
     world::Camera camera;
     bool flat = false;
     std::vector<GroundTruthTarget> targets;
@@ -127,9 +127,9 @@ struct Renderer::Impl {
   std::array<Frame, kFrames> frames;
   std::size_t first_frame = 0;
   std::size_t used_frames = 0;
-  std::vector<Image> spare;  // at most the number of frames
-  SamplingReport report;     // of the image collected last
-  Job job;                   // of the call under way
+  std::vector<image::Image> spare;  // at most the number of frames
+  SamplingReport report;            // of the image collected last
+  Job job;                          // of the call under way
   // of one frame, kept for the next one
   std::vector<TargetShape> shapes;
   std::vector<LeveledTarget> leveled;
@@ -140,7 +140,7 @@ struct Renderer::Impl {
   ImposterFinder imposter_finder;
   Outline outline;
   double relief = 0;                 // of the last draw_texels(): of shadows, relative to the flux
-  Image other_texels;                // of targets without imposters
+  image::Image other_texels;         // of targets without imposters
   VisibleSetFinder drawn_sets;       // of partial draws, without some targets
   std::vector<std::uint8_t> hidden;  // of the world's targets: 1 to leave out
   TileScene on_tile;

@@ -20,7 +20,7 @@ constexpr unsigned kFinePoints = 8;
 
 // Takes what shading.frag says beside the coverage: what relief finer than the shadow map's texels
 // may add to the flux, relative.
-double taken_relief(const world::Sun& sun, Image& image) {
+double taken_relief(const world::Sun& sun, image::Image& image) {
   const Vec3 irradiance = sun.irradiance.value_or(Vec3(1));
   const double whole = max_component(irradiance);
   double relief = 0;
@@ -37,7 +37,7 @@ double taken_relief(const world::Sun& sun, Image& image) {
 }
 
 // The flux of texels of a size, in any unit.
-double flux_of(const Image& image, double texel) {
+double flux_of(const image::Image& image, double texel) {
   double flux = 0;
   for (const float value : image.radiance) flux += value;
   return flux * texel * texel;

@@ -96,7 +96,7 @@ bool Renderer::Impl::submit_tile(Ring& ring, const TileUnderWay& tile, Diagnosti
 
 bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& options,
                                      std::size_t frame, DiagnosticLog& log) {
-  const Image& image = frames[frame].image;
+  const image::Image& image = frames[frame].image;
   if (scene.visible.targets.empty()) {
     const Tile whole{0, 0, image.width, image.height};
     clear_around(whole, {}, frames[frame].image);
@@ -169,7 +169,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
 bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& options,
                              std::span<const GLenum> formats, std::size_t frame,
                              DiagnosticLog& log) {
-  Image& image = frames[frame].image;
+  image::Image& image = frames[frame].image;
   clear_around({0, 0, image.width, image.height}, {}, image);
   if (!sampling->render(scene, options, formats, image, job, log)) return false;
   const SamplingReport sampled_report = sampling->report();
@@ -184,7 +184,7 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
 
 bool Renderer::Impl::submit_truth(const FrameScene& scene, const RenderOptions& options,
                                   std::size_t frame, DiagnosticLog& log) {
-  const Image& image = frames[frame].image;
+  const image::Image& image = frames[frame].image;
   std::vector<GroundTruthTarget>& targets = frames[frame].targets;
   targets.resize(scene.visible.targets.size());
   if (targets.empty()) return true;

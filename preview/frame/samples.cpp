@@ -6,7 +6,7 @@
 
 namespace panwright::preview {
 
-void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image) {
+void store_pixels(std::span<const float> rgba, const Tile& tile, image::Image& image) {
   const auto store_row = [&](std::size_t row) {
     const std::size_t first = (tile.y + row) * image.width + tile.x;
     float* radiance = image.radiance.data() + 3 * first;
@@ -20,7 +20,7 @@ void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image) {
   parallel_for(tile.height, std::ref(store_row));
 }
 
-void clear_around(const Tile& whole, const Tile& part, Image& image) {
+void clear_around(const Tile& whole, const Tile& part, image::Image& image) {
   const bool none = part.width == 0 || part.height == 0;
   const auto clear = [&](std::size_t y, std::size_t first, std::size_t end) {
     const std::size_t row = y * image.width;

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "image/image.h"
 #include "preview/frame/projection.h"
-#include "preview/image.h"
 
 namespace panwright::preview {
 
@@ -37,7 +37,7 @@ class Tiles {
 // Sets the radiance and coverage of a tile's pixels.
 //
 //   rgba  4*tile.height*tile.width linear, from the top left
-void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image);
+void store_pixels(std::span<const float> rgba, const Tile& tile, image::Image& image);
 
 // Pixel of an image, in the order of rows.
 struct Pixel {
@@ -71,6 +71,6 @@ std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint3
                               std::uint32_t width, std::uint32_t height, std::uint64_t worth);
 
 // Clears the pixels of a tile outside a part to background. Empty part: all.
-void clear_around(const Tile& whole, const Tile& part, Image& image);
+void clear_around(const Tile& whole, const Tile& part, image::Image& image);
 
 }  // namespace panwright::preview

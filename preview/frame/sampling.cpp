@@ -72,7 +72,7 @@ double triangles_on(const FrameScene& scene, const TileScene& tile) {
   return triangles;
 }
 
-ImageSums sums_of(const Image& image) {
+ImageSums sums_of(const image::Image& image) {
   ImageSums sums;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     if (image.coverage[i] == 0) continue;
@@ -107,7 +107,7 @@ struct Sampling::Frame {
   const FrameScene& scene;
   const RenderOptions& options;
   std::span<const GLenum> formats;
-  Image& image;
+  image::Image& image;
   const Job& job;
   DiagnosticLog& log;
   std::uint32_t width = 0;   // of the largest tile, samples
@@ -166,7 +166,7 @@ bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint
 }
 
 bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
-                      std::span<const GLenum> formats, Image& image, const Job& job,
+                      std::span<const GLenum> formats, image::Image& image, const Job& job,
                       DiagnosticLog& log) {
   Frame frame{scene, options, formats, image, job, log, 0, 0, {}, 0};
   const TileScene whole = tile_scene(scene, {0, 0, image.width, image.height});
@@ -376,7 +376,7 @@ void Sampling::raise_around_surprises(const Frame& frame) {
 }
 
 // What shading.frag says of solar cells beside the coverage.
-void Sampling::take_patternless(const Frame& frame, const Tile& tile, Image& image,
+void Sampling::take_patternless(const Frame& frame, const Tile& tile, image::Image& image,
                                 std::vector<float>& patternless) const {
   const Vec3 irradiance = frame.scene.world.sun().irradiance.value_or(Vec3(1));
   const auto whole = static_cast<float>(std::max({irradiance.x, irradiance.y, irradiance.z}));
@@ -390,7 +390,8 @@ void Sampling::take_patternless(const Frame& frame, const Tile& tile, Image& ima
 }
 
 // One sample a pixel, and what their errors are predicted from.
-bool Sampling::one_sample_each(const Frame& frame, Image& image, std::vector<float>& patternless) {
+bool Sampling::one_sample_each(const Frame& frame, image::Image& image,
+                               std::vector<float>& patternless) {
   const Pass pass = frame.options.flat ? Pass::flat_geometry : Pass::geometry;
   bool cells = false;
   for (std::size_t v = 0; v < frame.scene.visible.targets.size(); ++v)

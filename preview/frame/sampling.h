@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "image/image.h"
 #include "preview/frame/outline.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/pixel_errors.h"
 #include "preview/frame/samples.h"
-#include "preview/image.h"
 #include "preview/renderer.h"
 
 namespace panwright::preview {
@@ -38,7 +38,8 @@ class Sampling {
   // Expects: something in view, shadows up to date, a current context.
   // Fails: E0001, E5001, E5003.
   bool render(const FrameScene& scene, const RenderOptions& options,
-              std::span<const GLenum> formats, Image& image, const Job& job, DiagnosticLog& log);
+              std::span<const GLenum> formats, image::Image& image, const Job& job,
+              DiagnosticLog& log);
 
   // Of the last render().
   const SamplingReport& report() const { return report_; }
@@ -46,9 +47,9 @@ class Sampling {
  private:
   struct Frame;  // shared state of one render() call
 
-  bool one_sample_each(const Frame& frame, Image& image, std::vector<float>& patternless);
+  bool one_sample_each(const Frame& frame, image::Image& image, std::vector<float>& patternless);
   bool look_at_corners(const Frame& frame);
-  void take_patternless(const Frame& frame, const Tile& tile, Image& image,
+  void take_patternless(const Frame& frame, const Tile& tile, image::Image& image,
                         std::vector<float>& patternless) const;
   bool refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
               std::span<float> error);
@@ -87,7 +88,7 @@ class Sampling {
   std::vector<float> patternless_;
   std::vector<float> corner_patternless_;
   std::vector<float> corner_errors_;  // errors seen by the corners of pixels
-  Image corners_;
+  image::Image corners_;
   std::vector<float> predicted_;
   std::vector<float> errors_;
   std::vector<float> spreads_;  // of the measured pixels

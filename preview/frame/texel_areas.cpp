@@ -187,13 +187,13 @@ Tile part_of(const Imposter& imposter, double border, std::uint32_t width, std::
 // What texels show, and nothing of what others show.
 struct Texels {
   const Imposter& imposter;
-  const Image& all;
-  const Image* others = nullptr;
+  const image::Image& all;
+  const image::Image* others = nullptr;
   std::span<const PlaneRect> finer;
 
   // Radiance and coverage. False: nothing.
   bool at(std::size_t index, Vec4& light) const {
-    const auto of = [&](const Image& image) {
+    const auto of = [&](const image::Image& image) {
       const float* radiance = image.radiance.data() + 3 * index;
       return Vec4(radiance[0], radiance[1], radiance[2], image.coverage[index]);
     };
@@ -362,9 +362,9 @@ void convolve_layer(std::span<const double> kernel, std::size_t channels, std::s
 
 }  // namespace
 
-ImposterPatch patch_of(const Imposter& imposter, const Image& texels, const Image* others,
-                       std::span<const PlaneRect> finer, double sigma, std::uint32_t width,
-                       std::uint32_t height) {
+ImposterPatch patch_of(const Imposter& imposter, const image::Image& texels,
+                       const image::Image* others, std::span<const PlaneRect> finer, double sigma,
+                       std::uint32_t width, std::uint32_t height) {
   ImposterPatch patch;
   patch.part = part_of(imposter, sigma > 0 ? kReach * sigma + 1 : 0, width, height);
   if (patch.part.width == 0) return patch;
@@ -377,7 +377,7 @@ ImposterPatch patch_of(const Imposter& imposter, const Image& texels, const Imag
   return patch;
 }
 
-double flux_error_of(const Image& texels) {
+double flux_error_of(const image::Image& texels) {
   // what a disc of radius r has: 0.29 r^-3/2 of its area, and 8 r steps
   constexpr double kStep = 0.29 * kPi / 2.8284271247461903;
   double sum = 0;
@@ -401,7 +401,7 @@ double flux_error_of(const Image& texels) {
   return sum > 0 ? kStep * std::sqrt(squares) / sum : 0;
 }
 
-double pixel_error_of(const Image& texels, double flux_error, double rate) {
+double pixel_error_of(const image::Image& texels, double flux_error, double rate) {
   double sum = 0;
   double squares = 0;
   for (std::size_t i = 0; i < texels.radiance.size(); i += 3) {
@@ -414,13 +414,13 @@ double pixel_error_of(const Image& texels, double flux_error, double rate) {
   return squares > 0 ? flux_error * sum / (std::sqrt(squares) * rate) : 0;
 }
 
-void convolve(double sigma, Image& image) {
+void convolve(double sigma, image::Image& image) {
   const std::vector<double> kernel = kernel_of(sigma);
   convolve_layer(kernel, 3, image.width, image.height, image.radiance);
   convolve_layer(kernel, 1, image.width, image.height, image.coverage);
 }
 
-void add_patches(std::span<const ImposterPatch> patches, Image& image) {
+void add_patches(std::span<const ImposterPatch> patches, image::Image& image) {
   for (const ImposterPatch& patch : patches) {
     const double* light = patch.light.data();
     for (std::size_t y = 0; y < patch.part.height; ++y)

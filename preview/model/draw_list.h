@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "image/image.h"
 #include "materials/material.h"
 #include "pan/model.h"
 #include "preview/gl/variant.h"
-#include "preview/image.h"
 #include "world/evaluation.h"
 
 namespace panwright::preview {

@@ -3,7 +3,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "preview/model/texture_levels.h"
 
 namespace panwright::preview {
@@ -60,7 +60,7 @@ TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t wid
   std::array<float, 256> value{};
   for (std::size_t code = 0; code < value.size(); ++code)
     value[code] = static_cast<float>(linear ? static_cast<double>(code) / 255
-                                            : srgb_decoded(static_cast<std::uint8_t>(code)));
+                                            : image::srgb_decoded(static_cast<std::uint8_t>(code)));
   TextureLevel level;
   level.width = width;
   level.height = height;

@@ -108,7 +108,7 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
 
 // what lies at the pixels' centres
 void add_ground_truth(const TraceScene& scene, const world::World& world,
-                      const world::Camera& camera, bool flat, Image& image, const Job& job) {
+                      const world::Camera& camera, bool flat, image::Image& image, const Job& job) {
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
@@ -232,7 +232,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   scene.place_camera(camera);
 
   ReferenceImage result;
-  Image& image = result.image;
+  image::Image& image = result.image;
   image.width = camera.width;
   image.height = camera.height;
   image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";

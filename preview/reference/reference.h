@@ -9,7 +9,7 @@
 #include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "world/camera.h"
 #include "world/world.h"
 
@@ -37,7 +37,7 @@ struct ReferenceOptions {
 
 // View with its error estimates. H = height, W = width of the image.
 struct ReferenceImage {
-  Image image;
+  image::Image image;
   // 3*H*W one standard error of the radiance, in its unit, from the pixel's samples and those
   // around it. 99 % of pixels with light lie within three of them, also with few samples
   // (docs/reference-renderer.md). Larger than the true error on average, at most by half; for sums

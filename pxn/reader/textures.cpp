@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "importers/image.h"
+#include "image/decode.h"
 #include "pxn/reader/loader.h"
 
 namespace panwright::pxn {
@@ -15,7 +15,7 @@ using schemas::ElementId;
 namespace {
 
 // Makes alpha of brightness, where a texture has no alpha.
-void alpha_from_brightness(importers::DecodedImage& image) {
+void alpha_from_brightness(image::DecodedImage& image) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4)
     if (image.rgba[i] != 255) return;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4)
@@ -57,8 +57,8 @@ std::optional<std::uint32_t> Loader::load_texture(Work& work, std::uint32_t elem
   if (!bytes) return std::nullopt;
   add_input(found, as_bytes(**bytes));
   const std::uint64_t left = options_.limits.texture_bytes - texture_bytes_;
-  importers::DecodedImage image;
-  const importers::ImageProblem problem = importers::decode_image(as_bytes(**bytes), left, image);
+  image::DecodedImage image;
+  const image::ImageProblem problem = image::decode_image(as_bytes(**bytes), left, image);
   if (problem.code) {
     reporter_.report(*problem.code, where, work.file.document, element, [&] {
       return Reporter::Text(fmt::format("{}: {}", in_quotes(file), problem.message));
@@ -85,8 +85,8 @@ materials::Maps Loader::read_maps(Work& work, std::uint32_t element, const mater
   read(element, attribute::named_material_albedo_map, TextureKind::color, maps.albedo);
   read(element, attribute::named_material_normal_map, TextureKind::linear, maps.normal);
   if (maps.normal >= 0 && values.has(element, attribute::named_material_normal_map))
-    if (const auto problem = importers::normal_map_problem(
-            scene_.textures[static_cast<std::size_t>(maps.normal)].rgba))
+    if (const auto problem =
+            image::normal_map_problem(scene_.textures[static_cast<std::size_t>(maps.normal)].rgba))
       reporter_.report(
           Code::W3003, values.value_place(element, attribute::named_material_normal_map), document,
           element, [&] {

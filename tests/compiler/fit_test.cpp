@@ -8,12 +8,12 @@
 #include <memory>
 #include <numeric>
 
-#include "base/srgb.h"
 #include "compiler/compile.h"
 #include "compiler/internal/approach.h"
 #include "compiler/internal/fit.h"
 #include "geometry/mesh/distance.h"
 #include "geometry/tessellate/tessellate.h"
+#include "image/srgb.h"
 #include "pan/model.h"
 #include "tests/compiler/facet_sums.h"
 
@@ -365,7 +365,7 @@ TEST(Fit, TexturesAreHalvedWhileAPixelSeesTwoTexels) {
     for (int k = 0; k < 3; ++k) {
       state = state * 1664525u + 1013904223u;
       texture.rgba.push_back(static_cast<std::uint8_t>(state >> 24));
-      light += srgb_decoded(texture.rgba.back()) / (3.0 * 256 * 256);
+      light += image::srgb_decoded(texture.rgba.back()) / (3.0 * 256 * 256);
     }
     texture.rgba.push_back(255);
   }
@@ -383,7 +383,7 @@ TEST(Fit, TexturesAreHalvedWhileAPixelSeesTwoTexels) {
     double mean = 0;
     const auto& rgba = out.scene().textures[0].rgba;
     for (std::size_t i = 0; i < rgba.size(); ++i)
-      if (i % 4 != 3) mean += srgb_decoded(rgba[i]) / (3.0 * side * side);
+      if (i % 4 != 3) mean += image::srgb_decoded(rgba[i]) / (3.0 * side * side);
     // one code in 255 at the most, where there is but one texel
     EXPECT_NEAR(mean, light, side <= 2 ? 4e-3 : 1e-4) << side;
   }

@@ -9,9 +9,9 @@
 #include <set>
 #include <span>
 
-#include "base/srgb.h"
 #include "compiler/compile.h"
 #include "exporters/export.h"
+#include "image/srgb.h"
 #include "tests/importers/gltf/sample.h"
 
 namespace panwright::exporters::gltf_test {
@@ -363,8 +363,8 @@ double apart(const scene::Texture& texture, const Vec3& factor, const std::vecto
   for (std::size_t i = 0; i < std::min(wanted.size(), texture.rgba.size() / 4); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto c = static_cast<int>(k);
-      worst = std::max(worst,
-                       std::fabs(srgb_decoded(texture.rgba[4 * i + k]) * factor[c] - wanted[i][c]));
+      worst = std::max(worst, std::fabs(image::srgb_decoded(texture.rgba[4 * i + k]) * factor[c] -
+                                        wanted[i][c]));
     }
   return worst;
 }
@@ -375,10 +375,12 @@ TEST(GltfExport, ReflectanceMapsAreColorsOfMetalsOrMixtures) {
   scene::Scene scene = spacecraft();
   const std::vector<std::uint8_t> metal = {255, 0, 0, 255, 0, 255, 10, 255};
   // 0.04·½ + ½·(0.6, 0.5, 0.2) and a dielectric
-  const std::vector<std::uint8_t> mixed = {srgb_code(0.32), srgb_code(0.27), srgb_code(0.12), 255,
-                                           srgb_code(0.04), srgb_code(0.04), srgb_code(0.04), 255};
-  const std::vector<std::uint8_t> below = {srgb_code(0.6), srgb_code(0.5), srgb_code(0.2), 255,
-                                           srgb_code(0.9), srgb_code(0.2), srgb_code(0.4), 255};
+  const std::vector<std::uint8_t> mixed = {
+      image::srgb_code(0.32), image::srgb_code(0.27), image::srgb_code(0.12), 255,
+      image::srgb_code(0.04), image::srgb_code(0.04), image::srgb_code(0.04), 255};
+  const std::vector<std::uint8_t> below = {
+      image::srgb_code(0.6), image::srgb_code(0.5), image::srgb_code(0.2), 255,
+      image::srgb_code(0.9), image::srgb_code(0.2), image::srgb_code(0.4), 255};
   scene.materials[2] = scene.materials[0];
   scene.materials[2].name = "panel";
   scene.materials[2].maps.reflectance = 0;
@@ -498,7 +500,7 @@ TEST(GltfExport, SolarCellsAreDrawn) {
   for (int c = 0; c < 3; ++c) {
     double sum = 0;
     for (std::size_t i = static_cast<std::size_t>(c); i < texture.rgba.size(); i += 4)
-      sum += srgb_decoded(texture.rgba[i]) * back->diffuse[c];
+      sum += image::srgb_decoded(texture.rgba[i]) * back->diffuse[c];
     const double found = 4 * sum / static_cast<double>(texture.rgba.size());
     // measured 8e-4, by codes
     EXPECT_NEAR(found, cell * 0.1 + finger * 0.6 + gap * cells.gap_color[c], 1e-3);

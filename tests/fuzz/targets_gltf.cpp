@@ -6,9 +6,9 @@
 
 #include "compiler/compile.h"
 #include "exporters/export.h"
-#include "importers/image.h"
+#include "image/decode.h"
+#include "image/gif.h"
 #include "importers/import.h"
-#include "importers/vrml/internal/gif.h"
 #include "pan/model.h"
 #include "tests/fuzz/require.h"
 
@@ -103,10 +103,9 @@ void mesh(std::span<const std::byte> input) {
 
 void image(std::span<const std::byte> input) {
   constexpr std::uint64_t kMost = 1 << 22;
-  importers::DecodedImage out;
-  const auto problem = importers::vrml::is_gif(input)
-                           ? importers::vrml::decode_gif(input, kMost, out)
-                           : importers::decode_image(input, kMost, out);
+  image::DecodedImage out;
+  const auto problem = image::is_gif(input) ? image::decode_gif(input, kMost, out)
+                                            : image::decode_image(input, kMost, out);
   require(problem.code.has_value() == !problem.message.empty(), "a message with each code");
   if (problem.code) return;
   require(out.rgba.size() == std::size_t{4} * out.width * out.height, "as many texels as its size");

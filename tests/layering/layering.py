@@ -9,16 +9,17 @@ import sys
 ALLOWED = {
     "base": [],
     "schemas": [],
+    "image": ["base", "schemas"],
     "geometry": ["base", "schemas"],
-    "materials": ["base", "schemas"],
+    "materials": ["base", "schemas", "image"],
     "mli": ["geometry"],
     "scene": ["geometry", "materials", "mli"],
     "pan": ["geometry", "materials", "schemas"],
-    "importers": ["scene"],
-    "exporters": ["pan"],
+    "importers": ["scene", "image"],
+    "exporters": ["pan", "image"],
     "compiler": ["scene", "pan"],
     "world": ["pan"],
-    "preview": ["world"],
+    "preview": ["world", "image"],
     "pxn": ["scene", "importers", "schemas"],
     "workspace": ["pxn", "importers", "exporters", "compiler", "world", "preview"],
     "studio": ["workspace", "preview"],
@@ -31,7 +32,7 @@ PARTS = {
     "importers": {"internal": [], "vrml": ["internal"], "gltf": ["internal"], "meshes": ["internal"], "step": ["internal"],
                   "urdf": ["internal"], "mjcf": ["internal"]},
     "materials": {"generated": [], "formulas": [], "presets": [], "internal": ["formulas", "generated"]},
-    "preview": {"shaders": [], "image": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
+    "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 # includes that these tables forbid, each with its reason
@@ -40,12 +41,13 @@ UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]
 # Sub-folders that serve their folder alone; cmake/PanwrightInstall.cmake leaves them out too.
 OWN = ("importers/vrml/", "importers/gltf/", "importers/meshes/", "importers/step/", "importers/urdf/", "importers/mjcf/", "pxn/text/", "pxn/expression/",
-       "pxn/reader/", "preview/gl/", "preview/image/", "preview/model/", "preview/frame/")
+       "pxn/reader/", "preview/gl/", "preview/model/", "preview/frame/")
 # The reference renderer is an oracle of the preview: of what the two could share it includes these
 # alone, and calls none of what follows.
 REFERENCE = "preview/reference/"
 REFERENCE_INCLUDES = {
-    "preview": ("image.h", "reference/"),
+    "preview": ("reference/",),
+    "image": ("image.h",),
     "world": ("world.h", "camera.h"),
     "geometry": ("ray/", "mesh.h"),
 }

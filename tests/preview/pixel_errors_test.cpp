@@ -15,9 +15,9 @@ namespace {
 constexpr float kShare = 0.3f;            // of a second difference
 constexpr float kNeighbourShare = 0.05f;  // of a neighbour's
 
-Image image_of(std::uint32_t width, std::uint32_t height,
-               const std::function<float(std::uint32_t, std::uint32_t)>& value) {
-  Image image;
+image::Image image_of(std::uint32_t width, std::uint32_t height,
+                      const std::function<float(std::uint32_t, std::uint32_t)>& value) {
+  image::Image image;
   image.width = width;
   image.height = height;
   image.coverage.assign(image.pixels(), 1);
@@ -28,7 +28,7 @@ Image image_of(std::uint32_t width, std::uint32_t height,
 }
 
 TEST(PixelErrors, SlopesAreNoErrors) {
-  const Image image = image_of(20, 12, [](std::uint32_t x, std::uint32_t y) {
+  const image::Image image = image_of(20, 12, [](std::uint32_t x, std::uint32_t y) {
     return 0.5f + 0.125f * static_cast<float>(x) + 0.25f * static_cast<float>(y);
   });
   std::vector<float> errors;
@@ -38,7 +38,7 @@ TEST(PixelErrors, SlopesAreNoErrors) {
 }
 
 TEST(PixelErrors, EdgesAreSeenFromBothSides) {
-  const Image image =
+  const image::Image image =
       image_of(20, 9, [](std::uint32_t x, std::uint32_t) { return x < 10 ? 0.25f : 2.25f; });
   std::vector<float> errors;
   ErrorPredictor().predict(image, {}, {0, 0, 20, 9}, errors);
@@ -53,7 +53,7 @@ TEST(PixelErrors, EdgesAreSeenFromBothSides) {
 TEST(PixelErrors, PatternsAreNoErrorsButTheirBordersAre) {
   std::mt19937 random(7);
   const auto noise = [&] { return static_cast<float>(random() % 1000) / 1000; };
-  Image image =
+  image::Image image =
       image_of(16, 16, [&](std::uint32_t x, std::uint32_t) { return x < 8 ? noise() : 0.5f; });
   std::vector<float> patternless(16 * 16, -1.0f);
   for (std::size_t y = 0; y < 16; ++y)

@@ -38,8 +38,8 @@ Imposter imposter_at(const world::Camera& camera, const Vec2& pixel, const Vec2&
 // An image whose texels have the coverage that a function of their centres, pixels, says; radiance
 // twice that.
 template <class Inside>
-Image texels_of(const Imposter& imposter, const Inside& inside) {
-  Image image;
+image::Image texels_of(const Imposter& imposter, const Inside& inside) {
+  image::Image image;
   image.width = imposter.camera.width;
   image.height = imposter.camera.height;
   image.radiance.resize(3 * image.pixels());
@@ -80,7 +80,7 @@ TEST(TexelAreas, WhatIsFullIsFull) {
     const world::Camera camera = camera_of();
     const Imposter imposter =
         imposter_at(camera, Vec2(16 + offset(random), 16 + offset(random)), Vec2(14, 12), 71);
-    const Image texels = texels_of(imposter, [](const Vec2&) { return 1; });
+    const image::Image texels = texels_of(imposter, [](const Vec2&) { return 1; });
     const ImposterPatch patch = patch_of(imposter, texels, nullptr, {}, 0, 32, 32);
     EXPECT_NEAR(sum_of(patch), 14 * 12, 1e-10);
     EXPECT_NEAR(sum_of(patch, 0), 2 * 14 * 12, 1e-10);
@@ -102,7 +102,7 @@ TEST(TexelAreas, EachPixelHasTheAreaInCommon) {
     camera.focal = Vec2(1000, run % 2 == 0 ? 1000 : 700);
     Imposter imposter =
         imposter_at(camera, Vec2(16 + offset(random), 16 + offset(random)), Vec2(3, 2.6), 8);
-    Image texels = texels_of(imposter, [](const Vec2&) { return 0; });
+    image::Image texels = texels_of(imposter, [](const Vec2&) { return 0; });
     const std::uint32_t i = texels.width / 2;
     const std::uint32_t j = texels.height / 2 - 1;
     texels.coverage[j * texels.width + i] = 1;
@@ -136,7 +136,7 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
     const double r = 3 + 0.01 * run;
     const Vec2 centre(16.3, 15.8);
     const Imposter imposter = imposter_at(camera, centre, Vec2(8), 128);
-    const Image disc =
+    const image::Image disc =
         texels_of(imposter, [&](const Vec2& p) { return glm::length(p - centre) < r ? 1 : 0; });
     const ImposterPatch patch = patch_of(imposter, disc, nullptr, {}, 0, 32, 32);
     const double error = sum_of(patch) / (kPi * r * r) - 1;
@@ -147,7 +147,7 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
     EXPECT_NEAR(centre_of(patch).y, centre.y, 0.012);
     // along rows and columns of the image: where straight grids are off by up to 1/50
     const double half = 1.5 + 0.013 * run;
-    const Image plate = texels_of(imposter, [&](const Vec2& p) {
+    const image::Image plate = texels_of(imposter, [&](const Vec2& p) {
       return std::fabs(p.x - centre.x) < half && std::fabs(p.y - centre.y) < half ? 1 : 0;
     });
     plates = std::max(plates, std::fabs(sum_of(patch_of(imposter, plate, nullptr, {}, 0, 32, 32)) /
@@ -168,7 +168,7 @@ TEST(TexelAreas, ShiftsOfPixelsChangeNothing) {
     camera.principal += Vec2(0.017 * run, -0.031 * run);
     const Vec2 centre = camera.principal + Vec2(1.3, -2.2);
     const Imposter imposter = imposter_at(camera, centre, Vec2(0.9), 128);
-    const Image disc =
+    const image::Image disc =
         texels_of(imposter, [&](const Vec2& p) { return glm::length(p - centre) < 0.4 ? 1 : 0; });
     const ImposterPatch patch = patch_of(imposter, disc, nullptr, {}, 0, 32, 32);
     if (run == 0) first = sum_of(patch);
@@ -184,7 +184,7 @@ TEST(TexelAreas, PsfIsTheIntegralOverPixels) {
     for (int run = 0; run < 10; ++run) {
       const Vec2 at(30 + offset(random), 30 + offset(random));
       const Imposter imposter = imposter_at(camera_of(60), at, Vec2(0.01), 64);
-      const Image dot =
+      const image::Image dot =
           texels_of(imposter, [&](const Vec2& p) { return glm::length(p - at) < 4e-3 ? 1 : 0; });
       const ImposterPatch patch = patch_of(imposter, dot, nullptr, {}, sigma, 60, 60);
       const double flux = sum_of(patch_of(imposter, dot, nullptr, {}, 0, 60, 60));
@@ -209,7 +209,7 @@ TEST(TexelAreas, PsfHasItsVariance) {
   const double sigma = 0.8;
   const Vec2 at(30.21, 29.87);
   const Imposter imposter = imposter_at(camera_of(60), at, Vec2(4.6), 96);
-  const Image disc =
+  const image::Image disc =
       texels_of(imposter, [&](const Vec2& p) { return glm::length(p - at) < r ? 1 : 0; });
   const ImposterPatch patch = patch_of(imposter, disc, nullptr, {}, sigma, 60, 60);
   const Vec2 centre = centre_of(patch);
@@ -225,7 +225,7 @@ TEST(TexelAreas, PsfHasItsVariance) {
 
 TEST(TexelAreas, KernelsOfImagesHaveTheirVariance) {
   for (const double sigma : {0.2, 0.5, 1.0, 3.9, 4.1, 6.0}) {
-    Image image;
+    image::Image image;
     image.width = image.height = 101;
     image.radiance.assign(3 * image.pixels(), 0);
     image.coverage.assign(image.pixels(), 0);
@@ -258,7 +258,7 @@ TEST(TexelAreas, FinerOnesComeFirst) {
   const Imposter beyond = imposter_at(
       camera, Vec2(16, 16) + 8.0 * large.along / glm::length(large.along), Vec2(2, 1), 64);
   const std::vector<PlaneRect> finer{inside.rect, beyond.rect, inside.rect};
-  const Image full = texels_of(large, [](const Vec2&) { return 1; });
+  const image::Image full = texels_of(large, [](const Vec2&) { return 1; });
   EXPECT_NEAR(sum_of(patch_of(large, full, nullptr, finer, 0, 32, 32)), 16 * 16 - 0.7 - 1, 1e-9);
 }
 
@@ -266,12 +266,12 @@ TEST(TexelAreas, NothingBeyondTheImage) {
   const world::Camera camera = camera_of();
   for (const Vec2& at : {Vec2(0, 16), Vec2(32, 32), Vec2(-20, 5), Vec2(16, 32.5)}) {
     const Imposter imposter = imposter_at(camera, at, Vec2(3), 64);
-    const Image full = texels_of(imposter, [](const Vec2&) { return 1; });
+    const image::Image full = texels_of(imposter, [](const Vec2&) { return 1; });
     for (const double sigma : {0.0, 0.7}) {
       const ImposterPatch patch = patch_of(imposter, full, nullptr, {}, sigma, 32, 32);
       EXPECT_LE(patch.part.x + patch.part.width, 32u);
       EXPECT_LE(patch.part.y + patch.part.height, 32u);
-      Image image;
+      image::Image image;
       image.width = image.height = 32;
       image.radiance.assign(3 * image.pixels(), 0);
       image.coverage.assign(image.pixels(), 0);
@@ -296,11 +296,11 @@ TEST(TexelAreas, WhatIsBehindKeepsTheRest) {
   std::vector<ImposterPatch> patches;
   for (const Vec2& at : {Vec2(10.3, 16), Vec2(20.6, 16.2)}) {
     const Imposter imposter = imposter_at(camera, at, Vec2(4), 64);
-    const Image behind = texels_of(imposter, [](const Vec2&) { return 1; });
-    const Image before = texels_of(imposter, [](const Vec2&) { return 0.5; });
+    const image::Image behind = texels_of(imposter, [](const Vec2&) { return 1; });
+    const image::Image before = texels_of(imposter, [](const Vec2&) { return 0.5; });
     patches.push_back(patch_of(imposter, before, &behind, {}, 0, 32, 32));
   }
-  Image image;
+  image::Image image;
   image.width = image.height = 32;
   image.radiance.assign(3 * image.pixels(), 2);
   image.coverage.assign(image.pixels(), 1);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/image.h"
 #include "preview/frame/samples.h"
-#include "preview/image.h"
 
 namespace panwright::preview::texture_levels_test {
 namespace {
@@ -32,9 +32,9 @@ TEST(TextureLevels, BottomRowFirstAndDecoded) {
   const auto levels = texture_levels(codes, 2, 2, false);
   ASSERT_EQ(levels.size(), 2u);
   EXPECT_FLOAT_EQ(levels[0].rgba[8], 1);
-  EXPECT_EQ(levels[0].rgba[9], static_cast<float>(srgb_decoded(128)));
+  EXPECT_EQ(levels[0].rgba[9], static_cast<float>(image::srgb_decoded(128)));
   EXPECT_FLOAT_EQ(levels[0].rgba[15], 0.2f);  // alpha is linear
-  EXPECT_EQ(levels[0].rgba[0], static_cast<float>(srgb_decoded(1)));
+  EXPECT_EQ(levels[0].rgba[0], static_cast<float>(image::srgb_decoded(1)));
   const auto linear = texture_levels(codes, 2, 2, true);
   EXPECT_FLOAT_EQ(linear[0].rgba[9], 128 / 255.0f);
 }
@@ -66,7 +66,7 @@ TEST(TextureLevels, EveryLevelHasTheMeanOfTheFirst) {
 
 TEST(TextureLevels, ConstantStaysConstant) {
   const auto levels = texture_levels(std::vector<std::uint8_t>(4 * 97 * 41, 200), 97, 41, false);
-  const auto value = static_cast<float>(srgb_decoded(200));
+  const auto value = static_cast<float>(image::srgb_decoded(200));
   for (const TextureLevel& level : levels)
     for (std::size_t i = 0; i < level.rgba.size(); i += 4)
       EXPECT_NEAR(level.rgba[i] / value, 1, 1.2e-7);  // one rounding
@@ -89,7 +89,7 @@ TEST(Samples, TilesCoverTheImageOnce) {
 TEST(Samples, PixelsStandWhereTheirTileIs) {
   std::vector<float> rgba;
   for (int i = 0; i < 16; ++i) rgba.push_back(static_cast<float>(i));
-  Image image;
+  image::Image image;
   image.width = 4;
   image.height = 3;
   image.radiance.assign(36, -1);

@@ -38,13 +38,13 @@ void expect_sides(const pan::Model& model, const Vec3& front, const Vec3& back) 
     const std::uint32_t id = side > 0 ? 1 : 2;
     RenderOptions options;
     options.ground_truth = true;
-    const Image drawn = rendered(model, view, options);
+    const image::Image drawn = rendered(model, view, options);
     expect_color(radiance_at(drawn, 8, 8), side > 0 ? front : back);
     EXPECT_EQ(drawn.material_id[8 * 16 + 8], id);
     EXPECT_NEAR(drawn.normal[3 * (8 * 16 + 8) + 2], side, 1e-6);
     ReferenceOptions exact = direct_light(4);
     exact.ground_truth = true;
-    const Image truth = traced(model, view, exact).image;
+    const image::Image truth = traced(model, view, exact).image;
     expect_color(radiance_at(truth, 8, 8), side > 0 ? front : back);
     EXPECT_EQ(truth.material_id[8 * 16 + 8], id);
   }
@@ -115,7 +115,7 @@ TEST(Backs, DecalsLieOnTheSideThatTheyFace) {
   }
 }
 
-double flux_off(const Image& drawn, const Image& truth) {
+double flux_off(const image::Image& drawn, const image::Image& truth) {
   double sum = 0, off = 0;
   for (std::size_t i = 0; i < drawn.radiance.size(); ++i) {
     sum += truth.radiance[i];
@@ -151,13 +151,13 @@ TEST(Backs, AnOpenTubeAgreesWithTheReference) {
       RenderOptions options;
       options.samples = 8;
       options.ground_truth = true;
-      const Image drawn = rendered(model, view, options);
+      const image::Image drawn = rendered(model, view, options);
       expect_no_nan(drawn);
       ReferenceOptions exact = direct_light(256);
       exact.ground_truth = true;
-      const Image truth = traced(model, view, exact).image;
+      const image::Image truth = traced(model, view, exact).image;
       const double off = flux_off(drawn, truth);
-      const Image alike = rendered(plain, view, options);
+      const image::Image alike = rendered(plain, view, options);
       const double unlike = flux_off(alike, truth);
       const double as_plain = flux_off(alike, traced(plain, view, exact).image);
       printf("%g m, phase %.1f: flux %+.1e, of one material %+.1e; these two apart %+.1e\n",

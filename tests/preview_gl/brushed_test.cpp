@@ -39,7 +39,7 @@ TEST(Brushed, SpheresAsPlaced) {
         RenderOptions options;
         options.ground_truth = true;
         options.shadow_side = 0;
-        const Image image = rendered(model, view, options);
+        const image::Image image = rendered(model, view, options);
         expect_no_nan(image);
         const materials::Material stored = pan::material_from(model.materials()[0], "");
         const Mat3 linear = glm::mat3_cast(place.turn) *

@@ -28,7 +28,7 @@ View seen(const Vec3& to_viewer, const Vec3& to_sun) {
   return view;
 }
 
-double mean_of(const Image& image) {
+double mean_of(const image::Image& image) {
   const Sums sum = sums(image);
   return sum.radiance.x / sum.coverage;
 }

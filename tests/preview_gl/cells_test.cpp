@@ -31,7 +31,7 @@ Vec3 mixed(const materials::Material& material, const materials::CellShares& sha
   return sum;
 }
 
-Vec3 pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
+Vec3 pixel(const image::Image& image, std::uint32_t x, std::uint32_t y) {
   const float* p = &image.radiance[3 * (std::size_t{y} * image.width + x)];
   return {p[0], p[1], p[2]};
 }
@@ -43,7 +43,7 @@ TEST(Cells, EveryPixelIsTheMeanOfItsBox) {
       const materials::Material material = panel(columns, 0.7 * columns);
       const pan::Model model = model_of(single(plate(1, 1), material));
       const View view = above(64, width);
-      const Image image = rendered(model, view, {.samples = 1});
+      const image::Image image = rendered(model, view, {.samples = 1});
       double worst = 0;
       for (std::uint32_t y = 0; y < 64; ++y)
         for (std::uint32_t x = 0; x < 64; ++x) {
@@ -71,8 +71,8 @@ TEST(Cells, FarPanelsAreEven) {
   const Vec3 want = mixed(material, mean, Vec3(0, 0, 1), Vec3(0, 0, 1));
   for (const auto& [width, most] : {std::pair{1.7, 0.045}, {2.9, 0.035}, {5.3, 0.015}}) {
     const View view = above(48, width);
-    const Image image = rendered(model, view, {.samples = 1});
-    const Image many = rendered(model, view, {.samples = 16});
+    const image::Image image = rendered(model, view, {.samples = 1});
+    const image::Image many = rendered(model, view, {.samples = 16});
     // pixels wholly on the plate
     double count = 0, sum = 0, squares = 0, points = 0, worst = 0;
     for (std::uint32_t y = 0; y < 48; ++y)
@@ -109,7 +109,7 @@ TEST(Cells, SkewedFootprintsKeepTheMean) {
   const auto sums = [&](unsigned samples) {
     View view = above(96, 1.5);
     view.world_from_model.rotation = glm::angleAxis(0.61, Vec3(0, 0, 1));
-    const Image image = rendered(model, view, {.samples = samples});
+    const image::Image image = rendered(model, view, {.samples = samples});
     double sum = 0;
     for (std::size_t i = 0; i < image.radiance.size(); i += 3)
       sum += static_cast<double>(image.radiance[i]);
@@ -133,7 +133,7 @@ TEST(Cells, GapsHaveNoGlass) {
   for (const double angle : {0.0, 0.4, 1.2}) {
     const Vec3 to_sun(std::sin(angle), 0, std::cos(angle));
     const View view = above(64, 0.9, to_sun);
-    const Image image = rendered(model, view, {.samples = 1});
+    const image::Image image = rendered(model, view, {.samples = 1});
     double worst = 0;
     double worst_mixture = 0;
     int mixtures = 0;

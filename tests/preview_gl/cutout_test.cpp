@@ -65,7 +65,7 @@ TEST(Cutout, ShareIsRightAtAnyRange) {
         options.samples = samples;
         options.ground_truth = true;
         const View view = above(size, 2);
-        const Image image = rendered(model, view, options);
+        const image::Image image = rendered(model, view, options);
         expect_no_nan(image);
         const Sums sum = sums(image);
         const double all = sums(rendered(full, view, options)).coverage;
@@ -119,7 +119,7 @@ TEST(Cutout, WhatIsBehindAHole) {
   options.ground_truth = true;
   options.shadow_side = 0;
   const Vec3 sun = glm::normalize(Vec3(0.1, 0.2, 1));
-  const Image image = rendered(model, above(200, 2.5, sun), options);
+  const image::Image image = rendered(model, above(200, 2.5, sun), options);
   expect_no_nan(image);
   std::size_t near = 0;
   std::size_t far = 0;
@@ -150,7 +150,7 @@ TEST(Cutout, WhatIsBehindAHole) {
 TEST(Cutout, ColoursOfHolesDoNotBleed) {
   for (const bool as_texture : {false, true})
     for (const std::uint32_t size : {500u, 40u, 4u}) {
-      Image images[2];
+      image::Image images[2];
       for (const int hidden : {0, 255}) {
         Textured contents(single(plate(1, 1), lambert(1)));
         const auto texture = contents.add(64, 64, true, [&](auto x, auto y) {
@@ -200,9 +200,9 @@ TEST(Cutout, TilesDrawTheSameHoles) {
   for (const unsigned samples : {1u, 3u}) {
     RenderOptions options;
     options.samples = samples;
-    const Image whole = rendered(model, above(200, 1.1), options);
+    const image::Image whole = rendered(model, above(200, 1.1), options);
     options.tile_side = 64;
-    const Image tiled = rendered(model, above(200, 1.1), options);
+    const image::Image tiled = rendered(model, above(200, 1.1), options);
     std::size_t other = 0;
     for (std::size_t i = 0; i < whole.pixels(); ++i)
       other += whole.coverage[i] != tiled.coverage[i];

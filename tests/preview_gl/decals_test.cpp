@@ -53,7 +53,7 @@ TEST(Decals, LieTheRightWayUp) {
     return x == 0 ? Texel{0, 0, 255, 255} : Texel{255, 255, 255, 255};
   });
   contents.decals = {decal_at({0.5, 0.5, 0}, kUpright, 1, 1, 0.1)};
-  const Image image = rendered(model_of(contents), above(64, 2));
+  const image::Image image = rendered(model_of(contents), above(64, 2));
   const auto color = [&](std::size_t x, std::size_t y) { return radiance_at(image, x, y) * kPi; };
   EXPECT_LE(glm::length(color(34, 2) - Vec3(1, 0, 0)), 1e-6);
   EXPECT_LE(glm::length(color(61, 2) - Vec3(0, 1, 0)), 1e-6);
@@ -75,7 +75,7 @@ TEST(Decals, MixInOrder) {
     contents.decals.push_back(decal);
     expected = i % 3 == 0 ? expected * 0.6 + 0.2 * 0.4 : expected * 0.8 + 0.2;
   }
-  const Image image = rendered(model_of(contents), above(32, 2));
+  const image::Image image = rendered(model_of(contents), above(32, 2));
   EXPECT_NEAR(radiance_at(image, 16, 16).x * kPi, expected, 1e-6);
   EXPECT_NEAR(radiance_at(image, 2, 16).x * kPi, 0.5, 1e-6);
 }
@@ -91,7 +91,7 @@ Compared compared(const pan::Contents& contents, const View& view, bool two_side
   options.ground_truth = true;
   options.samples = 1;
   options.shadow_side = 0;
-  const Image image = rendered(model, view, options);
+  const image::Image image = rendered(model, view, options);
   expect_no_nan(image);
   View lit = view;
   const pan::DecalContent& decal = contents.decals[0];
@@ -152,14 +152,14 @@ TEST(Decals, OneSideAndMirrors) {
   Textured contents(single(plate(2, 2), lambert(1)));
   contents.add(2, 1, true, [](auto x, auto) { return grey(x == 0 ? 0 : 128); });
   contents.decals = {decal_at(Vec3(0), kUpright, 1, 1, 0.1)};
-  const Image front = rendered(model_of(contents), above(32, 2));
+  const image::Image front = rendered(model_of(contents), above(32, 2));
   EXPECT_NEAR(radiance_at(front, 9, 16).x * kPi, 0, 1e-6);
   EXPECT_NEAR(radiance_at(front, 22, 16).x * kPi, 128 / 255.0, 1e-6);
-  const Image back = rendered(model_of(contents), above(32, 2, Vec3(0, 0, -1), -1));
+  const image::Image back = rendered(model_of(contents), above(32, 2, Vec3(0, 0, -1), -1));
   EXPECT_NEAR(radiance_at(back, 9, 16).x * kPi, 1, 1e-6);
   EXPECT_NEAR(radiance_at(back, 22, 16).x * kPi, 1, 1e-6);
   contents.nodes[0].scale = {-1, 1, 1};
-  const Image mirrored = rendered(model_of(contents), above(32, 2));
+  const image::Image mirrored = rendered(model_of(contents), above(32, 2));
   EXPECT_NEAR(radiance_at(mirrored, 22, 16).x * kPi, 0, 1e-6);
   EXPECT_NEAR(radiance_at(mirrored, 9, 16).x * kPi, 128 / 255.0, 1e-6);
 }
@@ -167,7 +167,7 @@ TEST(Decals, OneSideAndMirrors) {
 // Far away, the mean of what is premultiplied; the colour of transparent texels is nowhere.
 TEST(Decals, TransparentTexelsHaveNoColor) {
   for (const std::uint32_t size : {400u, 64u, 6u}) {
-    Image images[2];
+    image::Image images[2];
     for (const int hidden : {0, 255}) {
       Textured contents(single(plate(1, 1), lambert(0.4)));
       contents.add(63, 41, true, [&](auto x, auto y) {
@@ -198,9 +198,9 @@ TEST(Decals, OverACutout) {
   options.ground_truth = true;
   options.samples = 4;
   const View view = above(128, 1.1);
-  const Image bare = rendered(model_of(contents), view, options);
+  const image::Image bare = rendered(model_of(contents), view, options);
   contents.decals = {decal_at(Vec3(0), kUpright, 2, 2, 0.1)};
-  const Image painted = rendered(model_of(contents), view, options);
+  const image::Image painted = rendered(model_of(contents), view, options);
   EXPECT_EQ(bare.coverage, painted.coverage);
   EXPECT_EQ(bare.depth, painted.depth);
   EXPECT_EQ(bare.normal, painted.normal);
@@ -221,7 +221,7 @@ TEST(Decals, OnlyWhatIsSeenOfItsInstance) {
   RenderOptions options;
   options.ground_truth = true;
   const View view = looking_from({0, -1, 0.1}, 9, 0.4, 200, 0.1);
-  const Image image = rendered(model_of(contents), view, options);
+  const image::Image image = rendered(model_of(contents), view, options);
   std::size_t painted = 0;
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
@@ -286,7 +286,7 @@ TEST(Decals, OfWhatIsNotSeenDoNotShow) {
   contents.instances[1].material = 1;
   for (const std::uint32_t owner : {0u, 1u}) {
     contents.decals[0].instance = owner;
-    const Image image = rendered(model_of(contents), view, options);
+    const image::Image image = rendered(model_of(contents), view, options);
     for (std::size_t pixel = 0; pixel < image.material_id.size(); ++pixel) {
       const bool is_owner = image.material_id[pixel] == owner + 1;
       const double bare_albedo = image.material_id[pixel] == 1 ? 0.75 : 0.25;

@@ -25,7 +25,7 @@ std::size_t wrong_pixels(double distance, double gap, double tilt) {
   View view;
   set_field_of_view(view.camera, 256, 256, 0.3);
   view.to_sun = {0.1, 0.2, -1};
-  const Image image = rendered(model, view);
+  const image::Image image = rendered(model, view);
   std::size_t wrong = 0;
   std::size_t right = 0;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
@@ -56,7 +56,7 @@ TEST(Depth, OrderIsRightAtAMillionthOfAFarModel) {
       contents.instances = {{2, 0, 0, -1}, {1, 0, 1, -1}};
       const pan::Model model = model_of(contents);
       View view = looking_from({0, 0, 1}, distance, 2 * std::atan(0.5 / distance), 256);
-      const Image image = rendered(model, view);
+      const image::Image image = rendered(model, view);
       std::size_t near = 0;
       std::size_t far = 0;
       for (std::size_t i = 0; i < image.pixels(); ++i) {
@@ -119,7 +119,7 @@ TEST_P(Truth, AgreesWithRays) {
   RenderOptions options;
   options.ground_truth = true;
   options.flat = true;
-  const Image image = rendered(model, view, options);
+  const image::Image image = rendered(model, view, options);
   expect_no_nan(image);
 
   support::RayCaster caster;
@@ -187,7 +187,7 @@ TEST(GroundTruthLayers, SmoothNormalsOfASphere) {
   const View view = looking_from({1, 2, 3}, 10, 0.25, 128);
   RenderOptions options;
   options.ground_truth = true;
-  const Image image = rendered(model, view, options);
+  const image::Image image = rendered(model, view, options);
   double worst = 0;
   for (std::uint32_t y = 0; y < 128; ++y)
     for (std::uint32_t x = 0; x < 128; ++x) {

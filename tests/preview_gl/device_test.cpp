@@ -90,7 +90,7 @@ struct Scene {
   static world::ModelPtr model() {
     return std::make_shared<const pan::Model>(model_of(single(box({1, 2, 0.5}), lambert(0.8))));
   }
-  Result<Image> drawn(Renderer& renderer, DiagnosticLog& log) const {
+  Result<image::Image> drawn(Renderer& renderer, DiagnosticLog& log) const {
     return renderer.render(world, view.camera, options, log);
   }
 };

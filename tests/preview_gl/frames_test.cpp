@@ -70,7 +70,7 @@ std::shared_ptr<Device> own_device(bool through_buffers) {
   return *device;
 }
 
-void expect_equal(const Image& a, const Image& b) {
+void expect_equal(const image::Image& a, const image::Image& b) {
   EXPECT_TRUE(a.radiance == b.radiance && a.coverage == b.coverage);
   EXPECT_TRUE(a.depth == b.depth && a.range == b.range && a.normal == b.normal);
   EXPECT_TRUE(a.target_id == b.target_id && a.node_id == b.node_id);
@@ -89,7 +89,7 @@ TEST_P(FramesThrough, UnderWayAreTheSameBits) {
   for (const std::uint32_t tile_side : {2048u, 40u}) {
     scene.options.tile_side = tile_side;
     DiagnosticLog log;
-    std::vector<Image> expected;
+    std::vector<image::Image> expected;
     for (int i = 0; i < kFrames; ++i) {
       scene.options.ground_truth = i % 3 == 1;
       const world::Camera camera = scene.advance(i);

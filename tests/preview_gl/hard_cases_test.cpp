@@ -52,7 +52,7 @@ TEST(HardCases, CameraInside) {
   EXPECT_TRUE(log.contains(Code::W5006));
 
   room.closed = false;
-  const Image image = rendered(model_of(single(room, lambert(1))), view, options);
+  const image::Image image = rendered(model_of(single(room, lambert(1))), view, options);
   expect_no_nan(image);
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     EXPECT_EQ(image.coverage[i], 1);
@@ -78,7 +78,7 @@ TEST(HardCases, CrossingTheNearPlane) {
     view.to_sun = {0, 0, 1};
     RenderOptions options;
     options.ground_truth = true;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     expect_no_nan(image);
     for (std::uint32_t y = 0; y < 64; ++y) {
       const std::size_t pixel = std::size_t{y} * 64 + 31;
@@ -101,7 +101,7 @@ TEST(HardCases, OnePixelAndOneRow) {
     RenderOptions options;
     options.ground_truth = true;
     options.samples = 5;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     EXPECT_EQ(image.width, width);
     EXPECT_EQ(image.height, height);
     expect_no_nan(image);
@@ -118,7 +118,7 @@ TEST(HardCases, ModelsOfAnySizeAtAnyDistance) {
       const View view = looking_from({1, 2, -1}, distance, 2 * std::asin(1.2 / far), 200, 0.5);
       RenderOptions options;
       options.ground_truth = true;
-      const Image image = rendered(model_of(contents), view, options);
+      const image::Image image = rendered(model_of(contents), view, options);
       expect_no_nan(image);
       // the silhouette: a cone of half angle asin(R/d)
       const double radius = view.camera.focal.x * std::tan(std::asin(1 / far));
@@ -137,7 +137,7 @@ TEST(HardCases, NormalsThatFaceAwayFromTheCamera) {
   const pan::Model model = model_of(single(mesh, lambert(1)));
   View view = looking_from({0, 0, 1}, 100, 0.01, 8);
   view.to_sun = {1, 0, 0};
-  const Image image = rendered(model, view);
+  const image::Image image = rendered(model, view);
   expect_no_nan(image);
   EXPECT_NEAR(image.radiance[0] * kPi, 0.8 / std::hypot(0.8, 0.3), 1e-6);
 }
@@ -162,7 +162,7 @@ TEST(Orthographic, PlateCoversItsArea) {
     view.camera.world_from_camera = placed.world_from_camera;
     RenderOptions options;
     options.ground_truth = true;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     double sum = 0;
     for (std::size_t i = 0; i < image.pixels(); ++i)
       sum += image.radiance[3 * i] * pixel_area(view.camera);
@@ -199,7 +199,7 @@ TEST(Textures, LieTheRightWayUp) {
   view.camera.world_from_camera =
       *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = {0, 0, 1};
-  const Image image = rendered(model, view);
+  const image::Image image = rendered(model, view);
   const auto at = [&](std::size_t x, std::size_t y) {
     const float* p = &image.radiance[3 * (y * 64 + x)];
     return Vec3(p[0], p[1], p[2]) * kPi;
@@ -217,7 +217,7 @@ TEST(Textures, AreDecodedFromSrgbExactly) {
       std::vector<std::uint8_t> rgba(4 * 8 * 8, code);
       const pan::Model model = model_of(textured(plate(2, 2), rgba, 8, 8, linear));
       const View view = looking_from({0, 0, 1}, 100, 0.01, 4);
-      const double exact = linear ? code / 255.0 : srgb_decoded(code);
+      const double exact = linear ? code / 255.0 : image::srgb_decoded(code);
       EXPECT_NEAR(rendered(model, view).radiance[0] * kPi / exact, 1, 4e-7) << int{code};
     }
 }
@@ -230,7 +230,7 @@ TEST(Textures, FarAwayTheyAreTheirMean) {
     for (std::uint32_t i = 0; i < width * height; ++i) {
       const auto code = static_cast<std::uint8_t>((i * 2654435761u) >> 24);
       for (int k = 0; k < 4; ++k) rgba.push_back(code);
-      mean += srgb_decoded(code) / (width * height);
+      mean += image::srgb_decoded(code) / (width * height);
     }
     const pan::Model model = model_of(textured(plate(2, 2), rgba, width, height, false));
     const View view = looking_from({0, 0, 1}, 1e4, 2 * std::atan(1e-4), 1);  // one pixel
@@ -244,8 +244,8 @@ TEST(Textures, NoSeamOnASphere) {
   const pan::Model with = model_of(textured(sphere(40, 40, true), rgba, 32, 16, true));
   const pan::Model without = model_of(single(sphere(40, 40, true), lambert(1)));
   const View view = looking_from({-1, 0.1, 0.3}, 10, 0.3, 128, 0.6);
-  const Image a = rendered(with, view);
-  const Image b = rendered(without, view);
+  const image::Image a = rendered(with, view);
+  const image::Image b = rendered(without, view);
   for (std::size_t i = 0; i < a.radiance.size(); ++i)
     EXPECT_NEAR(a.radiance[i], b.radiance[i], 1e-6);
 }
@@ -259,7 +259,7 @@ TEST(Colours, MultiplyTheDiffuseColor) {
   view.camera.world_from_camera =
       *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = {0, 0, 1};
-  const Image image = rendered(model, view);
+  const image::Image image = rendered(model, view);
   for (std::size_t x = 0; x < 64; ++x) {
     const float* p = &image.radiance[3 * (32 * 64 + x)];
     const double share = (static_cast<double>(x) + 0.5) / 64;

@@ -29,7 +29,7 @@ struct Sums {
   Vec2 centre{0};
 };
 
-Sums measured(const Image& image) {
+Sums measured(const image::Image& image) {
   Sums sums;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     const double light = image.radiance[3 * i];
@@ -47,7 +47,8 @@ class Studio {
  public:
   Studio() : renderer_(shared_device()) {}
 
-  Image draw(const world::World& world, const world::Camera& camera, const RenderOptions& options) {
+  image::Image draw(const world::World& world, const world::Camera& camera,
+                    const RenderOptions& options) {
     DiagnosticLog log;
     auto image = renderer_.render(world, camera, options, log);
     EXPECT_TRUE(image) << to_text(log);
@@ -88,7 +89,7 @@ TEST(Imposters, SpheresOfAnySize) {
     double high = 0;
     for (int run = 0; run < 12; ++run) {
       view.camera.principal = Vec2(32 + offset(random), 32 + offset(random));
-      const Image image = studio.draw(world, view.camera, automatic());
+      const image::Image image = studio.draw(world, view.camera, automatic());
       const Sums sums = measured(image);
       const double expected = oracles::lambert_sphere_intensity(kPhase) * radius * radius;
       EXPECT_NEAR(sums.flux, expected, 5e-4 * expected) << radius;
@@ -188,12 +189,12 @@ TEST(Imposters, LargeOnesThatGlint) {
   above.to_sun = Vec3(0, 0, 1);
   const world::World foil = world_of(shared(single(facets, glossy)), above);
   RenderOptions options = automatic();
-  const Image image = studio.draw(foil, above.camera, options);
+  const image::Image image = studio.draw(foil, above.camera, options);
   EXPECT_EQ(studio.renderer().sampling().imposters.size(), 1u);
   RenderOptions full;
   full.samples = 12;
   full.specular_filter = false;
-  const Image expected = studio.draw(foil, above.camera, full);
+  const image::Image expected = studio.draw(foil, above.camera, full);
   double off = 0;
   double squares = 0;
   for (std::size_t i = 0; i < image.radiance.size(); ++i) {
@@ -275,7 +276,7 @@ TEST(Imposters, BeforeAndBehindLargeOnes) {
   const double wall = 0.5 / kPi / std::sqrt(1.04);
   for (const double z : {-50.0, 50.0}) {
     world.set_pose(1, {Vec3(0.37, -0.21, z), Quat(1, 0, 0, 0)});
-    const Image image = studio.draw(world, view.camera, options);
+    const image::Image image = studio.draw(world, view.camera, options);
     const Sums sums = measured(image);
     EXPECT_NEAR(sums.coverage, 96.0 * 96, 0.01);
     const double area = std::pow(2e3 / (2e3 - 50), 2);
@@ -336,7 +337,7 @@ TEST(Imposters, TinyOnesAmongSmallOnes) {
   const double far = 1e4;
   const Vec3 in_camera = far * 1e6 * Vec3(-1.15e-6, -0.35e-6, 1);
   world.set_pose(1, {view.camera.position + turn * in_camera, Quat(1, 0, 0, 0)});
-  const Image image = studio.draw(world, view.camera, options);
+  const image::Image image = studio.draw(world, view.camera, options);
   const double expected = oracles::lambert_sphere_intensity(kPhase) * 1e-6;
   EXPECT_EQ(studio.renderer().sampling().imposters.size(), 2u);
   const double speck = image.radiance[3 * (28 * 64 + 20)];
@@ -425,11 +426,11 @@ TEST(Imposters, HardCases) {
     world.set_pose(1, {Vec3(0.4, 0.2, -0.3), Quat(1, 0, 0, 0)});
     world.set_pose(2, {view.camera.position + view.camera.world_from_camera * Vec3(0, 0, -5),
                        Quat(1, 0, 0, 0)});
-    const Image small = studio.draw(world, view.camera, automatic());
+    const image::Image small = studio.draw(world, view.camera, automatic());
     RenderOptions plain = automatic();
     plain.imposters = Imposters::off;
     plain.samples = 64;
-    const Image sampled = studio.draw(world, view.camera, plain);
+    const image::Image sampled = studio.draw(world, view.camera, plain);
     EXPECT_NEAR(measured(small).flux, measured(sampled).flux, 1e-3 * measured(sampled).flux);
     // inside: as without imposters
     world.set_pose(2, {view.camera.position, Quat(1, 0, 0, 0)});
@@ -447,16 +448,16 @@ TEST(Imposters, SameBitsAndTruth) {
   RenderOptions options = automatic();
   options.ground_truth = true;
   Studio fresh;
-  const Image first = fresh.draw(world, view.camera, options);
+  const image::Image first = fresh.draw(world, view.camera, options);
   Studio used;
   View other = far_view(200, 64, 0);
   used.draw(world, other.camera, options);
-  const Image again = used.draw(world, view.camera, options);
+  const image::Image again = used.draw(world, view.camera, options);
   EXPECT_EQ(first.radiance, again.radiance);
   EXPECT_EQ(first.coverage, again.coverage);
   EXPECT_EQ(first.target_id, again.target_id);
   options.imposters = Imposters::off;
-  const Image plain = fresh.draw(world, view.camera, options);
+  const image::Image plain = fresh.draw(world, view.camera, options);
   EXPECT_EQ(first.target_id, plain.target_id);
   EXPECT_EQ(first.depth, plain.depth);
   EXPECT_NE(first.radiance, plain.radiance);

@@ -79,10 +79,10 @@ TEST(Invariance, TilesDrawTheSameImage) {
   for (const unsigned samples : {1u, 4u}) {
     options.samples = samples;
     options.tile_side = 2048;
-    const Image whole = rendered(model, view, options);
+    const image::Image whole = rendered(model, view, options);
     for (const std::uint32_t side : {64u, 100u, 509u}) {
       options.tile_side = side;
-      const Image tiled = rendered(model, view, options);
+      const image::Image tiled = rendered(model, view, options);
       std::size_t other = 0;
       for (std::size_t i = 0; i < whole.pixels(); ++i)
         other += std::fabs(whole.radiance[3 * i] - tiled.radiance[3 * i]) > 1e-6;
@@ -94,7 +94,7 @@ TEST(Invariance, TilesDrawTheSameImage) {
 }
 
 TEST(Invariance, ScaleOfTheWholeSceneChangesNothing) {
-  Image first;
+  image::Image first;
   for (const double scale : {1.0, 1e-6, 1e6}) {
     pan::Contents contents = two_bodies();
     contents.nodes[0].scale = Vec3(scale);
@@ -103,7 +103,7 @@ TEST(Invariance, ScaleOfTheWholeSceneChangesNothing) {
     view.camera.position *= scale;
     RenderOptions options;
     options.ground_truth = true;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     expect_no_nan(image);
     if (scale == 1) {
       first = image;
@@ -126,14 +126,14 @@ TEST(Invariance, ScaleOfTheWholeSceneChangesNothing) {
 TEST(Invariance, RotationOfEverything) {
   const pan::Model model = model_of(two_bodies());
   const View view = looking_from({1, 1, 1}, 20, 0.3, 128, 1);
-  const Image first = rendered(model, view);
+  const image::Image first = rendered(model, view);
   const Quat turn = glm::angleAxis(2.1, glm::normalize(Vec3(3, -1, 2)));
   View turned = view;
   turned.world_from_model.rotation = turn;
   turned.camera.position = turn * view.camera.position;
   turned.camera.world_from_camera = turn * view.camera.world_from_camera;
   turned.to_sun = turn * view.to_sun;
-  const Image image = rendered(model, turned);
+  const image::Image image = rendered(model, turned);
   std::size_t other = 0;
   for (std::size_t i = 0; i < image.pixels(); ++i)
     other += std::fabs(first.radiance[3 * i] - image.radiance[3 * i]) > 1e-6;
@@ -144,13 +144,13 @@ TEST(Invariance, RotationOfEverything) {
 TEST(Invariance, FarFromTheOriginOfTheWorld) {
   const pan::Model model = model_of(two_bodies());
   const View view = looking_from({1, 1, 1}, 20, 0.3, 128, 1);
-  const Image first = rendered(model, view);
+  const image::Image first = rendered(model, view);
   View far = view;
   const Vec3 offset(1.5e11, -2e10, 3e9);
   far.world_from_model.translation = offset;
   far.camera.position += offset;
   // the camera's place is rounded to 3e-5 m there; 20 m away that is below 0.02 pixel
-  const Image image = rendered(model, far);
+  const image::Image image = rendered(model, far);
   EXPECT_LE(rms_difference(first.radiance, image.radiance), 2e-3);
   EXPECT_GT(rms_difference(first.radiance, image.radiance), 0);
 }
@@ -158,7 +158,8 @@ TEST(Invariance, FarFromTheOriginOfTheWorld) {
 // Mirroring model, camera axis and Sun mirrors the image.
 TEST(Invariance, MirroredInstanceIsTheMirrorImage) {
   pan::Contents contents = two_bodies();
-  const Image first = rendered(model_of(contents), looking_from({0, -1, 0}, 20, 0.3, 128, 1));
+  const image::Image first =
+      rendered(model_of(contents), looking_from({0, -1, 0}, 20, 0.3, 128, 1));
   contents.nodes[0].scale = {-1, 1, 1};
   View view = looking_from({0, -1, 0}, 20, 0.3, 128, 1);
   view.to_sun.x = -view.to_sun.x;
@@ -166,10 +167,10 @@ TEST(Invariance, MirroredInstanceIsTheMirrorImage) {
     RenderOptions options;
     options.flat = flat;
     contents.nodes[0].scale = {1, 1, 1};
-    const Image plain =
+    const image::Image plain =
         rendered(model_of(contents), looking_from({0, -1, 0}, 20, 0.3, 128, 1), options);
     contents.nodes[0].scale = {-1, 1, 1};
-    const Image image = rendered(model_of(contents), view, options);
+    const image::Image image = rendered(model_of(contents), view, options);
     std::size_t other = 0;
     for (std::size_t y = 0; y < 128; ++y)
       for (std::size_t x = 0; x < 128; ++x)
@@ -215,8 +216,8 @@ TEST(Invariance, InstancesDrawnAtOnceAreTheSameBits) {
       options.flat = flat;
       options.ground_truth = true;
       const View view = looking_from({1, 0.4, 0.3}, 8, 0.4, 128, 1);
-      const Image a = rendered(together, view, options);
-      const Image b = rendered(apart, view, options);
+      const image::Image a = rendered(together, view, options);
+      const image::Image b = rendered(apart, view, options);
       EXPECT_TRUE(equal_bits(a.radiance, b.radiance)) << cutout << flat;
       EXPECT_TRUE(equal_bits(a.coverage, b.coverage)) << cutout << flat;
       EXPECT_TRUE(equal_bits(a.depth, b.depth)) << cutout << flat;
@@ -241,8 +242,8 @@ TEST(Invariance, NestedTransformsAreTheirProduct) {
   for (Vec3& p : mesh.positions) p = Vec3(matrix * Vec4(p, 1));
   for (Vec3& n : mesh.normals) n = glm::normalize(glm::transpose(glm::inverse(Mat3(matrix))) * n);
   const View view = looking_from({1, 1, 1}, 30, 0.4, 128, 1);
-  const Image a = rendered(model_of(nested), view);
-  const Image b = rendered(model_of(single(mesh, lambert(1))), view);
+  const image::Image a = rendered(model_of(nested), view);
+  const image::Image b = rendered(model_of(single(mesh, lambert(1))), view);
   std::size_t other = 0;
   for (std::size_t i = 0; i < a.pixels(); ++i)
     other += std::fabs(a.radiance[3 * i] - b.radiance[3 * i]) > 1e-6;
@@ -262,7 +263,7 @@ TEST(Samples, ConvergeToTheExactCoverage) {
        {std::pair{1u, 0.15}, {4u, 0.03}, {16u, 3e-3}, {64u, 5e-4}}) {
     RenderOptions options;
     options.samples = samples;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     double area = 0;
     for (const float coverage : image.coverage) area += coverage;
     printf("samples %2u: area %+.2e\n", samples, area / disc - 1);
@@ -282,7 +283,7 @@ TEST(Samples, RadianceIsPremultiplied) {
   view.camera.position += view.camera.world_from_camera * Vec3(-1.0, 0, 0);
   RenderOptions options;
   options.samples = 8;
-  const Image image = rendered(model, view, options);
+  const image::Image image = rendered(model, view, options);
   for (std::size_t i = 0; i < image.pixels(); ++i)
     EXPECT_NEAR(image.radiance[3 * i] * kPi, image.coverage[i], 3e-7);
 }
@@ -292,7 +293,7 @@ TEST(Sun, IrradianceScalesAndNamesTheUnit) {
   View view = looking_from({0, 0, 1}, 100, 0.01, 8);
   EXPECT_EQ(rendered(model, view).unit, "1/sr");
   view.sun_irradiance = Vec3(1361, 500, 2);
-  const Image image = rendered(model, view);
+  const image::Image image = rendered(model, view);
   EXPECT_EQ(image.unit, "W/(m^2 sr)");
   EXPECT_NEAR(image.radiance[0] * kPi / 1361, 1, 3e-7);
   EXPECT_NEAR(image.radiance[1] * kPi / 500, 1, 3e-7);

@@ -32,7 +32,7 @@ RenderOptions options(std::optional<double> pixel = {}) {
   return out;
 }
 
-double sum_of(const Image& image) {
+double sum_of(const image::Image& image) {
   double sum = 0;
   for (const float value : image.radiance) sum += value;
   return sum;
@@ -67,9 +67,9 @@ TEST(DetailLevels, FadeIsAMeanOfBoth) {
     const double share = 2 * std::log2(pixel * 128) - 1;
     ASSERT_GT(share, 0.02) << distance;
     ASSERT_LT(share, 1) << distance;
-    const Image fine = rendered(model, view, options(1.0 / 128)),
-                coarse = rendered(model, view, options(1.0 / 64)),
-                mixed = rendered(model, view, options());
+    const image::Image fine = rendered(model, view, options(1.0 / 128)),
+                       coarse = rendered(model, view, options(1.0 / 64)),
+                       mixed = rendered(model, view, options());
     double off_by = 0;
     for (std::size_t i = 0; i < mixed.radiance.size(); ++i)
       off_by = std::max(off_by, std::fabs((1 - share) * static_cast<double>(fine.radiance[i]) +
@@ -85,7 +85,7 @@ TEST(DetailLevels, GroundTruth) {
   const pan::Model model = leveled();
   RenderOptions truth = options(0.02);
   truth.ground_truth = true;
-  const Image image = rendered(model, view_from(25), truth);
+  const image::Image image = rendered(model, view_from(25), truth);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < image.target_id.size(); ++i) {
     if (image.target_id[i] == 0) continue;
@@ -128,7 +128,7 @@ TEST(DetailLevels, UnderWay) {
   Renderer renderer(shared_device());
   DiagnosticLog log;
   const View views[] = {view_from(14), view_from(30), view_from(12.8), view_from(3)};
-  std::vector<Image> piped;
+  std::vector<image::Image> piped;
   const auto world_for = [&](const View& view) {
     world::World world = world_of(model, {});
     set_view(world, view);
@@ -145,7 +145,7 @@ TEST(DetailLevels, UnderWay) {
   while (renderer.in_flight() > 0) piped.push_back(*renderer.collect(log));
   ASSERT_EQ(piped.size(), std::size(views));
   for (std::size_t i = 0; i < piped.size(); ++i) {
-    const Image alone = rendered(*model, views[i], options());
+    const image::Image alone = rendered(*model, views[i], options());
     EXPECT_EQ(piped[i].radiance, alone.radiance) << i;
     EXPECT_EQ(piped[i].coverage, alone.coverage) << i;
   }

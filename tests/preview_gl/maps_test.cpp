@@ -50,8 +50,8 @@ TEST(AlbedoMap, MultipliesTextureAndColors) {
       contents.add(1, 1, true, [](auto, auto) { return grey(51, 0); });  // alpha is not asked
   contents.materials[0].maps.albedo =
       contents.add(2, 2, false, [](auto, auto) { return grey(100, 7); });
-  const Image image = rendered(model_of(contents), above(4, 1));
-  const double color = 0.8 * 0.2 * srgb_decoded(100);
+  const image::Image image = rendered(model_of(contents), above(4, 1));
+  const double color = 0.8 * 0.2 * image::srgb_decoded(100);
   for (int k = 0; k < 3; ++k)  // measured 1.6e-7
     EXPECT_NEAR(radiance_at(image, 1, 2)[k] * kPi / (color * Vec3(0.5, 0.25, 1)[k]), 1, 5e-7);
 }
@@ -77,8 +77,8 @@ TEST(RoughnessMap, ConstantIsAScaledMaterial) {
     scaled.materials[0].specular_brdf = materials::CookTorrance{.alpha = std::max(0.25 * k, 1e-4)};
     scaled.materials[0].diffuse_brdf = materials::OrenNayar{0.5 * k};
     const View view = looking_from({1, -2, 0.6}, 6, 0.4, 128, 0.5);
-    const Image a = rendered(model_of(with), view);
-    const Image b = rendered(model_of(scaled), view);
+    const image::Image a = rendered(model_of(with), view);
+    const image::Image b = rendered(model_of(scaled), view);
     expect_no_nan(a);
     double worst = 0;
     float peak = 0;
@@ -156,7 +156,8 @@ TEST(NormalMap, ConstantTiltInEveryLie) {
             sun.z *= side;
             RenderOptions options;
             options.flat = turn == 1;
-            const Image image = rendered(model_of(contents), above(9, 1, sun, side), options);
+            const image::Image image =
+                rendered(model_of(contents), above(9, 1, sun, side), options);
             const Vec3 exact =
                 materials::f64::radiance(contents.materials[0], sun, Vec3(0, 0, side), normal,
                                          Vec3(1), Vec3(1), kUnderTheSun);
@@ -244,7 +245,8 @@ materials::Material metal(double slope) {
 }
 
 Vec3 reflectance_of(const Texel& texel) {
-  return Vec3(srgb_decoded(texel[0]), srgb_decoded(texel[1]), srgb_decoded(texel[2]));
+  return Vec3(image::srgb_decoded(texel[0]), image::srgb_decoded(texel[1]),
+              image::srgb_decoded(texel[2]));
 }
 
 // A constant map is the BRDF with that R; what lies beside it without a map stays as it is.
@@ -269,7 +271,7 @@ TEST(ReflectanceMap, ConstantIsTheBrdf) {
         const materials::Material stored = pan::material_from(model.materials()[0], "");
         for (const double tilt : {0.1, 0.8, 1.4}) {
           const Vec3 to_sun(std::sin(tilt), 0, std::cos(tilt));
-          const Image image = rendered(model, above(5, 5, to_sun));
+          const image::Image image = rendered(model, above(5, 5, to_sun));
           materials::ShadingContext local{Vec3(0), materials::kSunAlpha2, reflectance_of(texel)};
           for (const std::size_t x : {std::size_t{2}, std::size_t{4}}) {
             if (alone && x == 4) continue;
@@ -296,8 +298,8 @@ TEST(ReflectanceMap, WhiteOnAWhiteMirrorIsNone) {
   Textured with(single(sphere(30, 40, true), material));
   with.materials[0].maps.reflectance = with.add(4, 4, false, [](auto, auto) { return grey(255); });
   const View view = looking_from({1, -2, 0.6}, 6, 0.4, 128, 0.5);
-  const Image a = rendered(model_of(with), view);
-  const Image b = rendered(model_of(single(sphere(30, 40, true), material)), view);
+  const image::Image a = rendered(model_of(with), view);
+  const image::Image b = rendered(model_of(single(sphere(30, 40, true), material)), view);
   expect_no_nan(a);
   EXPECT_EQ(a.radiance, b.radiance);
 }
@@ -342,7 +344,7 @@ TEST(ReflectanceMap, AgreesWithTheReference) {
       RenderOptions options;
       options.samples = 8;
       options.shadow_side = 0;
-      const Image drawn = rendered(model, view, options);
+      const image::Image drawn = rendered(model, view, options);
       const ReferenceImage exact = traced(model, view, direct_light(256));
       double square = 0, sum = 0, flux = 0, reference = 0;
       std::size_t count = 0;

@@ -43,7 +43,7 @@ struct Comparison {
 };
 
 // The radiance layer against the formulas at the ground truth layers' normals.
-Comparison compared(const Image& image, const View& view, const pan::Model& model) {
+Comparison compared(const image::Image& image, const View& view, const pan::Model& model) {
   std::vector<materials::Material> stored;
   for (const auto& record : model.materials()) stored.push_back(pan::material_from(record, ""));
   const Vec3 to_sun = glm::normalize(view.to_sun);
@@ -78,7 +78,7 @@ TEST(Materials, EveryPairOfBrdfsAloneAtAnyDistance) {
       view.sun_irradiance = Vec3(1361, 900, 0.5);
       RenderOptions options;
       options.ground_truth = true;
-      const Image image = rendered(model, view, options);
+      const image::Image image = rendered(model, view, options);
       expect_no_nan(image);
       const Comparison result = compared(image, view, model);
       EXPECT_GT(result.pixels, 15000u);
@@ -109,7 +109,7 @@ TEST(Materials, ManyOnOneImageKeepApart) {
   options.shadow_side = 0;
   for (const std::uint32_t tile_side : {2048u, 50u}) {  // tiles of one material, too
     options.tile_side = tile_side;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     expect_no_nan(image);
     const Comparison result = compared(image, view, model);
     printf("nine materials: %zu pixels, worst %.1e of the peak\n", result.pixels, result.worst);

@@ -120,8 +120,9 @@ inline pan::Model model_of(const pan::Contents& contents) {
   return std::move(*model);
 }
 
-inline Image rendered(const pan::Model& model, const View& view, const RenderOptions& options = {},
-                      const std::shared_ptr<Device>& device = shared_device()) {
+inline image::Image rendered(const pan::Model& model, const View& view,
+                             const RenderOptions& options = {},
+                             const std::shared_ptr<Device>& device = shared_device()) {
   DiagnosticLog log;
   support::ModelRenderer renderer(device, model);
   auto image = renderer.render(view, options, log);
@@ -143,7 +144,7 @@ inline View looking_from(const Vec3& direction, double distance, double fov, std
 }
 
 // Returns Σ L·Ω·d² of the first channel: the intensity of the image, W/sr per unit irradiance.
-inline double intensity(const Image& image, const world::Camera& camera, double distance) {
+inline double intensity(const image::Image& image, const world::Camera& camera, double distance) {
   double sum = 0;
   for (std::uint32_t j = 0; j < image.height; ++j)
     for (std::uint32_t i = 0; i < image.width; ++i) {
@@ -153,7 +154,7 @@ inline double intensity(const Image& image, const world::Camera& camera, double 
   return sum * distance * distance;
 }
 
-inline Vec2 photocentre(const Image& image) {
+inline Vec2 photocentre(const image::Image& image) {
   double sum = 0;
   Vec2 moment(0);
   for (std::uint32_t j = 0; j < image.height; ++j)
@@ -165,7 +166,7 @@ inline Vec2 photocentre(const Image& image) {
   return moment / sum;
 }
 
-inline void expect_no_nan(const Image& image) {
+inline void expect_no_nan(const image::Image& image) {
   std::size_t bad = 0;
   for (const float value : image.radiance) bad += !(value >= 0 && std::isfinite(value));
   for (const float value : image.coverage) bad += !(value >= 0 && value <= 1);

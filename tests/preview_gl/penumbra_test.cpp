@@ -261,7 +261,7 @@ TEST(Penumbra, HorizonCutsTheDisc) {
     for (const Shadows shadows : {Shadows::soft, Shadows::hard}) {
       RenderOptions options = soft(64);
       options.shadows = shadows;
-      const Image image = rendered(model, view, options);
+      const image::Image image = rendered(model, view, options);
       // measured 3e-7 at most
       EXPECT_NEAR(image.radiance[3 * 136] * kPi, mean, 1e-6) << elevation;
     }

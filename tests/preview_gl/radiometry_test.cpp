@@ -50,7 +50,7 @@ TEST(Radiometry, LambertPlate) {
     view.camera.world_from_camera =
         view.camera.world_from_camera * glm::angleAxis(0.3, Vec3(0, 0, 1));
     view.to_sun = c.sun;
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     const double exact = 0.6 / kPi * 1.5 * 0.8 * glm::normalize(c.sun).z * glm::normalize(c.from).z;
     EXPECT_NEAR(intensity(image, view.camera, distance) / exact, 1, 2e-5);
     expect_no_nan(image);
@@ -62,9 +62,9 @@ TEST(Radiometry, OpenPlateIsTheSameFromBehind) {
   for (const double side : {1.0, -1.0}) {
     View view = looking_from({0, 0.3, side}, 100, 0.02, 64);
     view.to_sun = {0, 0, side};
-    const Image lit = rendered(model, view);
+    const image::Image lit = rendered(model, view);
     view.to_sun = {0, 0, -side};
-    const Image dark = rendered(model, view);
+    const image::Image dark = rendered(model, view);
     const std::size_t centre = std::size_t{32} * 64 + 32;
     EXPECT_NEAR(lit.radiance[3 * centre] * kPi, 1, 3e-7);
     EXPECT_EQ(dark.radiance[3 * centre], 0);
@@ -79,7 +79,7 @@ TEST(Radiometry, FarLambertSphere) {
     const double phase = degrees * kDegree;
     const double distance = 1e5;
     const View view = looking_from({0, -1, 0}, distance, 0.0014 * kDegree, 1024, phase);
-    const Image image = rendered(model, view);
+    const image::Image image = rendered(model, view);
     const double flux = intensity(image, view.camera, distance) / lambert_sphere(0.8, phase) - 1;
     const double radius = view.camera.focal.x / distance;
     const Vec2 centre = photocentre(image) - Vec2(512 + radius * lambert_photocentre(phase), 512);
@@ -100,7 +100,7 @@ TEST(Radiometry, FlatSphereIsItsFacetSum) {
     options.flat = true;
     const double exact =
         facet_sum(model, 0.8, glm::normalize(view.to_sun), glm::normalize(view.camera.position));
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     const double flux = intensity(image, view.camera, distance) / exact - 1;
     printf("phase %2.0f: flat flux against facet sum %+.2e\n", degrees, flux);
     EXPECT_LE(std::fabs(flux), 1e-4);
@@ -115,7 +115,7 @@ TEST(Radiometry, IntensityDoesNotDependOnDistance) {
   for (const double distance : {1e2, 1e4, 1e6, 1e8}) {
     const double fov = 2 * std::atan(1.25 / distance);
     const View view = looking_from({1, -2, 0.5}, distance, fov, 256, 60 * kDegree);
-    const Image image = rendered(model, view, options);
+    const image::Image image = rendered(model, view, options);
     // finite distance: +0.23·R/d is the 30° figure, -… at 60°; only the far ones are held together
     const double value = intensity(image, view.camera, distance);
     printf("d %.0e: I %.7f\n", distance, value);

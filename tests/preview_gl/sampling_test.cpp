@@ -41,7 +41,7 @@ pan::Contents plates_and_struts() {
 
 View slanted(std::uint32_t size) { return above(size, 4.6, Vec3(0.5, 0.3, 1)); }
 
-double rms(const Image& a, const Image& b) {
+double rms(const image::Image& a, const image::Image& b) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.pixels(); ++i) {
@@ -56,28 +56,29 @@ double rms(const Image& a, const Image& b) {
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
-double rms(const Image& a) {
-  Image nothing = a;
+double rms(const image::Image& a) {
+  image::Image nothing = a;
   std::fill(nothing.radiance.begin(), nothing.radiance.end(), 0.0f);
   return rms(nothing, a);
 }
 
-Image with_samples(const pan::Model& model, const View& view, unsigned samples, bool adaptive) {
+image::Image with_samples(const pan::Model& model, const View& view, unsigned samples,
+                          bool adaptive) {
   RenderOptions options;
   options.samples = samples;
   options.adaptive = adaptive;
   return rendered(model, view, options);
 }
 
-double flux(const Image& image) { return sums(image).radiance.x; }
+double flux(const image::Image& image) { return sums(image).radiance.x; }
 
 // An image of N times the side has the very samples of N×N ones (N a power of two).
 // Measured: see the expectation; the whole image is one tile, so that matrices are the same.
 TEST(Sampling, MeansAreThoseOfDoubles) {
   const pan::Model model = model_of(plates_and_struts());
   for (const unsigned n : {2u, 4u, 8u}) {
-    const Image image = with_samples(model, above(48, 3.6, Vec3(0.5, 0.3, 1)), n, false);
-    const Image large = with_samples(model, above(48 * n, 3.6, Vec3(0.5, 0.3, 1)), 1, false);
+    const image::Image image = with_samples(model, above(48, 3.6, Vec3(0.5, 0.3, 1)), n, false);
+    const image::Image large = with_samples(model, above(48 * n, 3.6, Vec3(0.5, 0.3, 1)), 1, false);
     double worst = 0;
     for (std::size_t y = 0; y < 48; ++y)
       for (std::size_t x = 0; x < 48; ++x) {
@@ -96,10 +97,10 @@ TEST(Sampling, MeansAreThoseOfDoubles) {
 TEST(Sampling, OneSampleStandsForManyWhereItMay) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(96);
-  const Image ground_truth = with_samples(model, view, 16, false);
+  const image::Image ground_truth = with_samples(model, view, 16, false);
   for (const unsigned n : {2u, 3u, 4u, 8u}) {
-    const Image full = with_samples(model, view, n, false);
-    const Image some = with_samples(model, view, n, true);
+    const image::Image full = with_samples(model, view, n, false);
+    const image::Image some = with_samples(model, view, n, true);
     expect_no_nan(some);
     const double scale = rms(ground_truth);
     // measured, of the scale: 0.038, 0.025, 0.0001, 0.0001; 1.00, 1.26, 1.00, 1.00 times; 3.2e-3,
@@ -191,11 +192,11 @@ TEST(Sampling, KeepsItsErrorOnHardScenes) {
        {textured_plate(), grazed_gloss(), two_targets(), from_100_km(), far_apart()}) {
     RenderOptions options;
     options.samples = 32;
-    const Image ground_truth = draw(scene, options);
+    const image::Image ground_truth = draw(scene, options);
     options.samples = 4;
-    const Image full = draw(scene, options);
+    const image::Image full = draw(scene, options);
     options.adaptive = true;
-    const Image some = draw(scene, options);
+    const image::Image some = draw(scene, options);
     EXPECT_LE(rms(some, ground_truth), 1.2 * rms(full, ground_truth) + 0.01 * rms(ground_truth))
         << scene.name;
     options.samples = 0;
@@ -204,7 +205,7 @@ TEST(Sampling, KeepsItsErrorOnHardScenes) {
     // and 0.15 %, 1.7 and 0.85 %; where 4×4 in full has 1.0, 22, 0.60, 3.8 %
     for (const double asked : {0.05, 0.01}) {
       options.pixel_error = asked;
-      const Image automatic = draw(scene, options);
+      const image::Image automatic = draw(scene, options);
       expect_no_nan(automatic);
       double outside = 0;  // where the truth is background
       for (std::size_t i = 0; i < automatic.pixels(); ++i)
@@ -219,7 +220,7 @@ TEST(Sampling, KeepsItsErrorOnHardScenes) {
 TEST(Sampling, AutomaticMeetsItsError) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(64);
-  const Image ground_truth = with_samples(model, view, 64, false);
+  const image::Image ground_truth = with_samples(model, view, 64, false);
   for (const double asked : {0.05, 0.01}) {
     DiagnosticLog log;
     support::ModelRenderer renderer(shared_device(), model);
@@ -311,7 +312,7 @@ TEST(Sampling, SubPixelTargetsKeepTheirFlux) {
   options.samples = 0;
   options.imposters = Imposters::off;
   options.pixel_error = 0.01;
-  const Image image = rendered(model, view, options);
+  const image::Image image = rendered(model, view, options);
   const double pixel = 3.1 * 3.1;
   // 64×64 samples: the plate is 20.6 of them wide
   EXPECT_NEAR(flux(image) * pixel * kPi, 1, 0.06);
@@ -347,8 +348,8 @@ TEST(Sampling, TilesChangeNothingOfWhatIsSampledInFull) {
   whole.adaptive = true;
   RenderOptions tiles = whole;
   tiles.tile_side = 100;
-  const Image a = rendered(model, view, whole);
-  const Image b = rendered(model, view, tiles);
+  const image::Image a = rendered(model, view, whole);
+  const image::Image b = rendered(model, view, tiles);
   EXPECT_EQ(a.coverage, b.coverage);
   EXPECT_LE(rms(a, b), 0.005 * rms(a));
 }

@@ -7,8 +7,8 @@ namespace panwright::preview::testing_support {
 
 // A view with and without shadows.
 struct Pair {
-  Image with;
-  Image without;
+  image::Image with;
+  image::Image without;
   // visible share of the Sun at a pixel; -1 for unlit ones
   double sun(std::size_t pixel) const {
     const double whole = without.radiance[3 * pixel];

@@ -504,7 +504,7 @@ TEST(Shadows, WhatGlowsGlowsInTheShade) {
   add(contents, plate(20, 20), Vec3(0, 0, 12));
   View view = above(16, 1);
   view.sun_irradiance = Vec3(2);
-  const Image image = rendered(model_of(contents), view);
+  const image::Image image = rendered(model_of(contents), view);
   const Vec3 glow = radiance_at(image, 8, 8) * kPi / (2 * 0.7);
   EXPECT_LE(glm::length(glow - Vec3(0.3, 0.2, 0.1)), 1e-7);
 }

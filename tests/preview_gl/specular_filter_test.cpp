@@ -26,7 +26,7 @@ RenderOptions one_sample(bool filter) {
   return options;
 }
 
-double sum_of(const Image& image) {
+double sum_of(const image::Image& image) {
   double sum = 0;
   for (std::size_t i = 0; i < image.pixels(); ++i) sum += image.radiance[3 * i];
   return sum;
@@ -126,8 +126,8 @@ TEST(SpecularFilter, LeavesAloneWhatSamplesResolve) {
     // 40 pixels a radius: the limb apart, where they turn faster, and where a lobe of 0.1 is at no
     // more than 60 degrees
     const View view = looking_from(Vec3(1, -0.8, 0.6), 50, 0.04, 128, 0.2);
-    const Image with = rendered(model, view, one_sample(true));
-    const Image without = rendered(model, view, one_sample(false));
+    const image::Image with = rendered(model, view, one_sample(true));
+    const image::Image without = rendered(model, view, one_sample(false));
     double worst = 0;
     double peak = 0;
     for (std::size_t i = 0; i < with.radiance.size(); ++i) {

@@ -43,7 +43,7 @@ TEST(SunGlint, FlatPlate) {
         RenderOptions options;
         options.samples = 1;
         options.shadow_side = 0;
-        const Image image = rendered(model, view, options);
+        const image::Image image = rendered(model, view, options);
         expect_no_nan(image);
         double largest = 0, error = 0, sum[2] = {0, 0}, peak = 0;
         for (std::uint32_t i = 0; i < kSide; ++i)

@@ -72,7 +72,7 @@ struct Sums {
   double coverage = 0;
 };
 
-inline Sums sums(const Image& image) {
+inline Sums sums(const image::Image& image) {
   Sums result;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     for (std::size_t k = 0; k < 3; ++k)
@@ -82,7 +82,7 @@ inline Sums sums(const Image& image) {
   return result;
 }
 
-inline Vec3 radiance_at(const Image& image, std::size_t x, std::size_t y) {
+inline Vec3 radiance_at(const image::Image& image, std::size_t x, std::size_t y) {
   const float* p = &image.radiance[3 * (y * image.width + x)];
   return Vec3(p[0], p[1], p[2]);
 }

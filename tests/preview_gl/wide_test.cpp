@@ -203,7 +203,7 @@ TEST(WideModels, MapsAreKept) {
   EXPECT_EQ(maps(), 1u);
   view.camera.position.z += 0.5;
   EXPECT_EQ(maps(), 2u);
-  const Image last = *renderer.render(view, {}, log);
+  const image::Image last = *renderer.render(view, {}, log);
   EXPECT_EQ(last.radiance, rendered(model, view).radiance);
 }
 

@@ -48,12 +48,12 @@ pan::Model model_of_bodies(const std::vector<Body>& bodies) {
   return model_of(contents);
 }
 
-Image drawn(Renderer& renderer, const world::World& world, const world::Camera& camera,
-            const RenderOptions& options) {
+image::Image drawn(Renderer& renderer, const world::World& world, const world::Camera& camera,
+                   const RenderOptions& options) {
   DiagnosticLog log;
   auto image = renderer.render(world, camera, options, log);
   EXPECT_TRUE(image) << to_text(log);
-  return image ? std::move(*image) : Image{};
+  return image ? std::move(*image) : image::Image{};
 }
 
 template <class T>
@@ -61,7 +61,7 @@ bool equal_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-bool equal_bits(const Image& a, const Image& b) {
+bool equal_bits(const image::Image& a, const image::Image& b) {
   return equal_bits(a.radiance, b.radiance) && equal_bits(a.coverage, b.coverage) &&
          equal_bits(a.depth, b.depth) && equal_bits(a.range, b.range) &&
          equal_bits(a.normal, b.normal) && equal_bits(a.target_id, b.target_id) &&
@@ -119,8 +119,9 @@ TEST(Worlds, TargetsHideEachOther) {
     view.to_sun = {1, -1, 2};
     RenderOptions options = truthful(0);
     Renderer renderer(shared_device());
-    const Image image = drawn(renderer, world_of_bodies(bodies, view.to_sun), view.camera, options);
-    const Image one = rendered(merged, view, options);
+    const image::Image image =
+        drawn(renderer, world_of_bodies(bodies, view.to_sun), view.camera, options);
+    const image::Image one = rendered(merged, view, options);
     std::size_t other = 0;
     for (std::size_t i = 0; i < image.pixels(); ++i) {
       ++seen[image.target_id[i]];
@@ -149,8 +150,9 @@ TEST(Worlds, WhatStandsApartCostsNoPrecision) {
   three.push_back({box(Vec3(3e5)), {{1.2e6, -1e7, 0}, Quat(1, 0, 0, 0)}, 1});
   View view = looking_from({0, 1, 0}, 10, 0.3, 128, 0.4);
   Renderer renderer(shared_device());
-  const Image alone = drawn(renderer, world_of_bodies(one, view.to_sun), view.camera, truthful(0));
-  const Image image =
+  const image::Image alone =
+      drawn(renderer, world_of_bodies(one, view.to_sun), view.camera, truthful(0));
+  const image::Image image =
       drawn(renderer, world_of_bodies(three, view.to_sun), view.camera, truthful(0));
   std::size_t count[4] = {};
   std::size_t other = 0;
@@ -177,11 +179,11 @@ Off against_rays(const std::vector<Body>& bodies, std::uint32_t receiver, View v
                  RenderOptions options) {
   Renderer renderer(shared_device());
   const world::World world = world_of_bodies(bodies, view.to_sun);
-  const Image with = drawn(renderer, world, view.camera, options);
+  const image::Image with = drawn(renderer, world, view.camera, options);
   options.shadow_side = 0;
-  const Image without = drawn(renderer, world, view.camera, options);
+  const image::Image without = drawn(renderer, world, view.camera, options);
   options = truthful(0);
-  const Image ids = drawn(renderer, world, view.camera, options);
+  const image::Image ids = drawn(renderer, world, view.camera, options);
   const pan::Model merged = model_of_bodies(bodies);
   const support::SunRays rays(merged, view);
   const pan::Model by_itself = model_of(single(bodies[receiver].mesh, lambert(1)));
@@ -244,12 +246,12 @@ TEST(WorldShadows, NeighboursShareAMap) {
   RenderOptions options = truthful(256);
   const world::World world = world_of_bodies(bodies, view.to_sun);
   Renderer renderer(shared_device());
-  const Image own = drawn(renderer, world, view.camera, options);
+  const image::Image own = drawn(renderer, world, view.camera, options);
   EXPECT_EQ(renderer.counts().shadow_maps, 5u);
   for (const std::uint64_t maps : {1u, 2u}) {
     options.max_shadow_bytes = maps * ShadowMaps::kTexelBytes * 256 * 256;
     Renderer sharing(shared_device());
-    const Image image = drawn(sharing, world, view.camera, options);
+    const image::Image image = drawn(sharing, world, view.camera, options);
     EXPECT_EQ(sharing.counts().shadow_maps, maps);
     std::size_t other = 0;
     for (std::size_t i = 0; i < own.pixels(); ++i)
@@ -257,7 +259,7 @@ TEST(WorldShadows, NeighboursShareAMap) {
     printf("%zu of %zu pixels differ from maps of their own\n", other, own.pixels());
     EXPECT_LE(other, own.pixels() / 100);
     if (maps == 1) {
-      const Image merged = rendered(model_of_bodies(bodies), view, truthful(256));
+      const image::Image merged = rendered(model_of_bodies(bodies), view, truthful(256));
       std::size_t apart = 0;
       for (std::size_t i = 0; i < own.pixels(); ++i)
         apart += std::fabs(merged.radiance[3 * i] - image.radiance[3 * i]) > 1e-3;
@@ -428,9 +430,9 @@ TEST_P(EditedWorlds, HaveTheBitsOfAFreshRenderer) {
     RenderOptions options = truthful(side);
     options.flat = edits.number(4) == 0;
     if (edits.number(4) == 0) options.max_shadow_bytes = 2 * ShadowMaps::kTexelBytes * side * side;
-    const Image image = drawn(cached, world, view.camera, options);
+    const image::Image image = drawn(cached, world, view.camera, options);
     Renderer fresh(shared_device());
-    const Image other = drawn(fresh, world, view.camera, options);
+    const image::Image other = drawn(fresh, world, view.camera, options);
     ASSERT_TRUE(equal_bits(image, other)) << "step " << step;
     fresh_maps += fresh.counts().shadow_maps;
     fresh_placed += fresh.counts().targets_placed;

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <random>
 
-#include "base/png.h"
-#include "importers/image.h"
+#include "image/decode.h"
+#include "image/png.h"
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
@@ -28,7 +28,8 @@ Reading read_again(const scene::Scene& scene) {
                                  })}};
   for (std::size_t i = 0; i < scene.textures.size(); ++i) {
     const scene::Texture& t = scene.textures[i];
-    files.push_back({"picture" + std::to_string(i) + ".png", png_file(t.width, t.height, t.rgba)});
+    files.push_back(
+        {"picture" + std::to_string(i) + ".png", image::png_file(t.width, t.height, t.rgba)});
   }
   return read_files(files);
 }
@@ -119,7 +120,7 @@ TEST(Writer, NamesThatCannotStay) {
                    "<pangu_model ver='0'><frame_s label='a{b}'><origin><vec3>0 0 0</vec3></origin>"
                    "<forward><vec3>0 0 1</vec3></forward><up><vec3>0 -1 0</vec3></up>"
                    "<right><vec3>1 0 0</vec3></right></frame_s></pangu_model>"},
-                  {"t.png", png_file(1, 1, std::array<std::uint8_t, 4>{1, 2, 3, 4})}});
+                  {"t.png", image::png_file(1, 1, std::array<std::uint8_t, 4>{1, 2, 3, 4})}});
   ASSERT_TRUE(r.scene) << r.summary();
   ASSERT_EQ(r.scene->decals.size(), 1u);
   const Reading again = read_again(*r.scene);
@@ -488,7 +489,7 @@ TEST(Writer, TexturesBesideTheText) {
   scene.textures.push_back(scene.textures[0]);
   scene.textures[4].name = "../c.png";
   // one is there already
-  folder.write("a.png", png_file(7, 14, scene.textures[1].rgba));
+  folder.write("a.png", image::png_file(7, 14, scene.textures[1].rgba));
   DiagnosticLog log;
   const auto names = write_textures(scene, folder / "model.pxn", log);
   ASSERT_TRUE(names) << to_text(log);
@@ -496,8 +497,8 @@ TEST(Writer, TexturesBesideTheText) {
                                            "model-3.png"));
   for (std::size_t i = 0; i < 5; ++i) {
     const std::string bytes = support::contents(folder / (*names)[i]);
-    importers::DecodedImage image;
-    EXPECT_FALSE(importers::decode_image(std::as_bytes(std::span(bytes)), 1 << 30, image).code);
+    image::DecodedImage image;
+    EXPECT_FALSE(image::decode_image(std::as_bytes(std::span(bytes)), 1 << 30, image).code);
     EXPECT_TRUE(image.rgba == scene.textures[i].rgba);
   }
 }

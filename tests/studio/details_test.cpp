@@ -97,7 +97,7 @@ TEST(Details, PartsWithoutLevelsAndHiddenOnes) {
 }
 
 TEST(Details, LevelsAreColoured) {
-  preview::Image image;
+  image::Image image;
   image.width = 3;
   image.height = 1;
   image.target_id = {0, 1, 1};

@@ -13,8 +13,8 @@
 namespace panwright::studio {
 namespace {
 
-preview::Image blank_image(std::uint32_t width, std::uint32_t height) {
-  preview::Image image;
+image::Image blank_image(std::uint32_t width, std::uint32_t height) {
+  image::Image image;
   image.width = width;
   image.height = height;
   const std::size_t n = image.pixels();
@@ -47,7 +47,7 @@ pan::Model compiled_model(const std::string& body) {
 }
 
 TEST(Layers, FalseColoursAreFourDecades) {
-  preview::Image image = blank_image(5, 1);
+  image::Image image = blank_image(5, 1);
   const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};
   for (std::size_t i = 0; i < 5; ++i)
     for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] = 7 * light[i];
@@ -68,7 +68,7 @@ TEST(Layers, FalseColoursAreFourDecades) {
 }
 
 TEST(Layers, TruthOfPixels) {
-  preview::Image image = blank_image(4, 1);
+  image::Image image = blank_image(4, 1);
   image.target_id[3] = 0;
   image.depth = {10, 20, 15, 0};
   image.normal = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 0};
@@ -98,7 +98,7 @@ TEST(Layers, TruthOfPixels) {
 }
 
 TEST(Layers, EmptyImage) {
-  preview::Image image = blank_image(3, 2);
+  image::Image image = blank_image(3, 2);
   image.target_id.assign(6, 0);
   image.coverage.assign(6, 0);
   for (const char* layer : kLayers)
@@ -125,7 +125,7 @@ TEST(Layers, WhiteIsStriped) {
 }
 
 TEST(Layers, ComparedWithTheReference) {
-  preview::Image image = blank_image(2, 1);
+  image::Image image = blank_image(2, 1);
   image.radiance = {1, 2, 4, 1, 2, 4};
   preview::ReferenceImage reference{blank_image(2, 1), std::vector<float>(6, 0.1f)};
   reference.image.radiance = {1, 2, 5, 1, 2, 5};

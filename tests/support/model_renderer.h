@@ -20,8 +20,8 @@ class ModelRenderer {
   ModelRenderer(std::shared_ptr<preview::Device> device, const pan::Model& model)
       : renderer_(std::move(device)), world_(preview::world_of(borrowed(model), {})) {}
 
-  Result<preview::Image> render(const preview::View& view, const preview::RenderOptions& options,
-                                DiagnosticLog& log) {
+  Result<image::Image> render(const preview::View& view, const preview::RenderOptions& options,
+                              DiagnosticLog& log) {
     preview::set_view(world_, view);
     return renderer_.render(world_, view.camera, options, log);
   }

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "base/png.h"
+#include "image/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -297,7 +297,7 @@ TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
   const auto image = [&](const std::string& name, std::uint32_t side) {
     std::vector<std::uint8_t> rgba(std::size_t{4} * side * side, 90);
     for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
-    folder_.write(name, png_file(side, side, rgba));
+    folder_.write(name, image::png_file(side, side, rgba));
   };
   image("small.png", 64);
   image("large.png", 65);
@@ -331,7 +331,7 @@ TEST_F(FirstHour, ColoursOfPalettesAreDressed) {
     for (const int code : {left ? 200 : 10, left ? 30 : 20, left ? 40 : 250, 255})
       rgba.push_back(static_cast<std::uint8_t>(code));
   }
-  folder_.write("p.png", png_file(8, 4, rgba));
+  folder_.write("p.png", image::png_file(8, 4, rgba));
   folder_.write("p.mtl", "newmtl paint\nKd 1 1 1\nmap_Kd p.png\n");
   folder_.write("p.obj",
                 "mtllib p.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 3 0 0\nv 2 1 0\n"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "base/png.h"
+#include "image/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/sanitizers.h"
@@ -48,7 +48,7 @@ class Outputs : public testing::Test {
 </pangu_model>
 )");
     std::vector<std::uint8_t> texels(4 * 4 * 4, 200);
-    folder_.write("panel.png", png_file(4, 4, texels));
+    folder_.write("panel.png", image::png_file(4, 4, texels));
     panel_ = folder_.write("panel.pxn", R"(<pangu_model ver="1">
   <material name="m" preset="white_z93" albedo_map="panel.png"/>
   <box size="1 1 1" material="m"/>

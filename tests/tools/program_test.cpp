@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/diagnostic.h"
-#include "base/png.h"
+#include "image/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -219,10 +219,10 @@ TEST(Program, SamplesOfATexturedMaterial) {
   const TemporaryFolder folder;
   std::vector<std::uint8_t> texels;
   for (int i = 0; i < 16; ++i) texels.insert(texels.end(), {0, 255, 0, 255});
-  folder.write("green.png", png_file(4, 4, texels));
+  folder.write("green.png", image::png_file(4, 4, texels));
   std::vector<std::uint8_t> upright;
   for (int i = 0; i < 16; ++i) upright.insert(upright.end(), {128, 128, 255, 255});
-  folder.write("upright.png", png_file(4, 4, upright));
+  folder.write("upright.png", image::png_file(4, 4, upright));
   const auto render = [&](const std::string& maps, const std::string& output) {
     const std::string file =
         folder.write("m.pxn",

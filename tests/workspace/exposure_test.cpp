@@ -10,8 +10,8 @@ namespace panwright::workspace::exposure_test {
 namespace {
 
 // Radiance 1 to 1000, in steps, in a shuffled order; background around them.
-preview::Image ramp(float scale) {
-  preview::Image image;
+image::Image ramp(float scale) {
+  image::Image image;
   image.width = 40;
   image.height = 50;
   for (std::uint32_t i = 0; i < 2000; ++i) {
@@ -39,7 +39,7 @@ TEST(AutoExposure, IsOfTheModelAndNotOfTheSun) {
 }
 
 TEST(AutoExposure, LooksAtLitPixelsAlone) {
-  preview::Image image = ramp(1.0f);
+  image::Image image = ramp(1.0f);
   const double ev = auto_exposure(image, 0);
   // half a pixel of a target is as bright as a whole one
   for (std::size_t i = 0; i < image.pixels(); i += 4) {

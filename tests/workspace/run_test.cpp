@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <map>
 
-#include "preview/image.h"
+#include "image/image.h"
 #include "tests/support/process.h"
 
 namespace panwright::workspace::run_test {
@@ -79,7 +79,7 @@ TEST(RunViews, WritesWhatTheEngineDraws) {
       const auto drawn = drawer->draw(posed, view.camera, false, log);
       ASSERT_TRUE(drawn);
       const std::string alone = folder / "alone.npy";
-      ASSERT_TRUE(preview::write_image(alone, drawn->image, 0, log));
+      ASSERT_TRUE(image::write_image(alone, drawn->image, 0, log));
       EXPECT_TRUE(support::contents(alone) == support::contents(view.output)) << view.output;
     }
   }

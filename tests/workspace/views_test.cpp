@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "compiler/compile.h"
-#include "preview/image.h"
+#include "image/image.h"
 #include "tests/support/process.h"
 #include "workspace/record.h"
 #include "world/evaluation.h"
@@ -162,15 +162,15 @@ TEST(Record, KeepsFieldsOfViewAndNamesOfAnyBytes) {
   const View view = view_of(text, world);
   EXPECT_TRUE(view.field_of_view);
   const std::string name = "odd\xff\xfe.pxn";
-  preview::Image image;
+  image::Image image;
   image.width = image.height = 1;
   image.radiance = {0, 0, 0};
   image.coverage = {0};
-  image.metadata = {{preview::kRecordName,
+  image.metadata = {{image::kRecordName,
                      record_text(world, view.camera, 0.0, {}, {{name}, {}}, view.field_of_view)}};
   const support::TemporaryFolder folder;
   DiagnosticLog log;
-  ASSERT_TRUE(preview::write_image(folder / "a.png", image, 0, log));
+  ASSERT_TRUE(image::write_image(folder / "a.png", image, 0, log));
   auto record = read_record(folder / "a.png", log);
   ASSERT_TRUE(record) << to_text(log);
   EXPECT_EQ(record->targets[0].file, name);

@@ -8,9 +8,9 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "importers/image.h"
+#include "image/decode.h"
+#include "image/gif.h"
 #include "importers/internal/placed_node.h"
-#include "importers/vrml/internal/gif.h"
 
 namespace panwright::importers::vrml {
 
@@ -166,11 +166,12 @@ std::int32_t Builder::add_texture(std::span<const std::string_view> urls, Source
   if (!bytes) return scene::kNone;
   const auto [texture, unread] = texture_cache_.try_emplace(path, scene::kNone);
   if (unread) {
-    DecodedImage image;
+    image::DecodedImage image;
     const std::uint64_t left = context.options.limits.texture_bytes - texture_bytes_;
     const auto packed = as_bytes(*bytes);
-    const ImageProblem problem =
-        is_gif(packed) ? decode_gif(packed, left, image) : decode_image(packed, left, image);
+    const image::ImageProblem problem = image::is_gif(packed)
+                                            ? image::decode_gif(packed, left, image)
+                                            : image::decode_image(packed, left, image);
     if (problem.code)
       context.log.report(
           Code::W6004, where,
@@ -188,7 +189,7 @@ std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan 
   const auto width = static_cast<std::uint32_t>(image[0]);
   const auto height = static_cast<std::uint32_t>(image[1]);
   const std::int32_t components = image[2];
-  if (width > kMaxTextureSide || height > kMaxTextureSide || components == 0) {
+  if (width > image::kMaxTextureSide || height > image::kMaxTextureSide || components == 0) {
     context.log.report(Code::W6004, where, "an image of a size that is not used");
     return scene::kNone;
   }

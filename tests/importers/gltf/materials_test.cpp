@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/png.h"
+#include "image/png.h"
 #include "materials/brdf.h"
 #include "materials/energy.h"
 #include "tests/importers/gltf/sample.h"
@@ -106,7 +106,7 @@ Vec3 decoded(const Texel& t) { return {decoded(t[0]), decoded(t[1]), decoded(t[2
 int add_texture(Sample& sample, const std::vector<Texel>& texels) {
   std::vector<std::uint8_t> rgba;
   for (const Texel& t : texels) rgba.insert(rgba.end(), t.begin(), t.end());
-  const std::string file = png_file(static_cast<std::uint32_t>(texels.size()), 1, rgba);
+  const std::string file = image::png_file(static_cast<std::uint32_t>(texels.size()), 1, rgba);
   const std::vector<std::uint8_t> png(file.begin(), file.end());
   nlohmann::json& json = sample.json;
   json["images"].push_back({{"bufferView", sample.view(png)}, {"mimeType", "image/png"}});

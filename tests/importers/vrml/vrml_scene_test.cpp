@@ -394,5 +394,22 @@ TEST(VrmlJoints, OfHAnimTurnAboutTheirCentre) {
   EXPECT_LT(glm::length(in_world(*reading, "leg", Vec3(0)) - expected), 1e-15);  // measured 0
 }
 
+// 1 × 1 pixel of 255 128 0
+TEST(VrmlScene, TexturesMayBeGif) {
+  std::string gif;
+  for (const int byte :
+       {0x47, 0x49, 0x46, 0x38, 0x39, 0x61, 1, 0, 1, 0, 0x80, 0, 0, 255,  128, 0, 0,   0,
+        0,    0x2c, 0,    0,    0,    0,    1, 0, 1, 0, 0,    2, 2, 0x44, 1,   0, 0x3b})
+    gif += static_cast<char>(byte);
+  const auto reading = read_files(
+      {{"model.wrl", kHeader97 +
+                         "Shape { appearance Appearance { texture ImageTexture { url \"a.gif\" } } "
+                         "geometry Box { } }"},
+       {"a.gif", gif}});
+  ASSERT_EQ(reading->scene().textures.size(), 1u) << to_text(reading->log);
+  EXPECT_EQ(reading->scene().textures[0].rgba, (std::vector<std::uint8_t>{255, 128, 0, 255}));
+  EXPECT_EQ(reading->scene().instances[0].texture, 0);
+}
+
 }  // namespace
 }  // namespace panwright::importers::vrml::vrml_scene_test

@@ -1,0 +1,42 @@
+// Decoders of single image formats. Private to image.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "image/decode.h"
+
+namespace panwright::image {
+
+// Checks that an image of this size may be decoded into max_bytes of pixels (four bytes each).
+//
+// Problems: E3001 (empty), E3002. Does not overflow for sides below 2^31.
+ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_bytes);
+
+// Decodes a PNG file with libpng: every bit depth and colour type, interlaced ones too. Numbers
+// are taken as they stand: gamma, profiles and other ancillary chunks are skipped. A wrong checksum
+// in any chunk is damage.
+//
+// Problems: E3001 with the byte at which reading stopped; E3002. Cost: O(bytes + pixels); beside
+// the pixels a few rows of memory. "Portable Network Graphics", ISO/IEC 15948:2004.
+//
+// Expects: the bytes begin with the signature of PNG.
+ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                        DecodedImage& out);
+
+// Decodes a JPEG file with libjpeg-turbo: baseline, progressive and arithmetic coding, grey, YCbCr,
+// RGB, CMYK and YCCK of 8 bits. The inverse DCT is the accurate integer one ("islow") and chroma
+// is interpolated; vector code gives the same bits as scalar code.
+//
+// A file with lost pixels is refused; bytes between segments are skipped.
+//
+// Problems: E3001 with the byte at which reading stopped; E3002. Cost: O(bytes + pixels·scans),
+// with a limit of scans; of files with several scans 2 bytes for each sample beside the pixels.
+// ITU-T T.81.
+//
+// Expects: the bytes begin with the mark of JPEG.
+ImageProblem decode_jpeg(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                         DecodedImage& out);
+
+}  // namespace panwright::image
