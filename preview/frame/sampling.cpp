@@ -455,8 +455,8 @@ bool Sampling::look_at_corners(const Frame& frame) {
 //   error  of each: how far parts of its samples lie apart
 bool Sampling::refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
                       std::span<float> error) {
-  // A draw of a tile costs about as much as so many samples in it that are not asked for (measured on
-  // a software context).
+  // A draw of a tile costs about as much as so many samples in it that are not asked for (measured
+  // on a software context).
   constexpr std::uint64_t kWorth = 1u << 19;
   order_.resize(pixels.size());
   std::iota(order_.begin(), order_.end(), 0u);

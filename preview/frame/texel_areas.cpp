@@ -152,9 +152,9 @@ class Shares {
         finer_(finer) {}
 
   double operator()(std::uint32_t column, std::uint32_t row) const {
-    constexpr std::uint32_t kBorder = 2;
-    const bool inside =
-        column >= kBorder && row >= kBorder && column + kBorder < width_ && row + kBorder < height_;
+    constexpr std::uint32_t kOutside = 2;
+    const bool inside = column >= kOutside && row >= kOutside && column + kOutside < width_ &&
+                        row + kOutside < height_;
     if (inside && finer_.empty()) return 1;
     const Vec2 low = low_ + side_ * Vec2(column, row);
     const PlaneRect texel{glm::max(low, rect_.low), glm::min(low + side_, rect_.high)};

@@ -107,8 +107,8 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
 }
 
 // what lies at the pixels' centres
-void add_ground_truth(const TraceScene& scene, const world::World& world,
-                      const world::Camera& camera, bool flat, image::Image& image, const Job& job) {
+void add_ground_truth(const TraceScene& scene, const world::Camera& camera, bool flat,
+                      image::Image& image, const Job& job) {
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
@@ -117,26 +117,21 @@ void add_ground_truth(const TraceScene& scene, const world::World& world,
   image.target_id.resize(image.pixels());
   const auto trace_row = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
-      const TraceRay ray{TraceRay::kCamera,
-                         view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5})};
+      const trace::Ray ray{view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5})};
       const auto hit = scene.seen(ray);
       if (!hit) continue;
-      const TraceScene::Placed& placed = scene.targets()[hit->target];
-      const std::uint32_t part = placed.target->parts()[hit->hit.instance];
+      const trace::Scene::Placed& placed = scene.rays().targets()[hit->target];
       const std::size_t pixel = row * image.width + column;
       // the ray is of unit length: its part along the boresight is the depth's
-      image.range[pixel] = static_cast<float>(hit->hit.distance);
-      image.depth[pixel] = static_cast<float>(hit->hit.distance * ray.ray.direction.z);
-      const Vec3 normal = placed.frame.world_from * placed.target->normal(hit->hit, flat);
+      image.range[pixel] = static_cast<float>(hit->distance);
+      image.depth[pixel] = static_cast<float>(hit->distance * ray.direction.z);
+      const Vec3 normal = placed.frame.world_from * placed.target->normal(*hit, flat);
       for (std::size_t k = 0; k < 3; ++k)
         image.normal[3 * pixel + k] = static_cast<float>(normal[static_cast<int>(k)]);
-      const pan::Model& model = *world[placed.index].model();
-      const pan::layout::Instance& instance = model.instances()[part];
-      image.node_id[pixel] = instance.node + 1;
-      const std::int32_t back = hit->hit.front ? -1 : model.back_of(part);
-      image.material_id[pixel] =
-          (back < 0 ? instance.material : static_cast<std::uint32_t>(back)) + 1;
-      image.target_id[pixel] = placed.index + 1;
+      const trace::Ids ids = scene.rays().ids(*hit);
+      image.node_id[pixel] = ids.node;
+      image.material_id[pixel] = ids.material;
+      image.target_id[pixel] = ids.target;
     }
   };
   parallel_for(image.height, trace_row, job);
@@ -180,10 +175,10 @@ void add_samples(ViewSamples& view, std::span<const Cell> cells, const world::Ca
 }
 
 // Why an image is empty.
-const char* empty_because(const world::World& world, const TraceScene& scene,
+const char* empty_because(const world::World& world, const trace::Scene& scene,
                           std::span<const Cell> cells) {
   if (world.empty()) return "nothing is in view: the world has no targets";
-  if (scene.targets().empty()) return "nothing is in view: all targets are hidden or empty";
+  if (scene.visible().empty()) return "nothing is in view: all targets are hidden or empty";
   if (cells.empty()) return "nothing is in view: no part of the model lies inside the image";
   return "nothing is in view: the camera may be inside a closed mesh, visible from outside only";
 }
@@ -203,7 +198,7 @@ void Reference::prepare(const world::World& world, const Job& job) {
   impl_->scene.update(world, job);
 }
 
-const ReferenceWork& Reference::work() const { return impl_->scene.work(); }
+const trace::Work& Reference::work() const { return impl_->scene.rays().work(); }
 
 Result<ReferenceImage> Reference::render(const world::World& world, const world::Camera& camera,
                                          const ReferenceOptions& options, DiagnosticLog& log,
@@ -236,7 +231,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   image.width = camera.width;
   image.height = camera.height;
   image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
-  const std::vector<Cell> cells = cells_of(scene, wide);
+  const std::vector<Cell> cells = cells_of(scene.rays(), wide);
   const std::uint64_t bytes =
       image.pixels() * (options.ground_truth ? 60 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
@@ -253,13 +248,13 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   result.standard_error.resize(3 * image.pixels());
 
   std::vector<Sun> suns;
-  for (const TraceScene::Placed& placed : scene.targets())
+  for (const trace::Scene::Placed& placed : scene.rays().targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
   ViewSamples view{scene, suns, wide, {options.bounces, options.flat}, options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
-  if (options.ground_truth) add_ground_truth(scene, world, camera, options.flat, image, job);
+  if (options.ground_truth) add_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
-    log.report_file(Code::W5006, {}, empty_because(world, scene, cells));
+    log.report_file(Code::W5006, {}, empty_because(world, scene.rays(), cells));
   result.seconds = seconds_since(start);
   return result;
 }

@@ -10,6 +10,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "image/image.h"
+#include "trace/scene.h"
 #include "world/camera.h"
 #include "world/world.h"
 
@@ -59,13 +60,6 @@ struct ReferenceImage {
   double seconds = 0;  // without preparation
 };
 
-// Counts of acceleration structures built so far.
-struct ReferenceWork {
-  std::uint64_t models = 0;  // search trees of all meshes of a model, its materials and tangents
-  std::uint64_t shapes = 0;  // placements of a target's meshes and the tree over them
-  std::uint64_t poses = 0;   // a target's place in the world
-};
-
 // Path tracer of worlds.
 //
 // Always as authored: materials in double, textures at full resolution (bilinear), the finest
@@ -77,9 +71,9 @@ struct ReferenceWork {
 // (docs/conventions.md 14). Sides, maps, decals and ground truth layers as in renderer.h, except
 // that holes are always sharp.
 //
-// It shares the formulas of materials/, the reader of pan files and the ray caster with the
-// preview, and nothing else: placement, textures, decals, tangents, view rays and truth are its
-// own, so that each finds the other's mistakes.
+// It shares the formulas of materials/ and the reader of pan files with the preview, and nothing
+// else: rays, placement and textures are those of trace/, and decals, tangents, view rays and truth
+// its own, so that each finds the other's mistakes.
 //
 // Its structures are cached by model and stamps: a model's meshes while another owner holds the
 // model, a target's placements and pose while they are in the world of the last call. The image
@@ -108,7 +102,8 @@ class Reference {
                                 const ReferenceOptions& options, DiagnosticLog& log,
                                 const Job& job = {});
 
-  const ReferenceWork& work() const;
+  // Counts of acceleration structures built so far.
+  const trace::Work& work() const;
 
  private:
   Result<ReferenceImage> rendered(const world::World& world, const world::Camera& camera,

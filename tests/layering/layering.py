@@ -5,26 +5,20 @@ import pathlib
 import re
 import sys
 
-# folder: what it may include directly; the table is closed transitively below
-ALLOWED = {
-    "base": [],
-    "schemas": [],
-    "image": ["base", "schemas"],
-    "geometry": ["base", "schemas"],
-    "materials": ["base", "schemas", "image"],
-    "mli": ["geometry"],
-    "scene": ["geometry", "materials", "mli"],
-    "pan": ["geometry", "materials", "schemas"],
-    "importers": ["scene", "image"],
-    "exporters": ["pan", "image"],
-    "compiler": ["scene", "pan"],
-    "world": ["pan"],
-    "preview": ["world", "image"],
-    "pxn": ["scene", "importers", "schemas"],
-    "workspace": ["pxn", "importers", "exporters", "compiler", "world", "preview"],
-    "studio": ["workspace", "preview"],
-    "tools": ["workspace", "studio", "mli"],
-}
+# Folders by level, with what each may include directly; the table is closed transitively below. It is that of docs/map.md
+# (problems_of_tables() compares them) and of the READMEs (tests/words/stated_names.py). A folder includes those of its own level or of lower ones.
+LEVELS = [
+    {"base": [], "schemas": []},
+    {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"]},
+    {"mli": ["geometry"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
+    {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan"],
+     "pxn": ["scene", "importers", "schemas"]},
+    {"trace": ["world"]},
+    {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "preview", "preview/reference"]},
+    {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
+]
+ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
 # The same below the first level: sub-folder: the sub-folders it may include, closed transitively. Files beside the
 # sub-folders may include all of them; a sub-folder includes such a header only if that includes no more than itself may.
 PARTS = {
@@ -33,6 +27,7 @@ PARTS = {
                   "urdf": ["internal"], "mjcf": ["internal"]},
     "materials": {"generated": [], "formulas": [], "presets": [], "internal": ["formulas", "generated"]},
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
+    "image": {"internal": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 # includes that these tables forbid, each with its reason
@@ -42,11 +37,10 @@ NEVER_INCLUDED = ["tools", "bench"]
 # Sub-folders that serve their folder alone; cmake/PanwrightInstall.cmake leaves them out too.
 OWN = ("importers/vrml/", "importers/gltf/", "importers/meshes/", "importers/step/", "importers/urdf/", "importers/mjcf/", "pxn/text/", "pxn/expression/",
        "pxn/reader/", "preview/gl/", "preview/model/", "preview/frame/")
-# The reference renderer is an oracle of the preview: of what the two could share it includes these
-# alone, and calls none of what follows.
-REFERENCE = "preview/reference/"
+# The reference renderer and its rays are an oracle of the preview: of what they could share they include
+# these alone, and call none of what follows.
+REFERENCE = ("preview/reference/", "trace/")
 REFERENCE_INCLUDES = {
-    "preview": ("reference/",),
     "image": ("image.h",),
     "world": ("world.h", "camera.h"),
     "geometry": ("ray/", "mesh.h"),
@@ -64,6 +58,11 @@ def closure(folder, seen=None, table=ALLOWED):
             seen.add(target)
             closure(target, seen, table)
     return seen
+
+
+def room_of(path):
+    """The folder of the table in which a path lies."""
+    return next((room for room in ALLOWED if "/" in room and path.startswith(room + "/")), path.split("/")[0])
 
 
 def part_of(path):
@@ -87,7 +86,7 @@ def part_problems(root, path, line, included):
     """One include of a folder by itself, below the first level."""
     folder, part = part_of(path)
     parts = PARTS.get(folder)
-    if parts is None or part_of(included)[0] != folder or (path, included) in EXCEPTIONS:
+    if parts is None or room_of(included) != room_of(path) or (path, included) in EXCEPTIONS:
         return
     target = part_of(included)[1]
     for each in (part, target):
@@ -104,43 +103,90 @@ def part_problems(root, path, line, included):
         yield f"{path}:{line}: {folder}/{part} must not include {included}"
 
 
-def problems(root):
-    for path in sorted(root.rglob("*")):
-        if path.suffix not in {".h", ".cpp", ".inl", ".def"} or not path.is_file():
-            continue
-        folder = path.relative_to(root).parts[0]
-        if folder in UNRESTRICTED or folder not in ALLOWED:
-            if folder not in UNRESTRICTED + ["build"]:
-                yield f"{path.relative_to(root)}: lies in no known folder"
-            allowed = None
-        else:
-            allowed = closure(folder) | {folder}
-        if folder == "build":
-            continue
-        text = path.read_text(encoding="utf-8")
-        for match in INCLUDE.finditer(text):
-            target, rest = match.groups()
+def problems_of_file(root, path, text):
+    """What one file includes and calls that it must not. path: from the root, in letters."""
+    room = room_of(path)
+    allowed = closure(room) | {room} if room in ALLOWED else None
+    for match in INCLUDE.finditer(text):
+        target, rest = match.groups()
+        included = f"{target}/{rest}"
+        line = text.count("\n", 0, match.start()) + 1
+        yield from part_problems(root, path, line, included)
+        where = f"{path}:{line}"
+        if allowed is not None and room_of(included) in list(ALLOWED) + UNRESTRICTED and room_of(included) not in allowed:
+            yield f"{where}: {room} must not include {included}"
+        if path.startswith(REFERENCE) and not rest.startswith(REFERENCE_INCLUDES.get(target, ("",))):
+            yield f"{where}: the reference renderer must not include {included}"
+        folder = part_of(path)[0]
+        if target in NEVER_INCLUDED and target != folder and folder not in ("tests",):
+            yield f"{where}: nothing includes {target}/"
+        # a private header serves the sources beside it and below
+        home = included.split("internal/")[0] if "internal/" in included else None
+        if included.startswith(OWN) and target != folder:
+            home = f"{target}/"
+        if home and not path.startswith(home) and folder not in UNRESTRICTED:
+            yield f"{where}: {included} is private"
+    if path.startswith(REFERENCE):
+        for match in REFERENCE_CALLS.finditer(text):
             line = text.count("\n", 0, match.start()) + 1
-            where = f"{path.relative_to(root)}:{line}"
-            yield from part_problems(root, str(path.relative_to(root)), line, f"{target}/{rest}")
-            if allowed is not None and target in list(ALLOWED) + UNRESTRICTED and target not in allowed:
-                yield f"{where}: {folder} must not include {target}/{rest}"
-            if where.startswith(REFERENCE) and not rest.startswith(REFERENCE_INCLUDES.get(target, ("",))):
-                yield f"{where}: the reference renderer must not include {target}/{rest}"
-            if target in NEVER_INCLUDED and target != folder and folder not in ("tests",):
-                yield f"{where}: nothing includes {target}/"
-            # a private header serves the sources beside it and below
-            home = f"{target}/{rest}".split("internal/")[0] if "internal/" in rest else None
-            if f"{target}/{rest}".startswith(OWN) and target != folder:
-                home = f"{target}/"
-            if home and not where.startswith(home) and folder not in UNRESTRICTED:
-                yield f"{where}: {target}/{rest} is private"
-        if str(path.relative_to(root)).startswith(REFERENCE):
-            for match in REFERENCE_CALLS.finditer(text):
-                line = text.count("\n", 0, match.start()) + 1
-                yield f"{path.relative_to(root)}:{line}: the reference renderer has its own {match.group(1)}()"
-        if re.search(r"embree", text) and folder != "geometry" and "embree3/" in text:
-            yield f"{path.relative_to(root)}: Embree is reached through geometry/ray/instances.h"
+            yield f"{path}:{line}: the reference renderer has its own {match.group(1)}()"
+    if "embree3/" in text and part_of(path)[0] != "geometry":
+        yield f"{path}: Embree is reached through geometry/ray/instances.h"
+
+
+def problems_of_tables(root):
+    """The table against itself and docs/map.md."""
+    for number, level in enumerate(LEVELS):
+        below = {room for each in LEVELS[:number + 1] for room in each}
+        for room, targets in level.items():
+            for target in set(targets) - below:
+                yield f"layering.py: {room} of level {number} includes {target} of a higher one"
+            if room in closure(room):
+                yield f"layering.py: {room} includes itself, by others"
+    text = (root / "docs/map.md").read_text(encoding="utf-8")
+    table = text[text.index("Who may include whom"):].split("```")[1]
+    edges = {}
+    for level, line in re.findall(r"^(\d)  (.*)$", table, re.M):
+        for entry in re.split(r"   +", line):
+            room, _, targets = entry.partition(" → ")
+            edges[room.split(" (")[0].strip()] = (int(level), set(targets.split(", ")) - {""})
+    ours = {room: (number, set(targets)) for number, level in enumerate(LEVELS) for room, targets in level.items()}
+    for room in sorted(set(edges) | set(ours)):
+        if edges.get(room) != ours.get(room):
+            yield f"docs/map.md: {room}: {edges.get(room)}, but {ours.get(room)} in layering.py"
+
+
+def problems_of_cycles(root, headers):
+    """Headers that include themselves, by others."""
+    done = set()
+
+    def walk(path, above):
+        if path in above:
+            yield f"{path}: includes itself, by " + ", ".join(above[above.index(path) + 1:])
+        elif path in headers and path not in done:
+            for target, rest in INCLUDE.findall(headers[path]):
+                yield from walk(f"{target}/{rest}", above + [path])
+            done.add(path)
+
+    for path in headers:
+        yield from walk(path, [])
+
+
+def problems(root):
+    headers = {}
+    for file in sorted(root.rglob("*")):
+        path = str(file.relative_to(root))
+        folder = part_of(path)[0]
+        if folder == "build" or file.suffix not in {".h", ".cpp", ".inl", ".def"} or not file.is_file():
+            continue
+        if folder not in UNRESTRICTED and folder not in ALLOWED:
+            yield f"{path}: lies in no known folder"
+        text = file.read_text(encoding="utf-8")
+        if file.suffix != ".cpp":
+            headers[path] = text
+        yield from problems_of_file(root, path, text)
+    yield from problems_of_cycles(root, headers)
+    yield from problems_of_tables(root)
 
 
 if __name__ == "__main__":

@@ -4,11 +4,11 @@
 
 #include "preview/model/map_levels.h"
 #include "preview/model/tangents.h"
-#include "preview/reference/internal/placement.h"
 #include "preview/reference/internal/tangents.h"
-#include "preview/reference/internal/texture.h"
 #include "preview/reference/internal/view_rays.h"
 #include "reference_models.h"
+#include "trace/placement.h"
+#include "trace/texture.h"
 #include "world/evaluation.h"
 
 namespace panwright::preview::independence_test {
@@ -26,7 +26,7 @@ TEST(ReferenceIndependence, TexturesAreDecodedAlike) {
   const float threshold = 51 / 255.0f;
   double worst = 0, worst_normal = 0;
   for (const bool linear : {false, true}) {
-    const reference::Texture texture(rgba, kWidth, kHeight, linear);
+    const trace::Texture texture(rgba, kWidth, kHeight, linear);
     const auto level = [&](TextureRole role) {
       return map_levels(rgba, kWidth, kHeight, linear, role, threshold).front();
     };
@@ -67,7 +67,7 @@ TEST(ReferenceIndependence, AlphaAtTheThresholdIsThere) {
   for (int code = 0; code < 256; ++code) {
     const std::vector<std::uint8_t> rgba(4 * 4, static_cast<std::uint8_t>(code));
     const float threshold = static_cast<float>(code) / 255;
-    const reference::Texture texture(rgba, 2, 2, true);
+    const trace::Texture texture(rgba, 2, 2, true);
     const TextureLevel cutout =
         map_levels(rgba, 2, 2, true, TextureRole::cutout, threshold).front();
     for (const Vec2& at : {Vec2(0.25), Vec2(0.4, 0.77), Vec2(-0.1, 13.3)})
@@ -132,7 +132,7 @@ TEST(ReferenceIndependence, PixelsAreAlike) {
     const Vec2 place(100 * uniform(random), 80 * uniform(random));
     const geometry::Ray theirs = world::pixel_ray(camera, place);
     const geometry::Ray ours = reference::view_ray(camera, place);
-    const reference::RigidFrame frame = reference::frame_of(camera);
+    const trace::RigidFrame frame = trace::frame_of({camera.position, camera.world_from_camera});
     ray_off = std::max(
         {ray_off, glm::length(frame.world_from * ours.direction - theirs.direction),
          glm::length(frame.world_from * ours.origin + frame.position - theirs.origin) / 100});
@@ -184,7 +184,7 @@ TEST(ReferenceIndependence, NodesStandAlike) {
     if (node % 4 == 1) world.set_node_visible(0, node, false);
   }
   const world::EvaluatedInstance theirs = world::evaluated(world[0]);
-  const reference::PlacedNodes ours = reference::placed_nodes(world[0]);
+  const trace::PlacedNodes ours = trace::placed_nodes(world[0]);
   double worst = 0;
   for (std::size_t i = 0; i < 60; ++i) {
     const Mat4& m = theirs.model_from_nodes[i];
@@ -245,7 +245,7 @@ TEST(ReferenceIndependence, JointsMoveNodesAlike) {
       world.set_joint(0, j, values);
     }
     const world::EvaluatedInstance theirs = world::evaluated(world[0]);
-    const reference::PlacedNodes ours = reference::placed_nodes(world[0]);
+    const trace::PlacedNodes ours = trace::placed_nodes(world[0]);
     for (std::size_t i = 0; i < contents.nodes.size(); ++i) {
       const Mat4& m = theirs.model_from_nodes[i];
       double size = 1;

@@ -230,10 +230,10 @@ TEST(ReferenceWorlds, OnlyWhatMovedIsBuilt) {
   twice.reset();
   Reference reference;
   const auto work = [&](const world::World& shown) {
-    const ReferenceWork before = reference.work();
+    const trace::Work before = reference.work();
     DiagnosticLog log;
     EXPECT_TRUE(reference.render(shown, from_above(8, 10, 20), direct_light(8), log));
-    const ReferenceWork& after = reference.work();
+    const trace::Work& after = reference.work();
     return std::vector<std::uint64_t>{after.models - before.models, after.shapes - before.shapes,
                                       after.poses - before.poses};
   };

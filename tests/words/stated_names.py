@@ -63,7 +63,7 @@ def readme_problems(root, folder, known, tests):
     if not first or not (root / folder / first.group(1)).is_file():
         yield f"{where}: no 'Read first: `header.h`' of a header in the folder"
     include = re.search(r"May include: ([^.\n]*)\.(?:\s|$)", text)
-    stated = re.findall(r"`(\w+)`", include.group(1)) if include else None
+    stated = re.findall(r"`([\w/]+)`", include.group(1)) if include else None
     if stated is None or sorted(stated) != sorted(layering.ALLOWED[folder]):
         yield f"{where}: 'May include:' is {stated}, tests/layering/layering.py has {layering.ALLOWED[folder]}"
     run = CTEST.search(text)

@@ -19,7 +19,7 @@ constexpr double kSmall = 8;
 // too, so that it may be anywhere.
 class Projected {
  public:
-  Projected(const world::Camera& camera, const Affine& camera_from_mesh, double rounding)
+  Projected(const world::Camera& camera, const trace::Affine& camera_from_mesh, double rounding)
       : camera_(camera), camera_from_mesh_(camera_from_mesh), rounding_(rounding) {}
 
   void add(const Vec3& p) {
@@ -48,13 +48,13 @@ class Projected {
 
  private:
   const world::Camera& camera_;
-  const Affine& camera_from_mesh_;
+  const trace::Affine& camera_from_mesh_;
   double rounding_;
   double nearest_ = kInfinity;
   AxisRectangle area_;
 };
 
-std::array<Vec3, 8> corners_of(const TraceModel::Part& part) {
+std::array<Vec3, 8> corners_of(const trace::Model::Part& part) {
   std::array<Vec3, 8> corners;
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
@@ -79,8 +79,8 @@ bool is_out_of_view(const world::Camera& camera, std::span<const Vec3> corners) 
   return behind || left || right || above || below;
 }
 
-AxisRectangle area_of(const world::Camera& camera, const TraceModel::Part& part,
-                      const Affine& camera_from_mesh, const Vec3& target) {
+AxisRectangle area_of(const world::Camera& camera, const trace::Model::Part& part,
+                      const trace::Affine& camera_from_mesh, const Vec3& target) {
   std::array<Vec3, 8> corners = corners_of(part);
   const Vec3 far =
       glm::max(glm::abs(camera_from_mesh.offset), glm::abs(camera.position) + glm::abs(target));
@@ -185,16 +185,17 @@ class Grid {
 
 }  // namespace
 
-std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera) {
+std::vector<Cell> cells_of(const trace::Scene& scene, const world::Camera& camera) {
   std::vector<AxisRectangle> areas;
-  for (const TraceScene::Placed& placed : scene.targets()) {
-    const Affine camera_from_model = between(scene.camera(), placed.frame);
-    const TraceTarget& target = *placed.target;
+  for (const trace::Scene::Placed& placed : scene.targets()) {
+    const trace::Affine camera_from_model = between(scene.observer(), placed.frame);
+    const trace::Target& target = *placed.target;
     const std::size_t first = areas.size();
     areas.resize(first + target.parts().size());
     parallel_for(target.parts().size(), [&](std::size_t i) {
       // the positions of the camera and of the model have cancelled before that of the part joins
-      const Affine camera_from_mesh = camera_from_model * target.placements()[i].model_from_mesh;
+      const trace::Affine camera_from_mesh =
+          camera_from_model * target.placements()[i].model_from_mesh;
       areas[first + i] = area_of(camera, target.model().parts()[target.parts()[i]],
                                  camera_from_mesh, placed.frame.position);
     });

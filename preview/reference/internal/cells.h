@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/math.h"
-#include "preview/reference/internal/trace_scene.h"
+#include "trace/scene.h"
 #include "world/camera.h"
 
 namespace panwright::preview::reference {
@@ -21,6 +21,6 @@ struct Cell {
 // Returns cells by rows, from the left: in each pixel the bounding rectangle of the targets'
 // possible parts, by their boxes, or, for boxes below a few pixels, by their vertices. Cost:
 // O(parts + pixels); O(vertices) for small parts.
-std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera);
+std::vector<Cell> cells_of(const trace::Scene& scene, const world::Camera& camera);
 
 }  // namespace panwright::preview::reference

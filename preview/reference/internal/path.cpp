@@ -34,7 +34,7 @@ struct Lit {
   const Sun& sun;
   const Point& point;
 
-  bool reaches(const Vec3& to_light) const { return !scene.any({target, {point.start, to_light}}); }
+  bool reaches(const Vec3& to_light) const { return !scene.any({{point.start, to_light}, target}); }
 };
 
 // The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
@@ -99,7 +99,7 @@ std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
-PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trace::Ray& ray,
                   const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                   RayCounts& counts) {
   PathResult result;
@@ -140,7 +140,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
     if (!sampled || is_black(sampled->weight)) break;
     const Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
     if (last && is_black(disc)) break;
-    const TraceRay onward{hit->target, {point.start, sampled->to_light}};
+    const trace::Ray onward{{point.start, sampled->to_light}, hit->target};
     ++counts.bounce;
     if (last) {
       if (!scene.any(onward)) result.radiance += share * disc;

@@ -46,8 +46,8 @@ struct PathOptions {
 // The Sun is sampled by its disc and, for narrow lobes, by the lobe (power heuristic of E. Veach,
 // "Robust Monte Carlo methods for light transport simulation", 1997, 9.2).
 //
-//   suns   one for each of the scene's targets
-PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
+//   suns   one for each target of the world
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trace::Ray& ray,
                   const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                   RayCounts& counts);
 

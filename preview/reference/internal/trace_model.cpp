@@ -7,33 +7,19 @@
 #include "materials/cells.h"
 
 namespace panwright::preview::reference {
+
+using trace::Place, trace::unit_or;
+
 namespace {
 
 namespace layout = pan::layout;
 
 Vec3 vec3(const layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
-Vec2 vec2(const layout::Float2& v) { return Vec2(v.x, v.y); }
-Vec3 vec3(const float* v) { return Vec3(v[0], v[1], v[2]); }
-Vec3 vec3(const double* v) { return Vec3(v[0], v[1], v[2]); }
-
-Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
-  const double square = glm::dot(v, v);
-  // neither under- nor overflow
-  if (square > 1e-200 && square < 1e200) return v * (1 / std::sqrt(square));
-  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-  if (!(largest > 0) || !std::isfinite(largest)) return otherwise;
-  const Vec3 scaled = v / largest;
-  return scaled / glm::length(scaled);
-}
 
 }  // namespace
 
-TraceModel::TraceModel(world::ModelPtr model, const Job& job) : model_(std::move(model)) {
-  for (std::size_t i = 0; i < model_->textures().size(); ++i) {
-    const layout::Texture& record = model_->textures()[i];
-    textures_.emplace_back(model_->texels(i), record.width, record.height,
-                           (record.flags & layout::kTextureLinear) != 0);
-  }
+TraceModel::TraceModel(std::shared_ptr<const trace::Model> traced, const Job& job)
+    : traced_(std::move(traced)), model_(traced_->model().get()), textures_(traced_->textures()) {
   for (std::uint32_t i = 0; i < model_->materials().size(); ++i) {
     job.poll();
     materials_.push_back(pan::material_from(model_->materials()[i], {}));
@@ -48,7 +34,7 @@ TraceModel::TraceModel(world::ModelPtr model, const Job& job) : model_(std::move
       scatters_.emplace_back(part);
   }
   add_parts();
-  add_meshes(job);
+  add_tangents(job);
   add_decals();
   for (std::vector<Part>* sides : {&parts_, &backs_})
     for (Part& part : *sides)
@@ -82,18 +68,11 @@ void TraceModel::lay_decals_over(Part& part) {
 
 void TraceModel::add_parts() {
   parts_.reserve(model_->instances().size());
-  for (const layout::Instance& instance : model_->instances()) {
+  for (std::uint32_t i = 0; i < model_->instances().size(); ++i) {
+    const layout::Instance& instance = model_->instances()[i];
     const layout::Mesh& mesh = model_->meshes()[instance.mesh];
-    const layout::Material& record = model_->materials()[instance.material];
     Part& part = parts_.emplace_back();
-    part.mesh = model_->mesh(instance.mesh);
-    part.mesh_index = instance.mesh;
-    part.node = instance.node;
-    part.origin = vec3(mesh.origin);
-    part.low = vec3(mesh.bounds_min);
-    part.high = vec3(mesh.bounds_max);
-    part.has_holes = record.cutout_map >= 0;
-    part.closed = (mesh.flags & layout::kMeshClosed) != 0 && !part.has_holes;
+    static_cast<trace::Model::Part&>(part) = traced_->parts()[i];
     const Vec3 far = glm::max(glm::abs(part.low), glm::abs(part.high));
     // four roundings of the largest coordinate to float
     part.flat_offset = 0x1p-22 * std::max({far.x, far.y, far.z});
@@ -121,42 +100,27 @@ void TraceModel::wear(Part& part, const layout::Instance& instance, std::uint32_
   if (back) part.mesh.colors = {};
   if (part.mesh.texcoords.empty()) return;
   part.cell_parts = parts_of_[index];
-  part.repeat = Vec2(record.map_repeat[0], record.map_repeat[1]);
   part.texture = back ? -1 : instance.texture;
   part.albedo = record.albedo_map;
   part.normal = record.normal_map;
   part.roughness = record.roughness_map;
   part.reflectance = record.reflectance_map;
-  part.cutout = record.cutout_map;
-  part.threshold = record.cutout_threshold;
 }
 
-// every mesh that is placed, once
-void TraceModel::add_meshes(const Job& job) {
+// of every mesh that is placed and needs them, once
+void TraceModel::add_tangents(const Job& job) {
   const std::size_t count = model_->meshes().size();
-  std::vector<std::uint8_t> placed(count), directed(count);
+  std::vector<std::uint8_t> directed(count);
   for (const std::vector<Part>* sides : {&parts_, &backs_})
-    for (const Part& part : *sides) {
-      placed[part.mesh_index] = 1;
+    for (const Part& part : *sides)
       if (!part.mesh.texcoords.empty() &&
           (part.normal >= 0 || materials::is_anisotropic(materials_[part.material])))
         directed[part.mesh_index] = 1;
-    }
-  meshes_.resize(count);
   tangents_.resize(count);
   parallel_for(
       count,
       [&](std::size_t i) {
-        if (!placed[i]) return;
-        const pan::MeshView mesh = model_->mesh(i);
-        std::vector<Vec3> positions;
-        positions.reserve(mesh.positions.size());
-        for (const layout::Float3& p : mesh.positions) positions.push_back(vec3(p));
-        std::vector<geometry::Triangle> triangles(mesh.indices.size() / 3);
-        for (std::size_t k = 0; k < mesh.indices.size(); ++k)
-          triangles[k / 3][k % 3] = mesh.indices[k];
-        meshes_[i] = geometry::search_mesh(std::move(positions), std::move(triangles), job);
-        if (directed[i]) tangents_[i] = std::make_unique<TangentField>(mesh);
+        if (directed[i]) tangents_[i] = std::make_unique<TangentField>(model_->mesh(i));
       },
       job);
   for (std::vector<Part>* sides : {&parts_, &backs_})
@@ -175,57 +139,11 @@ void TraceModel::add_decals() {
   }
 }
 
-Placement TraceModel::placement(std::uint32_t part, const PlacedNodes& nodes) const {
-  Placement result;
-  result.model_from_mesh = nodes.model_from_node[parts_[part].node];
-  result.normals = normal_matrix(result.model_from_mesh.linear);
-  result.model_from_mesh.offset = result.model_from_mesh(parts_[part].origin);
-  return result;
-}
-
-TraceModel::Place TraceModel::place(const Part& part, const geometry::InstanceHit& hit) const {
-  Place result;
-  for (std::size_t k = 0; k < 3; ++k)
-    result.corner[k] = part.mesh.indices[std::size_t{3} * hit.triangle + k];
-  result.weight = Vec3(1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
-  return result;
-}
-
-TraceModel::Surface TraceModel::surface(const Part& part, const Place& place, bool flat) const {
-  std::array<Vec3, 3> corner;
-  Vec3 smooth(0);
-  for (std::size_t k = 0; k < 3; ++k) {
-    corner[k] = vec3(part.mesh.positions[place.corner[k]]);
-    smooth += place.weight[static_cast<int>(k)] * vec3(part.mesh.normals[place.corner[k]]);
-  }
-  const Vec3 ab = corner[1] - corner[0];
-  const Vec3 ac = corner[2] - corner[0];
-  Surface result;
-  result.position = corner[0] + place.weight.y * ab + place.weight.z * ac;
-  result.facet = unit_or(glm::cross(ab, ac), Vec3(0, 0, 1));
-  result.smooth = flat ? result.facet : smooth;
-  return result;
-}
-
-Vec2 TraceModel::texcoord(const Part& part, const Place& place) const {
-  Vec2 at(0);
-  for (int k = 0; k < 3; ++k)
-    at += place.weight[k] * vec2(part.mesh.texcoords[place.corner[static_cast<std::size_t>(k)]]);
-  return at;
-}
-
 std::uint32_t TraceModel::cell_part_at(const Part& part, const Place& place) const {
   if (part.cell_parts == 0) return 0;
-  const materials::CellShares shares =
-      materials::cells_at(*materials_[part.material].cells, texcoord(part, place), Vec2(0));
+  const materials::CellShares shares = materials::cells_at(
+      *materials_[part.material].cells, trace::texcoord_of(part.mesh, place), Vec2(0));
   return shares.cell >= 0.5 ? 0 : shares.finger > shares.gap ? 1 : 2;
-}
-
-bool TraceModel::is_there(std::uint32_t index, const geometry::InstanceHit& hit) const {
-  const Part& part = parts_[index];
-  if (part.cutout < 0) return true;
-  const Vec2 at = texcoord(part, place(part, hit)) * part.repeat;
-  return textures_[static_cast<std::size_t>(part.cutout)].alpha(at) >= part.threshold;
 }
 
 // The bumps are the mesh's: an instance mirrors and stretches them with it.
@@ -243,7 +161,7 @@ Vec3 TraceModel::bumped(const Part& part, const TangentField::At& tangent, const
 
 // What colour a hole has in the texture that cuts it counts nowhere.
 Vec3 TraceModel::texel_color(const Part& part, std::int32_t texture, const Vec2& at) const {
-  const Texture& read = textures_[static_cast<std::size_t>(texture)];
+  const trace::Texture& read = textures_[static_cast<std::size_t>(texture)];
   if (texture != part.cutout) return read.color(at);
   const Vec4 texel = read.premultiplied(at);
   return texel.w > 0 ? Vec3(texel) / texel.w : Vec3(0);
@@ -253,7 +171,7 @@ Vec3 TraceModel::texel_color(const Part& part, std::int32_t texture, const Vec2&
 Vec3 TraceModel::color(const Part& part, const Place& place) const {
   Vec3 result(1);
   if (part.texture >= 0 || part.albedo >= 0) {
-    const Vec2 at = texcoord(part, place);
+    const Vec2 at = trace::texcoord_of(part.mesh, place);
     if (part.texture >= 0) result *= texel_color(part, part.texture, at);
     if (part.albedo >= 0) result *= texel_color(part, part.albedo, at * part.repeat);
   }
@@ -283,27 +201,18 @@ Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& n
   return color;
 }
 
-Vec3 TraceModel::normal(std::uint32_t index, const Placement& placement,
-                        const geometry::InstanceHit& hit, bool flat) const {
-  const Part& part = parts_[index];
-  const Surface at = surface(part, place(part, hit), flat);
-  const Vec3 unit = unit_or(placement.normals * at.smooth, Vec3(0));
-  return part.closed || hit.front ? unit : -unit;
-}
-
-Point TraceModel::point(std::uint32_t index, const Placement& placement,
-                        const geometry::InstanceHit& hit, bool flat) const {
-  const bool seen_outside = parts_[index].closed || hit.front;
-  const Part& part = seen(index, seen_outside);
-  const Place where = place(part, hit);
-  const Surface here = surface(part, where, flat);
+Point TraceModel::point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const {
+  const bool seen_outside = parts_[hit.part].closed || hit.front;
+  const Part& part = seen(hit.part, seen_outside);
+  const Place where = trace::place_of(part.mesh, hit.triangle, hit.barycentric);
+  const trace::MeshPoint here = trace::point_of(part.mesh, where, flat);
   const Vec3 outwards = unit_or(here.smooth, here.facet);
 
   Point result;
   Vec3 shaded = outwards;
   double length = 1;
   Vec2 at(0);
-  if (!part.mesh.texcoords.empty()) at = texcoord(part, where) * part.repeat;
+  if (!part.mesh.texcoords.empty()) at = trace::texcoord_of(part.mesh, where) * part.repeat;
   TangentField::At along;
   if (part.tangents) along = (*part.tangents)(hit.triangle, where.weight);
   if (part.normal >= 0) shaded = bumped(part, along, outwards, at, length);

@@ -1,5 +1,5 @@
-// Model with its textures, ready for rays: the part independent of a world. Private to
-// preview/reference.
+// Materials, textures and decals of a model, ready for paths: the part independent of a world.
+// Private to preview/reference.
 #pragma once
 
 #include <array>
@@ -10,13 +10,11 @@
 #include <vector>
 
 #include "base/job.h"
-#include "geometry/ray/instances.h"
 #include "pan/model.h"
-#include "preview/reference/internal/placement.h"
 #include "preview/reference/internal/scatter.h"
 #include "preview/reference/internal/tangents.h"
-#include "preview/reference/internal/texture.h"
-#include "world/world.h"
+#include "trace/model.h"
+#include "trace/scene.h"
 
 namespace panwright::preview::reference {
 
@@ -34,24 +32,11 @@ struct Point {
   const Scatter& surface() const { return own ? *own : *scatter; }
 };
 
-// Placement of an instance in the model's frame.
-struct Placement {
-  Affine model_from_mesh;  // of float positions, the mesh's origin included
-  Mat3 normals{1};         // maps outward normals to outward normals of any length
-};
-
 class TraceModel {
  public:
   // Fixed data of an instance. Numbered as in the model.
-  struct Part {
-    pan::MeshView mesh;
-    std::uint32_t mesh_index = 0;
-    std::uint32_t node = 0;
+  struct Part : trace::Model::Part {
     std::uint32_t material = 0;
-    Vec3 origin{0};        // of the mesh
-    Vec3 low{0}, high{0};  // bounds of the float positions
-    bool closed = false;   // its inside is invisible: closed, and without holes
-    bool has_holes = false;
     const TangentField* tangents = nullptr;  // with a normal map, or an anisotropic BRDF
     double offset = 0;       // mesh metres: past its chord error and float's rounding
     double flat_offset = 0;  // past float's rounding
@@ -61,49 +46,25 @@ class TraceModel {
     std::uint32_t cell_parts = 0;        // of scatters_: cell, grid line, gap; 0: no solar cells
     bool diffuse_in_tint = false;        // the tint is the whole diffuse colour, decals over it
     std::array<Vec3, 2> part_diffuse{};  // then of cells and grid lines; weights included
-    Vec2 repeat{1};                      // of the texture coordinates, for maps
-    std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, reflectance = -1,
-                 cutout = -1;           // textures
-    double threshold = 0;               // of the cutout
+    std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1,
+                 reflectance = -1;      // textures
     std::vector<std::uint32_t> decals;  // from the lowest
     std::int32_t back = -1;             // into backs_; -1: both sides are alike
     bool is_back = false;               // material of a back
   };
 
-  // Expects: checked. Cost: about 150 bytes a triangle; textures are read in place.
-  TraceModel(world::ModelPtr model, const Job& job);
+  // Textures are read in place.
+  TraceModel(std::shared_ptr<const trace::Model> traced, const Job& job);
   TraceModel(const TraceModel&) = delete;
   TraceModel& operator=(const TraceModel&) = delete;
 
-  const world::ModelPtr& model() const { return model_; }
-  std::span<const Part> parts() const { return parts_; }
-  // Returns the search mesh of a placed mesh; null for others.
-  const geometry::SearchMesh& search_mesh(std::uint32_t mesh) const { return meshes_[mesh]; }
-  Placement placement(std::uint32_t part, const PlacedNodes& nodes) const;
-
-  // Returns false in a hole.
-  bool is_there(std::uint32_t part, const geometry::InstanceHit& hit) const;
+  // The model itself, held by its tracer.
+  const std::shared_ptr<const trace::Model>& traced() const { return traced_; }
 
   // flat: by the triangles' own normals.
-  Point point(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
-              bool flat) const;
-
-  // Returns the normal on the visible side, without a normal map, in the model's frame: unit, or 0.
-  Vec3 normal(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
-              bool flat) const;
+  Point point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const;
 
  private:
-  // Place of a hit in its triangle.
-  struct Place {
-    std::array<std::uint32_t, 3> corner{};
-    Vec3 weight{0};
-  };
-  // Place on a mesh, in its own frame.
-  struct Surface {
-    Vec3 position;  // relative to the mesh's origin
-    Vec3 facet;     // unit
-    Vec3 smooth;    // interpolated; facet if flat
-  };
   struct Decal {
     Mat4 decal_from_mesh;  // the mesh's coordinates, its origin added
     Vec3 size;             // width, height, depth
@@ -118,22 +79,20 @@ class TraceModel {
     const Part& outside = parts_[part];
     return front || outside.back < 0 ? outside : backs_[static_cast<std::size_t>(outside.back)];
   }
-  void add_meshes(const Job& job);
+  void add_tangents(const Job& job);
   void add_decals();
-  Place place(const Part& part, const geometry::InstanceHit& hit) const;
-  Surface surface(const Part& part, const Place& place, bool flat) const;
   // of a solar cell: 0, a cell or no cells at all, 1 a grid line, 2 a gap
-  std::uint32_t cell_part_at(const Part& part, const Place& place) const;
-  Vec2 texcoord(const Part& part, const Place& place) const;
+  std::uint32_t cell_part_at(const Part& part, const trace::Place& place) const;
   Vec3 bumped(const Part& part, const TangentField::At& tangent, const Vec3& normal, const Vec2& at,
               double& length) const;
   Vec3 texel_color(const Part& part, std::int32_t texture, const Vec2& at) const;
-  Vec3 color(const Part& part, const Place& place) const;
+  Vec3 color(const Part& part, const trace::Place& place) const;
   Vec3 decorated(const Part& part, const Vec3& position, const Vec3& normal, bool front,
                  Vec3 color) const;
 
-  world::ModelPtr model_;
-  std::vector<Texture> textures_;               // the model's
+  std::shared_ptr<const trace::Model> traced_;
+  const pan::Model* model_;
+  std::span<const trace::Texture> textures_;    // the model's
   std::vector<materials::Material> materials_;  // the model's
   // one for each of materials_, then the parts of solar cells and those of parts with decals
   std::vector<Scatter> scatters_;
@@ -142,7 +101,6 @@ class TraceModel {
   std::vector<Part> backs_;
   std::vector<Decal> decals_;                            // the model's
   std::vector<std::unique_ptr<TangentField>> tangents_;  // one per mesh; null: none
-  std::vector<geometry::SearchMesh> meshes_;             // one per mesh
 };
 
 }  // namespace panwright::preview::reference

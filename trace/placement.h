@@ -1,15 +1,14 @@
-// Placement of targets and cameras, from the records of a pan and the state of a world. Private to
-// preview/reference.
+// Placement of targets and observers, from the records of a pan and the state of a world. All in
+// double, and a second text beside world/evaluation.h: each finds the mistakes of the other.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "base/math.h"
-#include "world/camera.h"
 #include "world/world.h"
 
-namespace panwright::preview::reference {
+namespace panwright::trace {
 
 // Affine map: p' = linear·p + offset.
 struct Affine {
@@ -26,13 +25,12 @@ inline Affine operator*(const Affine& outer, const Affine& inner) {
 // Returns the rotation of a quaternion of any length but zero.
 Mat3 rotation_matrix(const Quat& q);
 
-// Rigid frame in the world, of a target or a camera.
+// Rigid frame in the world, of a target or an observer; metres.
 struct RigidFrame {
   Mat3 world_from{1};
   Vec3 position{0};
 };
 RigidFrame frame_of(const world::Pose& pose);
-RigidFrame frame_of(const world::Camera& camera);
 
 // Returns `to`'s frame from `from`'s. The positions are subtracted first, so that large ones
 // cancel.
@@ -49,4 +47,4 @@ PlacedNodes placed_nodes(const world::Instance& instance);
 // to scale, finite for singular matrices.
 Mat3 normal_matrix(const Mat3& linear);
 
-}  // namespace panwright::preview::reference
+}  // namespace panwright::trace

@@ -1,10 +1,10 @@
-#include "preview/reference/internal/texture.h"
+#include "trace/texture.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-namespace panwright::preview::reference {
+namespace panwright::trace {
 namespace {
 
 // IEC 61966-2-1, 5.2.
@@ -131,4 +131,4 @@ double Texture::alpha(const Vec2& at) const {
   });
 }
 
-}  // namespace panwright::preview::reference
+}  // namespace panwright::trace

@@ -1,9 +1,9 @@
-#include "preview/reference/internal/placement.h"
+#include "trace/placement.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace panwright::preview::reference {
+namespace panwright::trace {
 namespace {
 
 Affine from_trs(const Vec3& translation, const Quat& rotation, const Vec3& scale) {
@@ -81,10 +81,6 @@ RigidFrame frame_of(const world::Pose& pose) {
   return {rotation_matrix(pose.rotation), pose.translation};
 }
 
-RigidFrame frame_of(const world::Camera& camera) {
-  return {rotation_matrix(camera.world_from_camera), camera.position};
-}
-
 Affine between(const RigidFrame& to, const RigidFrame& from) {
   const Mat3 to_from_world = glm::transpose(to.world_from);
   return {to_from_world * from.world_from, to_from_world * (from.position - to.position)};
@@ -131,4 +127,4 @@ Mat3 normal_matrix(const Mat3& linear) {
   return largest > 0 ? normals * (inwards / largest) : normals;
 }
 
-}  // namespace panwright::preview::reference
+}  // namespace panwright::trace

@@ -1,4 +1,4 @@
-// Textures of a model at a point, read from the bytes of the pan. Private to preview/reference.
+// Textures of a model at a point, read from the bytes of the pan.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 #include "base/math.h"
 
-namespace panwright::preview::reference {
+namespace panwright::trace {
 
 // Texture at full resolution, decoded in double on access and bilinear between texel centres. (0,
 // 0) is the lower left corner. It repeats, except for clamped(), whose edge continues.
@@ -48,4 +48,4 @@ class Texture {
   const std::array<double, 256>* decoded_;  // of the codes of RGB
 };
 
-}  // namespace panwright::preview::reference
+}  // namespace panwright::trace
