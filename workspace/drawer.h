@@ -32,7 +32,7 @@ struct DrawOptions {
   // `ground_truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
-  bool photo = false;        // tone curve of PNGs: preview::PngExposure
+  bool photo = false;        // tone curve of PNGs: image::PngExposure
   image::FileOptions files;  // of the image's .exr and .npz
 };
 

@@ -248,7 +248,7 @@ TEST(Sampling, AutomaticMeetsItsError) {
 TEST(Sampling, WorkIsLimited) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(256);
-  const Image ground_truth = with_samples(model, view, 32, false);
+  const image::Image ground_truth = with_samples(model, view, 32, false);
   SamplingReport last;
   for (const double work : {0.0, 3e5, 3e4}) {
     DiagnosticLog log;
