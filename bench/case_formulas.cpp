@@ -101,11 +101,10 @@ void run_pairs(Context& context) {
     for (std::uint32_t s = 0; s < 3; ++s) {
       const Material m = material(static_cast<DiffuseModel>(d), static_cast<SpecularModel>(s));
       const auto single = [&](const Inputs& i) {
-        return materials::f32::radiance(m, i.l, i.v, i.n, glm::vec3(1));
+        return materials::f32::radiance(m, Vec3(i.l), i.v, i.n);
       };
       const auto twice = [&](const Inputs& i) {
-        return materials::f64::radiance(m, glm::dvec3(i.l), glm::dvec3(i.v), glm::dvec3(i.n),
-                                        glm::dvec3(1));
+        return materials::f64::radiance(m, glm::dvec3(i.l), glm::dvec3(i.v), glm::dvec3(i.n));
       };
       hard_cases::Worst worst;
       for (const Inputs& i : cases) {

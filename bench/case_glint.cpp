@@ -169,7 +169,7 @@ void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, con
 double single_precision(const Material& m, double most_deg, int count) {
   const materials::f32::CompiledBrdf single(m);
   const materials::f64::CompiledBrdf twice(m);
-  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0)};
   struct Pair {
     double got, want;
   };
@@ -187,8 +187,9 @@ double single_precision(const Material& m, double most_deg, int count) {
     if (!(in < most_deg * kDegree)) continue;
     const auto a = det::sincos(in);
     const auto b = det::sincos(out);
-    const glm::vec3 light(l), viewer(Vec3(a.sin * b.cos, b.sin, a.cos * b.cos));
-    const double want = twice.brdf(Vec3(light), Vec3(viewer), Vec3(0, 0, 1), Vec3(1), local).x;
+    const glm::vec3 viewer(Vec3(a.sin * b.cos, b.sin, a.cos * b.cos));
+    const materials::Incidence light = materials::sunlight(Vec3(glm::vec3(l)));
+    const double want = twice.brdf(light, Vec3(viewer), Vec3(0, 0, 1), Vec3(1), local).x;
     const auto got =
         static_cast<double>(single.brdf(light, viewer, glm::vec3(0, 0, 1), glm::vec3(1), local).x);
     all.push_back({got, want});

@@ -141,10 +141,10 @@ Errors errors_of(const BrdfCase& brdf, bool single, int rows) {
         const double phi = kPi * (k + 0.5) / columns;
         const glm::vec3 l(std::sqrt(sin2) * std::cos(phi), std::sqrt(sin2) * std::sin(phi),
                           std::sqrt(1 - sin2));
-        sum += static_cast<double>(materials::f32::brdf(brdf.material, l, glm::vec3(v),
-                                                        glm::vec3(kNormal), glm::vec3(1),
-                                                        {kTangent, 0})
-                                       .x);
+        sum +=
+            static_cast<double>(materials::f32::brdf(brdf.material, Vec3(l), glm::vec3(v),
+                                                     glm::vec3(kNormal), glm::vec3(1), {kTangent})
+                                    .x);
       }
     const double got = single ? sum * kPi / (static_cast<double>(rows) * columns)
                               : materials::directional_albedo(brdf.material, mu).x -
@@ -232,28 +232,26 @@ void run_brdf(Context& context, const GladGLContext& gl, const BrdfCase& brdf) {
     g_sink = sum;
   };
   const Material& m = brdf.material;
-  const Screen screen(
-      gl, materials::glsl_formulas(materials::brdf_model_of(m)),
-      hard_cases::surface_text(materials::f32::surface_of(m, glm::vec3(kTangent), 0)),
-      "surface_radiance(s, l, v, n, vec3(1.0))");
+  const Screen screen(gl, materials::glsl_formulas(materials::brdf_model_of(m)),
+                      hard_cases::surface_text(materials::f32::surface_of(m, glm::vec3(kTangent))),
+                      "surface_radiance(s, Incidence(l, vec3(1.0), 0.0, 0.0), v, n)");
   if (!screen.good()) return context.note(brdf.name + " was refused by the context");
-  const auto timings =
-      interleaved({{"gl", [&] { screen.draw(); }},
-                   {"f32",
-                    [&] {
-                      run_all([&](const Inputs& i) {
-                        return materials::f32::radiance(m, i.l, i.v, i.n, glm::vec3(1),
-                                                        glm::vec3(1), {kTangent, 0});
-                      });
-                    }},
-                   {"f64",
-                    [&] {
-                      run_all([&](const Inputs& i) {
-                        return materials::f64::radiance(m, Vec3(i.l), Vec3(i.v), Vec3(i.n), Vec3(1),
-                                                        Vec3(1), {kTangent, 0});
-                      });
-                    }}},
-                  context.runs());
+  const auto timings = interleaved(
+      {{"gl", [&] { screen.draw(); }},
+       {"f32",
+        [&] {
+          run_all([&](const Inputs& i) {
+            return materials::f32::radiance(m, Vec3(i.l), i.v, i.n, glm::vec3(1), {kTangent});
+          });
+        }},
+       {"f64",
+        [&] {
+          run_all([&](const Inputs& i) {
+            return materials::f64::radiance(m, Vec3(i.l), Vec3(i.v), Vec3(i.n), Vec3(1),
+                                            {kTangent});
+          });
+        }}},
+      context.runs());
   const int rows = context.quick() ? 128 : 512;
   const Errors single = errors_of(brdf, true, rows);
   const Errors twice = errors_of(brdf, false, rows);

@@ -160,9 +160,8 @@ double mean_of(const std::vector<std::uint8_t>& codes, const materials::f64::Com
       if (!(seen > 0)) continue;
       const Vec3 u = glm::normalize(Vec3(1, 0, 0) - n * n.x);
       const double lit = std::max(glm::dot(n, place.to_sun), 0.0);
-      const materials::ShadingContext local{u, materials::kSunAlpha2};
-      rows[y] +=
-          seen * Vec2(1, lit * brdf.brdf(place.to_sun, place.to_viewer, n, Vec3(1), local).x);
+      const Vec3 f = brdf.brdf(materials::sunlight(place.to_sun), place.to_viewer, n, Vec3(1), {u});
+      rows[y] += seen * Vec2(1, lit * f.x);
     }
   });
   Vec2 sum(0);

@@ -9,24 +9,17 @@
 #include <optional>
 
 #include "base/math.h"
+#include "materials/incidence.h"
 #include "materials/material.h"
 
 namespace panwright::materials {
 
-// An eighth of the square of the Sun's angular radius, 4.6504e-3 rad, at 1 AU: the contribution of
-// a uniform disc to the squares of alpha for light and viewer at the normal. Half vectors spread by
-// ρ²/16 along each axis there, and alpha² is twice that; elsewhere see
-// materials/formulas/sun_disc.glsl.
-inline constexpr double kSunAlpha2 = 2.7033e-6;
-
-// Shading context: inputs of a BRDF besides material, normal and directions.
+// Shading context: inputs of a BRDF besides material, normal, light and viewer.
 struct ShadingContext {
   panwright::Vec3 tangent{
-      0};                 // unit, perpendicular to the normal; 0 where microfacets are isotropic
-  double sun_alpha2 = 0;  // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
+      0};  // unit, perpendicular to the normal; 0 where microfacets are isotropic
   // texel of a material's reflectance map; none: F0 of the indices
   std::optional<panwright::Vec3> reflectance = std::nullopt;
-  double sun_limb = 0;  // limb darkening u of the Sun's disc, I = 1 − u·(1 − μ), 0 to 1
 };
 
 namespace f64 {
@@ -36,7 +29,8 @@ using Vec3 = glm::dvec3;
 // Returns the reflectance f of a material (docs/conventions.md, reflection), 1/sr, RGB. Finite and
 // at least 0 for unit vectors and a material whose numbers are at least 0.
 //
-//   to_light, to_viewer, normal  unit vectors, pointing away from the surface
+//   light                        its irradiance is of no account; a direction stands for a point
+//   to_viewer, normal            unit vectors, pointing away from the surface
 //   tint                         colour of a texture or vertex; multiplies diffuse
 //   material                     fitted, see fit()
 //   returns                      0 for light below the horizon. A viewer below it is moved to it:
@@ -44,14 +38,12 @@ using Vec3 = glm::dvec3;
 //                                may face away from the viewer.
 //
 // Reciprocal while both directions are 1e-6 or more above the horizon.
-Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1), const ShadingContext& local = {});
+Vec3 brdf(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+          const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
-// Returns the radiance towards the viewer under a distant light, emission included: irradiance/sr.
-// The irradiance is that on a plane that faces the light.
-Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
-              const ShadingContext& local = {});
+// Returns the radiance towards the viewer, emission included: irradiance/sr.
+Vec3 radiance(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+              const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
 // Compiled BRDF: the parameters are converted once, for many directions. brdf() spends most of its
 // time on that. Thread-safe.
@@ -63,7 +55,7 @@ class CompiledBrdf {
   CompiledBrdf& operator=(CompiledBrdf&&) noexcept;
 
   // As brdf(), the same bits.
-  Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+  Vec3 brdf(const materials::Incidence& light, const Vec3& to_viewer, const Vec3& normal,
             const Vec3& tint = Vec3(1), const ShadingContext& local = {}) const;
 
  private:
@@ -78,11 +70,10 @@ namespace f32 {
 
 using Vec3 = glm::vec3;
 
-Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1), const ShadingContext& local = {});
-Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
-              const ShadingContext& local = {});
+Vec3 brdf(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+          const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
+Vec3 radiance(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+              const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
 // See f64.
 class CompiledBrdf {
@@ -93,7 +84,7 @@ class CompiledBrdf {
   CompiledBrdf& operator=(CompiledBrdf&&) noexcept;
 
   // As brdf(), the same bits.
-  Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+  Vec3 brdf(const materials::Incidence& light, const Vec3& to_viewer, const Vec3& normal,
             const Vec3& tint = Vec3(1), const ShadingContext& local = {}) const;
 
  private:

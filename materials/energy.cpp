@@ -229,15 +229,17 @@ Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
                      f64::Composition composition, const Vec3& v, int order) {
   if (composition.brdf_model.specular == SpecularModel::retroreflector) {
     const double wider = s.coat_index * s.coat_index;
-    return over_retro_lobe(f64::retro_concentration(s, 0) / wider, v, order, [&](const Vec3& l) {
-      return composition.brdf_model.coated ? composition.coated_microfacets(s, l, v, kUp)
-                                           : s.weights.y * composition.mirrored(s, l, v, kUp, 1.0);
-    });
+    return over_retro_lobe(
+        f64::retro_concentration(s, {}, 0) / wider, v, order, [&](const Vec3& l) {
+          return composition.brdf_model.coated
+                     ? composition.coated_microfacets(s, f64::from_point(l), v, kUp)
+                     : s.weights.y * composition.mirrored(s, f64::from_point(l), v, kUp, 1.0);
+        });
   }
   const HalfSpace space = own_space(material, s);
   if (!composition.brdf_model.coated)
     return over_lights<Vec3>(space, v, order, [&](const Vec3& l) {
-      return s.weights.y * composition.mirrored(s, l, v, kUp, 1.0);
+      return s.weights.y * composition.mirrored(s, f64::from_point(l), v, kUp, 1.0);
     });
   const bool mirror = material.specular_model() == SpecularModel::mirror;
   const double n = mirror ? 1 : s.coat_index;
@@ -258,8 +260,8 @@ Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
     // over_lights counts cosines to the tilted normal
     const double cosines = l.z / local.z;
     if (mirror) {
-      const double lobe =
-          f64::tilted_share(tilted, l, v, kUp) * f64::mirror_lobe(s, l, l, v, kUp, tilted, 0);
+      const double lobe = f64::tilted_share(tilted, l, v, kUp) *
+                          f64::mirror_lobe(s, l, f64::from_point(l), v, kUp, tilted, 0);
       return cosines * lobe * composition.coated_reflection(s, f64::half_cosine(l, v), l.z, v.z);
     }
     const Vec3 aside(n * l.x, n * l.y, 0);
@@ -267,7 +269,8 @@ Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
     if (!(sin2 < 1)) return Vec3(0);
     // cosθ dω outside is n² times that inside
     return cosines * n * n *
-           composition.coated_microfacets(s, aside + Vec3(0, 0, std::sqrt(1 - sin2)), v, kUp);
+           composition.coated_microfacets(
+               s, f64::from_point(aside + Vec3(0, 0, std::sqrt(1 - sin2))), v, kUp);
   };
   return over_lights<Vec3>(space, seen, order, seen_as, edge);
 }
@@ -283,7 +286,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order,
   f64::Composition once = all;
   once.brdf_model.compensated = false;
   Vec3 sum = over_hemisphere(v, std::min(order, 64), [&](const Vec3& l) {
-    if (!all.brdf_model.coated) return smooth.bare(s, l, v, kUp);
+    if (!all.brdf_model.coated) return smooth.bare(s, f64::from_point(l), v, kUp);
     Vec3 f = smooth.coated_diffuse(s, l, v, kUp);
     if (all.brdf_model.compensated) f += smooth.coated_compensation(s, l, v, kUp);
     return f;
@@ -351,8 +354,9 @@ double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes) {
   material.coat = coat;
   const f64::SurfaceFields s = f64::surface_of(material);
   const double slope = f64::microfacet_slope(coat.alpha);
-  return over_lights<double>({slope, slope, true}, to_viewer, nodes,
-                             [&](const Vec3& l) { return f64::coat_peak(s, l, to_viewer, kUp); });
+  return over_lights<double>({slope, slope, true}, to_viewer, nodes, [&](const Vec3& l) {
+    return f64::coat_peak(s, f64::from_point(l), to_viewer, kUp);
+  });
 }
 
 double coated_microfacets_albedo(const Material& material, const Vec3& to_viewer, int nodes) {

@@ -65,12 +65,14 @@ std::string surface_functions(const BrdfModel& brdf_model) {
 }
 
 // One function that calls that of a BRDF model.
-std::string choice(const char* function, const char* parameters, const char* arguments,
-                   std::size_t brdf_models) {
-  std::string text = fmt::format("vec3 {}(uint brdf_model, {}) {{\n", function, parameters);
+std::string choice(const char* function, std::size_t brdf_models) {
+  constexpr const char* kArguments = "s, light, to_viewer, normal";
+  std::string text = fmt::format(
+      "vec3 {}(uint brdf_model, Surface s, Incidence light, vec3 to_viewer, vec3 normal) {{\n",
+      function);
   for (std::size_t i = 0; i + 1 < brdf_models; ++i)
-    text += fmt::format("  if (brdf_model == {}u) return {}_{}({});\n", i, function, i, arguments);
-  return text + fmt::format("  return {}_{}({});\n}}\n", function, brdf_models - 1, arguments);
+    text += fmt::format("  if (brdf_model == {}u) return {}_{}({});\n", i, function, i, kArguments);
+  return text + fmt::format("  return {}_{}({});\n}}\n", function, brdf_models - 1, kArguments);
 }
 
 }  // namespace
@@ -97,10 +99,8 @@ std::string glsl_formulas(std::span<const BrdfModel> brdf_models) {
     text += surface_functions(brdf_models[i]);
     for (const char* name : kNames) text += fmt::format("#undef {}\n", name);
   }
-  const char* const place = "Surface s, vec3 to_light, vec3 to_viewer, vec3 normal";
-  text += choice("surface_brdf", place, "s, to_light, to_viewer, normal", brdf_models.size());
-  text += choice("surface_radiance", fmt::format("{}, vec3 irradiance", place).c_str(),
-                 "s, to_light, to_viewer, normal, irradiance", brdf_models.size());
+  for (const char* function : {"surface_brdf", "surface_radiance"})
+    text += choice(function, brdf_models.size());
   return text + kUnglue;
 }
 

@@ -13,9 +13,9 @@ namespace panwright::materials {
 //
 //   struct Surface   the parameters (generated from schemas/material.toml); fill in every
 //                    member that the BRDFs use
-//   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
-//   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
-//                         vec3 irradiance)                                        irradiance/sr
+//   struct Incidence   one light: to_light, irradiance, alpha2, limb (materials/incidence.h)
+//   vec3 surface_brdf(Surface s, Incidence light, vec3 to_viewer, vec3 normal)       1/sr
+//   vec3 surface_radiance(Surface s, Incidence light, vec3 to_viewer, vec3 normal)   irradiance/sr
 //
 // Directions are unit vectors that point away from the surface. A texture's or vertex's colour is
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in
@@ -39,7 +39,7 @@ namespace panwright::materials {
 //
 //   const int kMaterialRows                        vec4 of a record
 //   float, vec2 ... material_SLOT(int row)         one slot of the record that begins at a row
-//   Surface surface_of(int row, float sun_alpha2, float sun_limb)   its parameters; tangent 0
+//   Surface surface_of(int row)                    its parameters; tangent 0
 [[nodiscard]] std::string glsl_material_loader();
 
 }  // namespace panwright::materials

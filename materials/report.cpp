@@ -36,9 +36,9 @@ void compare_precisions(const Material& material, MaterialReport& out) {
   const Vec3 normal(0, 0, 1);
   const Vec3 tangent(1, 0, 0);
   // the range of a reflectance map
-  std::vector<ShadingContext> locals{{tangent, kSunAlpha2, {}}};
+  std::vector<ShadingContext> locals{{tangent, {}}};
   if (brdf_model_of(material).mapped)
-    for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, kSunAlpha2, Vec3(r)});
+    for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, Vec3(r)});
   struct Pair {
     Vec3 exact;
     Vec3 single;
@@ -46,12 +46,13 @@ void compare_precisions(const Material& material, MaterialReport& out) {
   std::vector<Pair> pairs;
   double peak = 0;
   for (const Vec3& viewer : directions(kViewers_deg))
-    for (const Vec3& light : directions(kLights_deg))
+    for (const Vec3& direction : directions(kLights_deg))
       for (const ShadingContext& local : locals) {
+        const Incidence light = sunlight(direction);
         Pair pair;
         pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
-        pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
-                                     glm::vec3(normal), glm::vec3(1), local));
+        pair.single = Vec3(
+            f32::brdf(material, light, glm::vec3(viewer), glm::vec3(normal), glm::vec3(1), local));
         peak = std::max(peak, max_component(pair.exact));
         pairs.push_back(pair);
       }

@@ -157,7 +157,7 @@ struct Scattering::Parts {
   bool retro() const { return composition.brdf_model.specular == SpecularModel::retroreflector; }
   // through a coat the lobe is wider by its index
   RetroLobe retro_lobe(const f64::SurfaceFields& s) const {
-    return {f64::retro_concentration(s, 0) / (s.coat_index * s.coat_index)};
+    return {f64::retro_concentration(s, {}, 0) / (s.coat_index * s.coat_index)};
   }
 
   HalfVectors peak() const {
@@ -301,7 +301,8 @@ Scattering Scattering::reflecting(const Vec3& reflectance) const {
 Vec3 Scattering::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
                       const Vec3& tangent, const Vec3& tint) const {
   f64::Composition composition = parts_->composition;
-  return composition.surface_brdf(parts_->at(tangent, tint), to_light, to_viewer, normal);
+  return composition.surface_brdf(parts_->at(tangent, tint), f64::from_point(to_light), to_viewer,
+                                  normal);
 }
 
 double Scattering::pdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
@@ -347,8 +348,8 @@ std::optional<Sampled> Scattering::sample(const Vec3& to_viewer, const Vec3& nor
   sampled.pdf = parts_->pdf(s, c, sampled.to_light, v, normal);
   if (!(sampled.pdf > 1e-300)) return std::nullopt;
   f64::Composition composition = parts_->composition;
-  sampled.weight =
-      composition.surface_brdf(s, sampled.to_light, v, normal) * (cosine / sampled.pdf);
+  sampled.weight = composition.surface_brdf(s, f64::from_point(sampled.to_light), v, normal) *
+                   (cosine / sampled.pdf);
   return sampled;
 }
 
@@ -387,14 +388,15 @@ DiscLobes Scattering::disc_lobes(const Vec3& to_sun, double radius, const Vec3& 
   const Vec3 v = above_horizon(to_viewer, normal);
   const Chances c = parts_->chances(s, glm::dot(normal, v));
   DiscLobes found;
+  const f64::IncidenceFields light{to_sun, Vec3(1), radius * radius / 8, 0};
   const auto add = [&](const HalfVectors& halves, const Vec3& tilted, double index) {
     const bool phong = halves.brdf == SpecularModel::blinn_phong;
     const double x = phong ? f64::blinn_phong_slope(halves.shine) : halves.slope_x;
     const double y = phong ? x : halves.slope_y;
     const Vec3 over_x = f64::over_slope_x(x, y, s.tangent, tilted);
     const Vec3 over_y = f64::over_slope_y(x, y, s.tangent, tilted);
-    const Vec3 from = f64::sunlit_from(0, 0, radius, std::min(x, y), over_x, over_y, to_sun, v,
-                                       normal, tilted, index);
+    const Vec3 from =
+        f64::lit_from(0, light, std::min(x, y), over_x, over_y, v, normal, tilted, index);
     const Vec3 inside = f64::below_index(from, normal, index);
     const Vec3 both = inside + f64::below_index(v, normal, index);
     const double cos_sum = glm::dot(tilted, both);

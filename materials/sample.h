@@ -45,8 +45,8 @@ struct DiscLobes {
   int count = 0;
 };
 
-// Authored BRDFs of one material in double, for a point Sun: mirrors and smooth coats are
-// directions, which brdf() excludes. H of Hapke's model is exact here, while f64::brdf() of
+// Authored BRDFs of one material in double, for a light without a disc: mirrors and smooth coats
+// are directions, which brdf() excludes. H of Hapke's model is exact here, while f64::brdf() of
 // materials/brdf.h has the shaders' fit.
 //
 // Directions are unit vectors that point away from the surface; tangent: unit, perpendicular to the

@@ -84,8 +84,8 @@ def surface_of_text(schema):
         lines = load_lines(brdf["parameter"], "b")
         arguments = f"SurfaceFields& s, const {brdf['struct']}& b" if lines else f"SurfaceFields&, const {brdf['struct']}&"
         out += [f"inline void load_brdf({arguments}) {{" + ("" if lines else "}")] + (lines + ["}"] if lines else [])
-    out += ["", "inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0)),",
-            "                                Real sun_alpha2 = Real(0), Real sun_limb = Real(0)) {", "  SurfaceFields s{};",
+    out += ["", "inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0))) {",
+            "  SurfaceFields s{};",
             "  // what a record has where nothing uses a slot"]
     seen = set()
     for brdf in schema["brdf"]:
@@ -110,7 +110,7 @@ def surface_of_text(schema):
         out += [f"  if (const auto& b = material.{struct['field']}) {{"]
         out += ["  " + line.replace("b.", "b->") for line in load_lines(struct["parameter"], "b")] + ["  }"]
     for context in schema["context"]:
-        value = {"0": "tangent", "none": "Real(0)", "argument": context["name"], "coat": "Real(material.coat ? 1 : 0)"}.get(
+        value = {"0": "tangent", "none": "Real(0)", "coat": "Real(material.coat ? 1 : 0)"}.get(
             context["value"], f"s.{context['value']}")
         out.append(f"  s.{context['name']} = {value};")
     return "\n".join(out + ["  return s;", "}", ""])
@@ -142,8 +142,7 @@ def loader_text(schema):
                 lines.append(f"  s.{gpu} = vec3({', '.join(f'row{row}.{at}' for row, at in places)});")
     lines = list(dict.fromkeys(lines))
     for context in schema["context"]:
-        value = {"0": "vec3(0.0)", "none": "0.0", "argument": context["name"], "coat": "1.0"}.get(context["value"],
-                                                                                f"s.{context['value']}")
+        value = {"0": "vec3(0.0)", "none": "0.0", "coat": "1.0"}.get(context["value"], f"s.{context['value']}")
         lines.append(f"  s.{context['name']} = {value};")
     accessors = []
     for slot in schema["slot"]:
@@ -155,15 +154,15 @@ def loader_text(schema):
     declared = [f"  vec4 row{row} = material_row(row + {row});" for row in sorted(rows)]
     count = schema["record"]["size"] // 16
     text = "\n".join(["vec4 material_row(int i);", f"const int kMaterialRows = {count};", *accessors,
-                      "Surface surface_of(int row, float sun_alpha2, float sun_limb) {", *declared, "  Surface s;", *lines,
+                      "Surface surface_of(int row) {", *declared, "  Surface s;", *lines,
                       "  return s;", "}", ""])
-    return (MARK + "// GLSL that reads a record of a pan: material_SLOT(row) and surface_of(row, sun_alpha2, sun_limb).\n"
+    return (MARK + "// GLSL that reads a record of a pan: material_SLOT(row) and surface_of(row).\n"
             "inline constexpr const char* kMaterialLoader = R\"glsl(\n" + text + ")glsl\";\n")
 
 
 def formula_files(schema):
     """Files in an order in which they may stand: what is called stands before who calls it."""
-    files = ["common", "fresnel", "sun_disc", "slopes"]
+    files = ["incidence", "common", "fresnel", "disc", "slopes"]
     for brdf in schema["brdf"]:
         if brdf["formula"] not in files:
             files.append(brdf["formula"])
@@ -174,12 +173,12 @@ def choice_text(schema):
     """The choice of a BRDF in C++."""
     out = [MARK.rstrip(), "// Members of Composition: the BRDF of the models that are used."]
     directions = "to_light, to_viewer, normal"
-    lobes = directions + ", tilted, index"
+    lobes = "light, to_viewer, normal, tilted, index"
     for part, kind, name, suffix, arguments in (("diffuse", "Vec3", "diffuse", "", "s, " + directions),
                                                 ("specular", "Vec3", "lobe_from", "_from", "s, " + lobes),
                                                 ("specular", "Real", "lobe", "", "s, from, " + lobes)):
-        parameters = ", ".join({"s": "Surface ", "index": "Real "}.get(each, "Vec3 ") + each
-                               for each in arguments.split(", "))
+        kinds = {"s": "Surface ", "light": "Incidence ", "index": "Real "}
+        parameters = ", ".join(kinds.get(each, "Vec3 ") + each for each in arguments.split(", "))
         out += ["", f"{kind} {name}({parameters}) const {{", f"  switch (brdf_model.{part}) {{"]
         models = brdfs(schema, part)
         for brdf in models[1:]:
@@ -213,7 +212,7 @@ def formula_table_text(schema):
 def generated_formula_files(schema):
     files = formula_files(schema)
     includes = MARK + "".join(f'#include "materials/formulas/{file}.glsl"\n//\n'
-                              for file in files[:-1] + ["cells", "coat"])
+                              for file in files[1:-1] + ["cells", "coat"])
     texts = MARK + "".join(f"extern const char* const {file}_text;\n"
                            for file in ["parameters"] + files + ["cells", "surface"])
     cmake = ("# Generated by schemas/generate_material.py from schemas/material.toml. Do not edit.\n"

@@ -24,7 +24,7 @@ Vec3 sample_direction(double degrees) {
 
 void add_curves(const materials::Material& material, MaterialSample& sample) {
   const materials::f64::CompiledBrdf brdf(material);
-  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0)};
   for (std::size_t i = 0; i < kSampleLights.size(); ++i)
     // steps of a degree, of a tenth near the mirror direction and the light
     for (int step = -890; step <= 890; ++step) {
@@ -32,8 +32,8 @@ void add_curves(const materials::Material& material, MaterialSample& sample) {
       const double glint =
           std::min(std::fabs(angle - kSampleLights[i]), std::fabs(angle + kSampleLights[i]));
       if (step % 10 != 0 && glint > 4) continue;
-      const Vec3 f = brdf.brdf(sample_direction(-kSampleLights[i]), sample_direction(angle),
-                               Vec3(0, 0, 1), Vec3(1), local);
+      const Vec3 f = brdf.brdf(materials::sunlight(sample_direction(-kSampleLights[i])),
+                               sample_direction(angle), Vec3(0, 0, 1), Vec3(1), local);
       sample.lobes[i].emplace_back(angle, kPi * (f.x + f.y + f.z) / 3);
     }
   for (int degrees = 0; degrees <= 88; degrees += degrees < 70 ? 5 : 3) {

@@ -172,13 +172,14 @@ struct Speed {
 Speed speed_of(const materials::Material& material) {
   const Vec3 viewer(0.3, 0, std::sqrt(0.91));
   const Vec3 normal(0, 0, 1);
-  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0)};
   Speed speed;
   speed.f64 = nanoseconds([&](const Vec3& light) {
-    return materials::f64::brdf(material, light, viewer, normal, Vec3(1), local);
+    return materials::f64::brdf(material, materials::sunlight(light), viewer, normal, Vec3(1),
+                                local);
   });
   speed.f32 = nanoseconds([&](const Vec3& light) {
-    return Vec3(materials::f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
+    return Vec3(materials::f32::brdf(material, materials::sunlight(light), glm::vec3(viewer),
                                      glm::vec3(normal), glm::vec3(1), local));
   });
   return speed;

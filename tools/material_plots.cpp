@@ -51,7 +51,7 @@ std::string albedo_plot(const materials::Material& material) {
 
 std::string slices_plot(const materials::Material& material) {
   constexpr int kLights_deg[] = {0, 30, 60, 80};
-  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0)};
   std::vector<PlotCurve> curves;
   double peak = 1e-30;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -65,8 +65,9 @@ std::string slices_plot(const materials::Material& material) {
       const double glint =
           std::min(std::fabs(angle - kLights_deg[i]), std::fabs(angle + kLights_deg[i]));
       if (step % 10 != 0 && glint > 3) continue;
-      const Vec3 f = materials::f64::brdf(material, direction_at(-kLights_deg[i]),
-                                          direction_at(angle), Vec3(0, 0, 1), Vec3(1), local);
+      const Vec3 f =
+          materials::f64::brdf(material, materials::sunlight(direction_at(-kLights_deg[i])),
+                               direction_at(angle), Vec3(0, 0, 1), Vec3(1), local);
       const double value = kPi * (f.x + f.y + f.z) / 3;
       peak = std::max(peak, value);
       points.emplace_back(angle, value);

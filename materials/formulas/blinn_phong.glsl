@@ -52,22 +52,22 @@ FORMULA Vec3 blinn_phong_over_y(Surface s, Vec3 lobe, Vec3 tilted) {
   return over_slope_y(lobe.x, lobe.y, s.tangent, tilted);
 }
 
-FORMULA Vec3 blinn_phong_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Vec3 blinn_phong_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                    Real index) {
-  Vec3 lobe = blinn_phong_bumped(s, bump_inside(s, to_light, to_viewer, index));
+  Vec3 lobe = blinn_phong_bumped(s, bump_inside(s, light.to_light, to_viewer, index));
   Real m = min(lobe.x, lobe.y);
-  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
-  return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, blinn_phong_over_x(s, lobe, tilted),
-                     blinn_phong_over_y(s, lobe, tilted), to_light, to_viewer, normal, tilted, index);
+  if (point_light(light, m, to_viewer, tilted) > Real(0)) return light.to_light;
+  return lit_from(Real(0), light, m, blinn_phong_over_x(s, lobe, tilted), blinn_phong_over_y(s, lobe, tilted),
+                  to_viewer, normal, tilted, index);
 }
 
-FORMULA Real blinn_phong_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Real blinn_phong_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                               Real index) {
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
-  Vec3 lobe = blinn_phong_bumped(s, bump_inside(s, to_light, to_viewer, index));
+  Vec3 lobe = blinn_phong_bumped(s, bump_inside(s, light.to_light, to_viewer, index));
   Real m = min(lobe.x, lobe.y);
-  bool point = point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0);
+  bool point = point_light(light, m, to_viewer, tilted) > Real(0);
   if (point && !(s.bump_x > Real(0))) return blinn_phong(s.shine, l, v, tilted);
   Real cos_nl = dot3(tilted, l);
   Real cos_nv = dot3(tilted, v);
@@ -88,8 +88,8 @@ FORMULA Real blinn_phong_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewe
     Real square = over_slopes(lobe.x, lobe.y, s.tangent, cross3(tilted, both), tilted) / (cos_sum * cos_sum);
     return scale * exp_negative(Real(0.5) * lobe.z * log_one_plus(min(square * Real(2) / lobe.z, Real(1e30))));
   }
-  Real density = density_over_disc(Real(0), max(lobe.z, Real(1e-3)), s.sun_limb, disc_radius(s.sun_alpha2), m,
+  Real density = density_over_disc(Real(0), max(lobe.z, Real(1e-3)), light, m,
                                    blinn_phong_over_x(s, lobe, tilted), blinn_phong_over_y(s, lobe, tilted), from,
-                                   to_light, to_viewer, normal, tilted, index);
+                                   to_viewer, normal, tilted, index);
   return scale * density;
 }

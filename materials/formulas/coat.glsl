@@ -67,19 +67,18 @@ FORMULA Vec3 compensation_through_coat(Surface s, Real cos_nl, Real cos_nv) {
 }
 
 // What the outer surface reflects.
-FORMULA Real coat_peak(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Real coat_peak(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal) {
   if (!(s.coat_alpha + s.bump_x > Real(0))) {
-    Vec3 mirrored = disc_mirrored(s.sun_alpha2, to_light, to_viewer, normal);
+    Vec3 mirrored = disc_mirrored(light, to_viewer, normal);
     return s.coat_share * fresnel_dielectric(half_cosine(mirrored, to_viewer), s.coat_index) *
-           disc_lobe(s.sun_alpha2, s.sun_limb, mirrored, to_light, to_viewer, normal) *
-           lobe_weight(s, mirrored, to_light, normal);
+           disc_lobe(light, mirrored, to_viewer, normal) * lobe_weight(light, mirrored, normal);
   }
   Real slope_x = bumped(s.coat_alpha, s.bump_x);
   Real slope_y = bumped(s.coat_alpha, s.bump_y);
-  Vec3 from = cook_torrance_from(s, slope_x, slope_y, to_light, to_viewer, normal, normal, Real(0));
+  Vec3 from = cook_torrance_from(s, slope_x, slope_y, light, to_viewer, normal, normal, Real(0));
   Real first = s.coat_share * fresnel_dielectric(half_cosine(from, to_viewer), s.coat_index);
-  return first * cook_torrance_sunlit(s, slope_x, slope_y, from, to_light, to_viewer, normal, normal, Real(0)) *
-         lobe_weight(s, from, to_light, normal);
+  return first * cook_torrance_lit(s, slope_x, slope_y, from, light, to_viewer, normal, normal, Real(0)) *
+         lobe_weight(light, from, normal);
 }
 
 // The mean normal of cells that are not quite parallel to their cover glass. scale: what the slopes

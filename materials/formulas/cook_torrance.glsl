@@ -63,31 +63,30 @@ FORMULA Real cook_torrance_along(Real slope_x, Real slope_y, Vec3 tangent, Vec3 
          v_cavity(cos_nl, cos_nv, both2);
 }
 
-// Under the Sun's disc: see sunlit_from() and density_over_disc(). Slopes: along s.tangent and across.
-FORMULA Vec3 cook_torrance_from(Surface s, Real slope_x, Real slope_y, Vec3 to_light, Vec3 to_viewer, Vec3 normal,
+// Under the light's disc: see lit_from() and density_over_disc(). Slopes: along s.tangent and across.
+FORMULA Vec3 cook_torrance_from(Surface s, Real slope_x, Real slope_y, Incidence light, Vec3 to_viewer, Vec3 normal,
                                 Vec3 tilted, Real index) {
   Real mx = cook_torrance_slope(slope_x);
   Real my = cook_torrance_slope(slope_y);
   Real m = min(mx, my);
-  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
+  if (point_light(light, m, to_viewer, tilted) > Real(0)) return light.to_light;
   Vec3 over_x = disc_x(tilted) / m;
   Vec3 over_y = disc_y(tilted) / m;
   if (mx != my) {
     over_x = over_slope_x(mx, my, s.tangent, tilted);
     over_y = over_slope_y(mx, my, s.tangent, tilted);
   }
-  return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, over_x, over_y, to_light, to_viewer, normal,
-                     tilted, index);
+  return lit_from(Real(0), light, m, over_x, over_y, to_viewer, normal, tilted, index);
 }
 
-FORMULA Real cook_torrance_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light, Vec3 to_viewer,
+FORMULA Real cook_torrance_lit(Surface s, Real slope_x, Real slope_y, Vec3 from, Incidence light, Vec3 to_viewer,
                                   Vec3 normal, Vec3 tilted, Real index) {
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
   Real mx = cook_torrance_slope(slope_x);
   Real my = cook_torrance_slope(slope_y);
   Real m = min(mx, my);
-  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) {
+  if (point_light(light, m, to_viewer, tilted) > Real(0)) {
     if (mx != my) return cook_torrance_along(mx, my, s.tangent, l, v, tilted);
     return cook_torrance(slope_x, l, v, tilted);
   }
@@ -105,23 +104,22 @@ FORMULA Real cook_torrance_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 fr
     over_x = over_slope_x(mx, my, s.tangent, tilted);
     over_y = over_slope_y(mx, my, s.tangent, tilted);
   }
-  Real density = density_over_disc(Real(0), Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, over_x, over_y, from,
-                                   to_light, to_viewer, normal, tilted, index);
+  Real density = density_over_disc(Real(0), Real(0), light, m, over_x, over_y, from, to_viewer, normal, tilted, index);
   Real secant2 = Real(1) + half_tan2(l, v, tilted, cos_nl + cos_nv);
   return density * secant2 * secant2 * Real(0.31830988618379067) / (mx * my) * v_cavity(cos_nl, cos_nv, both2);
 }
 
-FORMULA Vec3 cook_torrance_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Vec3 cook_torrance_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                      Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
-  return cook_torrance_from(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), to_light,
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
+  return cook_torrance_from(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), light,
                             to_viewer, normal, tilted, index);
 }
 
-FORMULA Real cook_torrance_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Real cook_torrance_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                 Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
   return s.d_scale * s.f_scale * s.g_scale *
-         cook_torrance_sunlit(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), from,
-                              to_light, to_viewer, normal, tilted, index);
+         cook_torrance_lit(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), from,
+                              light, to_viewer, normal, tilted, index);
 }

@@ -101,46 +101,44 @@ FORMULA Real ggx_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, 
   return ggx_masked(d, slope_x, slope_y, tangent, to_light, to_viewer, normal);
 }
 
-// sunlit_from() and the density's mean of microfacets under the disc. index: of a coat over them, 0: none
-FORMULA Vec3 microfacets_from(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 to_light, Vec3 to_viewer,
+// lit_from() and the density's mean of microfacets under the disc. index: of a coat over them, 0: none
+FORMULA Vec3 microfacets_from(Surface s, Real heavy, Real slope_x, Real slope_y, Incidence light, Vec3 to_viewer,
                               Vec3 normal, Vec3 tilted, Real index) {
-  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0)) return to_light;
-  return sunlit_from(heavy, s.sun_limb, disc_radius(s.sun_alpha2), min(slope_x, slope_y),
-                     over_slope_x(slope_x, slope_y, s.tangent, tilted),
-                     over_slope_y(slope_x, slope_y, s.tangent, tilted), to_light, to_viewer, normal, tilted,
-                     index);
+  if (point_light(light, min(slope_x, slope_y), to_viewer, tilted) > Real(0)) return light.to_light;
+  return lit_from(heavy, light, min(slope_x, slope_y), over_slope_x(slope_x, slope_y, s.tangent, tilted),
+                  over_slope_y(slope_x, slope_y, s.tangent, tilted), to_viewer, normal, tilted, index);
 }
-FORMULA Real microfacets_density(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light,
+FORMULA Real microfacets_density(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 from, Incidence light,
                                  Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  return density_over_disc(heavy, Real(0), s.sun_limb, disc_radius(s.sun_alpha2), min(slope_x, slope_y),
+  return density_over_disc(heavy, Real(0), light, min(slope_x, slope_y),
                            over_slope_x(slope_x, slope_y, s.tangent, tilted),
-                           over_slope_y(slope_x, slope_y, s.tangent, tilted), from, to_light, to_viewer,
+                           over_slope_y(slope_x, slope_y, s.tangent, tilted), from, to_viewer,
                            normal, tilted, index);
 }
 
-FORMULA Real beckmann_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light, Vec3 to_viewer,
+FORMULA Real beckmann_lit(Surface s, Real slope_x, Real slope_y, Vec3 from, Incidence light, Vec3 to_viewer,
                              Vec3 normal, Vec3 tilted, Real index) {
-  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
-    return beckmann_smith(slope_x, slope_y, s.tangent, below_index(to_light, normal, index),
+  if (point_light(light, min(slope_x, slope_y), to_viewer, tilted) > Real(0))
+    return beckmann_smith(slope_x, slope_y, s.tangent, below_index(light.to_light, normal, index),
                           below_index(to_viewer, normal, index), tilted);
-  Real density = microfacets_density(s, Real(0), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
+  Real density = microfacets_density(s, Real(0), slope_x, slope_y, from, light, to_viewer, normal, tilted, index);
   if (!(density > Real(0))) return Real(0);
   return beckmann_masked(density, slope_x, slope_y, s.tangent, below_index(from, normal, index),
                          below_index(to_viewer, normal, index), tilted);
 }
 
-FORMULA Vec3 beckmann_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
+FORMULA Vec3 beckmann_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
   return microfacets_from(s, Real(0), microfacet_slope(bumped(s.alpha_x, inside * s.bump_x)),
-                          microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), to_light, to_viewer, normal, tilted,
+                          microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), light, to_viewer, normal, tilted,
                           index);
 }
 
-FORMULA Real beckmann_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Real beckmann_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                            Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
-  return beckmann_sunlit(s, microfacet_slope(bumped(s.alpha_x, inside * s.bump_x)),
-                         microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), from, to_light, to_viewer, normal,
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
+  return beckmann_lit(s, microfacet_slope(bumped(s.alpha_x, inside * s.bump_x)),
+                         microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), from, light, to_viewer, normal,
                          tilted, index);
 }
 
@@ -186,33 +184,33 @@ FORMULA Real ggx_bumped_masked(Real d, Surface s, Real inside, Vec3 to_light, Ve
   return Real(0.25) * d / (cos_nl * cos_nv + cos_nl * hidden_v + cos_nv * hidden_l);
 }
 
-// Whether bumps are not much smaller than the microfacets, and both larger than what the Sun's disc blurs.
-FORMULA Real ggx_is_bumped(Surface s, Real inside) {
+// Whether bumps are not much smaller than the microfacets, and both larger than what the light's disc blurs.
+FORMULA Real ggx_is_bumped(Surface s, Incidence light, Real inside) {
   if (!(s.bump_x > Real(0))) return Real(0);
   Real x = inside * s.bump_x;
   Real y = inside * s.bump_y;
   Real x2 = s.alpha_x * s.alpha_x;
   Real y2 = s.alpha_y * s.alpha_y;
-  if (min(x + x2, y + y2) > Real(1000) * s.sun_alpha2 && max(x - Real(1e-3) * x2, y - Real(1e-3) * y2) > Real(0))
+  if (min(x + x2, y + y2) > Real(1000) * light.alpha2 && max(x - Real(1e-3) * x2, y - Real(1e-3) * y2) > Real(0))
     return Real(1);
   return Real(0);
 }
 
-FORMULA Vec3 ggx_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
-  if (ggx_is_bumped(s, inside) > Real(0)) return to_light;
+FORMULA Vec3 ggx_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
+  if (ggx_is_bumped(s, light, inside) > Real(0)) return light.to_light;
   return microfacets_from(s, Real(1), microfacet_slope(bumped(s.alpha_x, inside * s.bump_x)),
-                          microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), to_light, to_viewer, normal, tilted,
+                          microfacet_slope(bumped(s.alpha_y, inside * s.bump_y)), light, to_viewer, normal, tilted,
                           index);
 }
 
-FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  Real inside = bump_inside(s, to_light, to_viewer, index);
+FORMULA Real ggx_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Real inside = bump_inside(s, light.to_light, to_viewer, index);
   Real slope_x = microfacet_slope(bumped(s.alpha_x, inside * s.bump_x));
   Real slope_y = microfacet_slope(bumped(s.alpha_y, inside * s.bump_y));
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
-  if (ggx_is_bumped(s, inside) > Real(0)) {
+  if (ggx_is_bumped(s, light, inside) > Real(0)) {
     Vec3 both = l + v;
     Real sum = dot3(tilted, both);
     if (!(sum > Real(1e-6))) return Real(0);
@@ -227,13 +225,13 @@ FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 
     return ggx_bumped_masked(density * (Real(1) + tan2) * (Real(1) + tan2) * Real(0.31830988618379067), s, inside, l, v,
                              tilted);
   }
-  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
+  if (point_light(light, min(slope_x, slope_y), to_viewer, tilted) > Real(0))
     return ggx_smith(slope_x, slope_y, s.tangent, l, v, tilted);
   Vec3 turned = cross3(tilted, l + v);
   Real cos_sum = dot3(tilted, l + v);
   if (!(cos_sum > Real(1e-6))) return Real(0);
   Real secant2 = Real(1) + dot3(turned, turned) / (cos_sum * cos_sum);
-  Real density = microfacets_density(s, Real(1), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
+  Real density = microfacets_density(s, Real(1), slope_x, slope_y, from, light, to_viewer, normal, tilted, index);
   Real d = density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y);
   return ggx_masked(d, slope_x, slope_y, s.tangent, l, v, tilted);
 }
@@ -245,20 +243,20 @@ FORMULA Real mirror_bent(Surface s) {
   return (s.coat_index - Real(1)) * Real(0.7071067811865476) * s.coat_alpha;
 }
 
-FORMULA Vec3 mirror_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  if (!(mirror_bent(s) + s.bump_x > Real(0))) return disc_mirrored(s.sun_alpha2, to_light, to_viewer, tilted);
+FORMULA Vec3 mirror_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  if (!(mirror_bent(s) + s.bump_x > Real(0))) return disc_mirrored(light, to_viewer, tilted);
   Real slope_x = microfacet_slope(bumped(mirror_bent(s), s.bump_x));
   Real slope_y = microfacet_slope(bumped(mirror_bent(s), s.bump_y));
-  return microfacets_from(s, Real(0), slope_x, slope_y, to_light, to_viewer, normal, tilted, Real(0));
+  return microfacets_from(s, Real(0), slope_x, slope_y, light, to_viewer, normal, tilted, Real(0));
 }
 
-FORMULA Real mirror_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Real mirror_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                          Real index) {
   if (!(mirror_bent(s) + s.bump_x > Real(0)))
-    return disc_lobe(s.sun_alpha2, s.sun_limb, from, to_light, to_viewer, tilted);
+    return disc_lobe(light, from, to_viewer, tilted);
   Real slope_x = microfacet_slope(bumped(mirror_bent(s), s.bump_x));
   Real slope_y = microfacet_slope(bumped(mirror_bent(s), s.bump_y));
-  return beckmann_sunlit(s, slope_x, slope_y, from, to_light, to_viewer, normal, tilted, Real(0));
+  return beckmann_lit(s, slope_x, slope_y, from, light, to_viewer, normal, tilted, Real(0));
 }
 
 FORMULA Vec3 no_compensation(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {

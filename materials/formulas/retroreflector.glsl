@@ -45,10 +45,10 @@ FORMULA Real retro_efficiency(Surface s, Real cosine) {
          retro_vignette(s.retro_cutoff, cosine);
 }
 
-// 1 over the variance along each axis, that of the Sun's disc included. Below a coat the disc is smaller
+// 1 over the variance along each axis, that of the light's disc included. Below a coat the disc is smaller
 // by its index.
-FORMULA Real retro_concentration(Surface s, Real index) {
-  Real disc = Real(8) * s.sun_alpha2 * disc_variance(s.sun_limb);
+FORMULA Real retro_concentration(Surface s, Incidence light, Real index) {
+  Real disc = Real(8) * light.alpha2 * disc_variance(light.limb);
   if (index > Real(0)) disc = disc / (index * index);
   return Real(1) / max(s.retro_width * s.retro_width + disc, Real(1e-12));
 }
@@ -61,17 +61,18 @@ FORMULA Real retro_spread(Real concentration, Real apart2) {
          one_minus_exp(Real(2) * concentration) * exp_negative(x);
 }
 
-// The same, its mean over the Sun's disc.
-FORMULA Real retro_over_disc(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real index) {
-  Vec3 inside = below_index(to_light, normal, index);
+// The same, its mean over the light's disc.
+FORMULA Real retro_over_disc(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Real index) {
+  Vec3 inside = below_index(light.to_light, normal, index);
   Vec3 apart = inside - below_index(to_viewer, normal, index);
-  Real radius = disc_radius(s.sun_alpha2);
+  Real radius = disc_radius(light.alpha2);
   if (!(s.retro_width < Real(2.3) * radius))
-    return retro_spread(retro_concentration(s, index), dot3(apart, apart));
+    return retro_spread(retro_concentration(s, light, index), dot3(apart, apart));
   Real concentration = Real(1) / max(s.retro_width * s.retro_width, Real(1e-12));
   Real scale = sqrt(Real(0.5) * concentration);
-  Vec3 step_x = scale * light_step(disc_x(to_light), radius, to_light, to_light, inside, normal, index);
-  Vec3 step_y = scale * light_step(disc_y(to_light), radius, to_light, to_light, inside, normal, index);
+  Vec3 l = light.to_light;
+  Vec3 step_x = scale * light_step(disc_x(l), radius, l, l, inside, normal, index);
+  Vec3 step_y = scale * light_step(disc_y(l), radius, l, l, inside, normal, index);
   Vec3 form = slope_form(step_x, step_y);
   Vec3 axis = narrow_axis(form);
   Real determinant = max(form.x * form.z - form.y * form.y, Real(1e-30));
@@ -83,25 +84,25 @@ FORMULA Real retro_over_disc(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 norm
   Real wide = sqrt(axis.z / determinant);
   return Real(0.15915494309189535) * concentration *
          gaussian_over_disc(place_x * axis.x + place_y * axis.y, place_y * axis.x - place_x * axis.y, narrow,
-                            wide, s.sun_limb);
+                            wide, light.limb);
 }
 
 // Reciprocal; never more than the light on the aperture, as the smaller efficiency is taken and the
 // larger cosine: the directional albedo is at most the efficiency.
-FORMULA Real retroreflector_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Real retroreflector_lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                  Real index) {
-  Vec3 l = below_index(to_light, normal, index);
+  Vec3 l = below_index(light.to_light, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
   Real cos_nl = dot3(tilted, l);
   Real cos_nv = dot3(tilted, v);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
   Vec3 apart = l - v;
-  Real spread = s.sun_alpha2 > Real(0) ? retro_over_disc(s, to_light, to_viewer, normal, index)
-                                       : retro_spread(retro_concentration(s, index), dot3(apart, apart));
+  Real spread = light.alpha2 > Real(0) ? retro_over_disc(s, light, to_viewer, normal, index)
+                                       : retro_spread(retro_concentration(s, light, index), dot3(apart, apart));
   return retro_efficiency(s, min(cos_nl, cos_nv)) * spread / max(cos_nl, cos_nv);
 }
 
-FORMULA Vec3 retroreflector_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+FORMULA Vec3 retroreflector_lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                       Real index) {
-  return to_light;
+  return light.to_light;
 }

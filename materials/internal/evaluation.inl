@@ -1,23 +1,28 @@
 // Bodies of materials/brdf.h, included once for each precision inside its namespace.
 
-Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint, const ShadingContext& local) {
-  SurfaceFields s =
-      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2),
-                 static_cast<Real>(local.sun_limb));
-  s.diffuse = s.diffuse * tint;
-  if (local.reflectance) s.reflectance = rounded(*local.reflectance);
-  return composition_of(material).surface_brdf(s, to_light, to_viewer, normal);
+inline IncidenceFields rounded(const materials::Incidence& light) {
+  return {rounded(light.to_light), rounded(light.irradiance), real(light.alpha2), real(light.limb)};
 }
 
-Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint, const ShadingContext& local) {
-  SurfaceFields s =
-      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2),
-                 static_cast<Real>(local.sun_limb));
+// The place of a surface: what it has beside its material's parameters.
+inline void place(SurfaceFields& s, const Vec3& tint, const ShadingContext& local) {
+  s.tangent = rounded(local.tangent);
   s.diffuse = s.diffuse * tint;
   if (local.reflectance) s.reflectance = rounded(*local.reflectance);
-  return composition_of(material).surface_radiance(s, to_light, to_viewer, normal, irradiance);
+}
+
+Vec3 brdf(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+          const Vec3& normal, const Vec3& tint, const ShadingContext& local) {
+  SurfaceFields s = surface_of(material);
+  place(s, tint, local);
+  return composition_of(material).surface_brdf(s, rounded(light), to_viewer, normal);
+}
+
+Vec3 radiance(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
+              const Vec3& normal, const Vec3& tint, const ShadingContext& local) {
+  SurfaceFields s = surface_of(material);
+  place(s, tint, local);
+  return composition_of(material).surface_radiance(s, rounded(light), to_viewer, normal);
 }
 
 struct CompiledBrdf::Parts {
@@ -32,14 +37,10 @@ CompiledBrdf::~CompiledBrdf() = default;
 CompiledBrdf::CompiledBrdf(CompiledBrdf&&) noexcept = default;
 CompiledBrdf& CompiledBrdf::operator=(CompiledBrdf&&) noexcept = default;
 
-Vec3 CompiledBrdf::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-                    const Vec3& tint, const ShadingContext& local) const {
+Vec3 CompiledBrdf::brdf(const materials::Incidence& light, const Vec3& to_viewer,
+                        const Vec3& normal, const Vec3& tint, const ShadingContext& local) const {
   SurfaceFields s = parts_->surface;
-  s.tangent = rounded(local.tangent);
-  s.sun_alpha2 = static_cast<Real>(local.sun_alpha2);
-  s.sun_limb = static_cast<Real>(local.sun_limb);
-  s.diffuse = s.diffuse * tint;
-  if (local.reflectance) s.reflectance = rounded(*local.reflectance);
+  place(s, tint, local);
   Composition composition = parts_->composition;
-  return composition.surface_brdf(s, to_light, to_viewer, normal);
+  return composition.surface_brdf(s, rounded(light), to_viewer, normal);
 }

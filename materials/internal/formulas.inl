@@ -23,6 +23,14 @@ struct SurfaceFields : SurfaceParameters {
   const HapkeHCorrection* exact_h = nullptr;  // none: H as fitted
 };
 using Surface = const SurfaceFields&;
+#define Incidence IncidenceFields
+#include "materials/formulas/incidence.glsl"
+#undef Incidence
+using Incidence = const IncidenceFields&;
+// light from one direction
+inline IncidenceFields from_point(const Vec3& to_light) {
+  return {to_light, Vec3(Real(1)), Real(0), Real(0)};
+}
 inline Real hapke_h_function(Surface s, Real x);
 inline Real hapke_h_of(Surface s, Real x) {
   const Real fitted = hapke_h_function(s, x);
@@ -62,10 +70,10 @@ struct Composition {
     return brdf_model.mapped ? mapped_compensation(s, to_light, to_viewer, normal)
                        : microfacet_compensation(s, to_light, to_viewer, normal);
   }
-  Vec3 layers(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-    if (!brdf_model.coated) return bare(s, to_light, to_viewer, normal);
-    return brdf_model.specular == SpecularModel::mirror ? coated_mirror(s, to_light, to_viewer, normal)
-                                                : coated(s, to_light, to_viewer, normal);
+  Vec3 layers(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal) {
+    if (!brdf_model.coated) return bare(s, light, to_viewer, normal);
+    return brdf_model.specular == SpecularModel::mirror ? coated_mirror(s, light, to_viewer, normal)
+                                                : coated(s, light, to_viewer, normal);
   }
 
 #define FORMULA

@@ -167,11 +167,7 @@ void main() {
                (float(place.y) + 0.5) * view.view_ray_down.xyz;
   vec3 to_viewer = -normalize(view_ray);
 
-#ifdef POINT_SUN
-  Surface surface = surface_of(first_row, 0.0, 0.0);
-#else
-  Surface surface = surface_of(first_row, view.to_sun.w, view.view_ray.w);
-#endif
+  Surface surface = surface_of(first_row);
 #ifdef ROUGH
   vec3 whole_cell = surface.weights.x * surface.diffuse;
 #endif
@@ -205,6 +201,11 @@ void main() {
   // the viewer to the horizon
   vec3 normal = unit_or_zero(normal_sample.xyz);
   vec3 to_sun = to_mean_sun(normal);
+#ifdef POINT_SUN
+  Incidence sun = Incidence(to_sun, view.irradiance.rgb, 0.0, 0.0);
+#else
+  Incidence sun = Incidence(to_sun, view.irradiance.rgb, view.to_sun.w, view.view_ray.w);
+#endif
 #ifdef ROUGH
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
@@ -221,7 +222,7 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
 #endif
-  radiance = vec4(surface_radiance(surface, to_sun, to_viewer, normal, view.irradiance.rgb), 1.0);
+  radiance = vec4(surface_radiance(surface, sun, to_viewer, normal), 1.0);
 #ifdef ROUGH
     // Lambert's gaps between cells, without cover glass
     if (has_cells) {

@@ -64,8 +64,7 @@ TEST(Brdf, EveryPairOfBrdfs) {
         want += 0.4 * Vec3(f64::fresnel_dielectric(f64::half_cosine(kLight, kViewer), 1.5) *
                            f64::cook_torrance(0.15, kLight, kViewer, kNormal));
       const Vec3 got = f64::brdf(m, kLight, kViewer, kNormal);
-      const glm::vec3 single =
-          f32::brdf(m, glm::vec3(kLight), glm::vec3(kViewer), glm::vec3(kNormal));
+      const glm::vec3 single = f32::brdf(m, kLight, glm::vec3(kViewer), glm::vec3(kNormal));
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(got[k], want[k], 1e-15);
         EXPECT_NEAR(static_cast<double>(single[k]), want[k], 2e-6 * want[k]);
@@ -79,8 +78,8 @@ TEST(Brdf, RadianceOfReflectionAndEmission) {
   m.emissive = {0.2, 0.4, 0.6};
   m.weights = {1, 0, 0.5};
   const Vec3 irradiance(3, 2, 1);
-  const Vec3 lit = f64::radiance(m, kLight, kViewer, kNormal, irradiance);
-  const Vec3 dark = f64::radiance(m, -kLight, kViewer, kNormal, irradiance);
+  const Vec3 lit = f64::radiance(m, {kLight, irradiance}, kViewer, kNormal);
+  const Vec3 dark = f64::radiance(m, {-kLight, irradiance}, kViewer, kNormal);
   for (int k = 0; k < 3; ++k) {
     const double emitted = 0.5 * m.emissive[k] * irradiance[k] / kPi;
     EXPECT_NEAR(dark[k], emitted, 1e-15);
@@ -92,7 +91,7 @@ TEST(Brdf, RadianceOfReflectionAndEmission) {
 TEST(Brdf, WhitePlate) {
   Material m;
   m.diffuse = Vec3(1);
-  EXPECT_NEAR(f64::radiance(m, kNormal, kViewer, kNormal, Vec3(1)).x * kPi, 1, 1e-15);
+  EXPECT_NEAR(f64::radiance(m, kNormal, kViewer, kNormal).x * kPi, 1, 1e-15);
 }
 
 TEST(Brdf, TintMultipliesDiffuseOnly) {
@@ -139,7 +138,7 @@ TEST(Brdf, HorizonOfTheViewer) {
   for (const double z : {0.0, -1e-9, -0.5, -1.0}) {
     const Vec3 v(std::sqrt(1 - z * z), 0, z);
     EXPECT_TRUE(is_finite(f64::brdf(m, light, v, kNormal))) << z;
-    const glm::vec3 single = f32::brdf(m, glm::vec3(light), glm::vec3(v), glm::vec3(kNormal));
+    const glm::vec3 single = f32::brdf(m, light, glm::vec3(v), glm::vec3(kNormal));
     EXPECT_TRUE(is_finite(Vec3(single))) << z;
   }
 }
@@ -152,16 +151,14 @@ TEST(Brdf, CompiledIsTheSame) {
     fit(m);
     const f64::CompiledBrdf prepared(m);
     const f32::CompiledBrdf prepared32(m);
-    const ShadingContext local{Vec3(1, 0, 0), kSunAlpha2};
+    const ShadingContext local{Vec3(1, 0, 0)};
     const Vec3 tint(0.5, 1, 0.25);
     for (const double angle : {0.1, 0.7, 1.5}) {
-      const Vec3 l = from_angles(angle, 2.0);
+      const Incidence l = sunlight(from_angles(angle, 2.0));
       EXPECT_EQ(prepared.brdf(l, kViewer, kNormal, tint, local),
                 f64::brdf(m, l, kViewer, kNormal, tint, local));
-      EXPECT_EQ(prepared32.brdf(glm::vec3(l), glm::vec3(kViewer), glm::vec3(kNormal),
-                                glm::vec3(tint), local),
-                f32::brdf(m, glm::vec3(l), glm::vec3(kViewer), glm::vec3(kNormal), glm::vec3(tint),
-                          local));
+      EXPECT_EQ(prepared32.brdf(l, glm::vec3(kViewer), glm::vec3(kNormal), glm::vec3(tint), local),
+                f32::brdf(m, l, glm::vec3(kViewer), glm::vec3(kNormal), glm::vec3(tint), local));
     }
   }
 }

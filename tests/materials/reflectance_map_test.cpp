@@ -28,7 +28,7 @@ Material microfacets(double slope, const std::optional<Vec3>& n, const Vec3& k =
   return m;
 }
 
-ShadingContext under(const Vec3& reflectance) { return {Vec3(0), 0, reflectance}; }
+ShadingContext under(const Vec3& reflectance) { return {Vec3(0), reflectance}; }
 
 // Fresnel's equations with a complex index, as they stand in textbooks.
 double textbook(double cos_i, double n, double k) {

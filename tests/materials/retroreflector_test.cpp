@@ -149,7 +149,6 @@ TEST(Retroreflector, AlbedoIsTheEffectiveAperture) {
 // Under the Sun's disc: the mean of a Gaussian lobe over it, by a grid.
 TEST(Retroreflector, UnderTheSunsDisc) {
   const double radius = std::sqrt(8 * kSunAlpha2);
-  const ShadingContext sun{Vec3(0), kSunAlpha2};
   const Vec3 v = at(0.2);
   double worst = 0;
   for (const double width : {5e-4, 2e-3, 5e-3, 0.02}) {
@@ -166,7 +165,7 @@ TEST(Retroreflector, UnderTheSunsDisc) {
           mean += std::exp(-(x * x + y * y) / (2 * width * width)) / (kRings * kSpokes);
         }
       const Vec3 l = at(0.2, away / std::sin(0.2));
-      const double got = f64::brdf(m, l, v, kNormal, Vec3(1), sun).x;
+      const double got = f64::brdf(m, sunlight(l), v, kNormal).x;
       worst = std::max(worst, std::fabs(got / bare - mean) /
                                   std::max(mean, 0.05 * radius * radius / (width * width)));
       if (away == 0) EXPECT_NEAR(got / bare / mean, 1, 3e-3) << width;

@@ -234,7 +234,7 @@ TEST(Sample, EvaluationIsThatOfTheBrdfs) {
     for (const Vec3& v : kViewers) {
       const Vec3 l = from_angles(0.9, 1.1), tint(0.5, 0.25, 1);
       EXPECT_EQ(scattering.brdf(l, v, kNormal, kTangent, tint),
-                f64::brdf(c.material, l, v, kNormal, tint, {kTangent, 0, c.reflectance}));
+                f64::brdf(c.material, l, v, kNormal, tint, {kTangent, c.reflectance}));
     }
   }
   // maps multiply slopes

@@ -79,26 +79,24 @@ constexpr double kPlaces_deg[][2] = {{0, 0},
 Residuals residuals(const Lobe& lobe, Long theta, Long phi, Long au, Long limb) {
   const Material m = material_of(lobe);
   const Long radius = kRadius / au;
-  const ShadingContext local{Vec3(1, 0, 0), kSunAlpha2 / static_cast<double>(au * au), std::nullopt,
-                             static_cast<double>(limb)};
+  const ShadingContext local{Vec3(1, 0, 0)};
   const auto turned = [&](const Dir& d) {
     return Dir{d.x * std::cos(phi) - d.y * std::sin(phi), d.x * std::sin(phi) + d.y * std::cos(phi),
                d.z};
   };
   const Dir l = turned({-std::sin(theta), 0, std::cos(theta)});
   const Vec3 normal(0, 0, 1);
+  const Incidence light(rounded(l), Vec3(1), kSunAlpha2 / static_cast<double>(au * au),
+                        static_cast<double>(limb));
   std::vector<double> want, got, single;
   for (const auto& place : kPlaces_deg) {
     const Long in = theta + place[0] * kLongPi / 180, out = place[1] * kLongPi / 180;
     const Dir v =
         turned({std::sin(in) * std::cos(out), std::sin(out), std::cos(in) * std::cos(out)});
     want.push_back(static_cast<double>(over_disc(lobe, l, v, radius, limb)));
-    const Vec3 white(1);
-    got.push_back(f64::radiance(m, rounded(l), rounded(v), normal, white, white, local).x);
-    single.push_back(
-        static_cast<double>(f32::radiance(m, glm::vec3(rounded(l)), glm::vec3(rounded(v)),
-                                          glm::vec3(normal), glm::vec3(1), glm::vec3(1), local)
-                                .x));
+    got.push_back(f64::radiance(m, light, rounded(v), normal, Vec3(1), local).x);
+    single.push_back(static_cast<double>(
+        f32::radiance(m, light, glm::vec3(rounded(v)), glm::vec3(normal), glm::vec3(1), local).x));
   }
   Residuals r;
   double largest = 0;
@@ -186,7 +184,6 @@ TEST(SunDisc, Mirror) {
   m.specular_brdf = Mirror{};
   fit(m);
   for (const double theta : {0.0, 0.7, 1.48}) {
-    const ShadingContext local{Vec3(0), kSunAlpha2, std::nullopt, 0.6};
     const double radius = static_cast<double>(kRadius);
     const Vec3 v(std::sin(theta), 0, std::cos(theta)), mirrored(-v.x, 0, v.z);
     const Vec3 x(v.z, 0, v.x), y(0, 1, 0);
@@ -197,7 +194,7 @@ TEST(SunDisc, Mirror) {
         const double a = 1.1 * (2 * (i + 0.5) / n - 1), b = 1.1 * (2 * (k + 0.5) / n - 1);
         const double r2 = a * a + b * b;
         const Vec3 l = radius * (a * x + b * y) + std::sqrt(1 - radius * radius * r2) * mirrored;
-        const double got = f64::radiance(m, l, v, Vec3(0, 0, 1), Vec3(1), Vec3(1), local).x;
+        const double got = f64::radiance(m, {l, Vec3(1), kSunAlpha2, 0.6}, v, Vec3(0, 0, 1)).x;
         sum += got * (2.2 / n) * (2.2 / n) * radius * radius;
         if (std::fabs(r2 - 1) < 1e-4) continue;
         const double want =

@@ -220,7 +220,7 @@ TEST_P(FormulasGl, EveryFamily) {
   std::vector<Inputs> cases = grid();
   for (const auto& more : {tilted_grid(), random_pairs(-0.2, 5000), near_specular(0.25, 5000)})
     cases.insert(cases.end(), more.begin(), more.end());
-  const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
+  const Vec3 irradiance(1.5, 1, 0.5);
   // numbers that a float holds, one per parameter of a model; scales and counts apart
   const auto dyadic = [](const materials::Parameter& parameter, std::span<double> values) {
     static constexpr std::pair<std::string_view, double> kNumbers[] = {
@@ -234,17 +234,19 @@ TEST_P(FormulasGl, EveryFamily) {
   const auto compare_brdfs = [&](const char* name) {
     materials::fit(m);
     const glm::vec3 reflectance(0.75f, 0.03125f, 0.5f);  // asked under a map only
-    auto surface = materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f);
+    auto surface = materials::f32::surface_of(m, glm::vec3(1, 0, 0));
     surface.reflectance = reflectance;
     const std::string statements = surface_text(surface);
-    const materials::ShadingContext local{Vec3(1, 0, 0), 2.7e-6f, Vec3(reflectance)};
-    const Shader shader(context_->gl(), materials::glsl_formulas(materials::brdf_model_of(m)),
-                        statements, "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
+    const materials::ShadingContext local{Vec3(1, 0, 0), Vec3(reflectance)};
+    const Shader shader(
+        context_->gl(), materials::glsl_formulas(materials::brdf_model_of(m)), statements,
+        "surface_radiance(s, Incidence(l, vec3(1.5, 1.0, 0.5), 2.7e-6, 0.0), v, n)");
     check(
         fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_model()),
                     static_cast<int>(m.specular_model()), static_cast<int>(m.refract.has_value())),
         cases, compare(cases, shader.run(cases), [&](const Inputs& c) {
-          return materials::f32::radiance(m, c.l, c.v, c.n, irradiance, glm::vec3(1), local);
+          return materials::f32::radiance(m, {Vec3(c.l), irradiance, 2.7e-6}, c.v, c.n,
+                                          glm::vec3(1), local);
         }));
   };
   for (std::uint32_t d = 0; d < std::variant_size_v<materials::DiffuseBrdf>; ++d) {

@@ -61,8 +61,8 @@ TEST(Brushed, SpheresAsPlaced) {
             t = glm::normalize(t - n * glm::dot(n, t));
             const Vec3 to_viewer = -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction;
             const auto at = [&](const Vec3& tangent) {
-              return materials::f64::radiance(stored, to_mean_sun(to_sun, n), to_viewer, n, Vec3(1),
-                                              Vec3(1), {tangent, materials::kSunAlpha2})
+              return materials::f64::radiance(stored, materials::sunlight(to_mean_sun(to_sun, n)),
+                                              to_viewer, n, Vec3(1), {tangent})
                   .y;
             };
             peak = std::max(peak, at(t));

@@ -7,8 +7,6 @@ namespace {
 
 using namespace testing_support;
 
-const materials::ShadingContext kUnderTheSun{Vec3(0), materials::kSunAlpha2};
-
 // Two slopes by turns, so that every level but the first has one covariance everywhere: that of ±
 // the slope, about a mean normal that stands up. Codes: of one of the two, less 127.5.
 std::int32_t add_two_slopes(Textured& contents, const Vec2& codes) {
@@ -84,8 +82,8 @@ TEST(Bumps, WidenTheLobeAlongTheirSlopesInEveryLie) {
             const Vec3 to_sun(kToSun.x, kToSun.y, side * kToSun.z);
             const Vec3 to_viewer(kToViewer.x, kToViewer.y, side * kToViewer.z);
             const double exact =
-                materials::f64::radiance(same, to_sun, to_viewer, Vec3(0, 0, side), Vec3(1),
-                                         Vec3(1), {glm::normalize(steep), materials::kSunAlpha2})
+                materials::f64::radiance(same, materials::sunlight(to_sun), to_viewer,
+                                         Vec3(0, 0, side), Vec3(1), {glm::normalize(steep)})
                     .x;
             const double found = mean_of(rendered(model_of(contents), seen(to_viewer, to_sun)));
             worst = std::max(worst, std::fabs(found / exact - 1));
@@ -125,13 +123,13 @@ TEST(Bumps, EveryLobeIsWiderByTheSlopes) {
         const Vec3 u = glm::normalize(Vec3(1, 0, 0) - n * n.x);
         const double seen_area = glm::dot(n, kToViewer) / n.z;
         area += seen_area;
-        exact += seen_area * materials::f64::radiance(material, sun, kToViewer, n, Vec3(1), Vec3(1),
-                                                      {u, materials::kSunAlpha2})
+        exact += seen_area * materials::f64::radiance(material, materials::sunlight(sun), kToViewer,
+                                                      n, Vec3(1), {u})
                                  .x;
       }
       exact /= area;
-      const double flat = materials::f64::radiance(material, sun, kToViewer, Vec3(0, 0, 1), Vec3(1),
-                                                   Vec3(1), {Vec3(1, 0, 0), materials::kSunAlpha2})
+      const double flat = materials::f64::radiance(material, materials::sunlight(sun), kToViewer,
+                                                   Vec3(0, 0, 1), Vec3(1), {Vec3(1, 0, 0)})
                               .x;
       const double found = mean_of(rendered(model_of(contents), seen(kToViewer, sun)));
       worst = std::max(worst, std::fabs(found / exact - 1));

@@ -27,7 +27,7 @@ Vec3 mixed(const materials::Material& material, const materials::CellShares& sha
   const double share[] = {shares.cell, shares.finger, shares.gap};
   Vec3 sum(0);
   for (std::size_t k = 0; k < 3; ++k)
-    sum += share[k] * materials::f64::radiance(parts[k], to_sun, to_viewer, Vec3(0, 0, 1), Vec3(1));
+    sum += share[k] * materials::f64::radiance(parts[k], to_sun, to_viewer, Vec3(0, 0, 1));
   return sum;
 }
 
@@ -146,11 +146,10 @@ TEST(Cells, GapsHaveNoGlass) {
         mixtures += mixture;
         const auto parts = materials::cell_parts(material);
         const double share[] = {shares.cell, shares.finger, shares.gap};
-        const materials::ShadingContext local{Vec3(0), materials::kSunAlpha2};
         Vec3 want(0);
         for (std::size_t k = 0; k < 3; ++k)
-          want += share[k] * materials::f64::radiance(parts[k], to_sun, Vec3(0, 0, 1),
-                                                      Vec3(0, 0, 1), Vec3(1), Vec3(1), local);
+          want += share[k] * materials::f64::radiance(parts[k], materials::sunlight(to_sun),
+                                                      Vec3(0, 0, 1), Vec3(0, 0, 1));
         double& error = mixture ? worst_mixture : worst;
         error = std::max(error, glm::length(pixel(image, x, y) - want) / glm::length(want));
       }

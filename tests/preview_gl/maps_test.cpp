@@ -9,7 +9,7 @@ namespace panwright::preview::maps_test {
 namespace {
 
 // images show glints as wide as the Sun's disc makes them
-const materials::ShadingContext kUnderTheSun{Vec3(0), materials::kSunAlpha2};
+using materials::sunlight;
 
 using namespace testing_support;
 
@@ -156,11 +156,9 @@ TEST(NormalMap, ConstantTiltInEveryLie) {
             sun.z *= side;
             RenderOptions options;
             options.flat = turn == 1;
-            const image::Image image =
-                rendered(model_of(contents), above(9, 1, sun, side), options);
-            const Vec3 exact =
-                materials::f64::radiance(contents.materials[0], sun, Vec3(0, 0, side), normal,
-                                         Vec3(1), Vec3(1), kUnderTheSun);
+            const image::Image image = rendered(model_of(contents), above(9, 1, sun, side), options);
+            const Vec3 exact = materials::f64::radiance(contents.materials[0], sunlight(sun),
+                                                        Vec3(0, 0, side), normal);
             worst = std::max(worst, std::fabs(radiance_at(image, 3, 5).x / exact.x - 1));
           }
   printf("worst %.1e\n", worst);
@@ -210,8 +208,8 @@ TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
       contents.materials[0].maps.normal = contents.add(128, 128, false, [&](auto, auto) {
         const double x = deviate();
         const Texel texel = encoded(glm::normalize(Vec3(slope * x, slope * deviate(), 1)));
-        exact += materials::f64::radiance(contents.materials[0], to_sun, Vec3(0, 0, 1),
-                                          decoded(texel), Vec3(1), Vec3(1), kUnderTheSun)
+        exact += materials::f64::radiance(contents.materials[0], sunlight(to_sun), Vec3(0, 0, 1),
+                                          decoded(texel))
                      .x /
                  (128 * 128);
         return texel;
@@ -272,13 +270,13 @@ TEST(ReflectanceMap, ConstantIsTheBrdf) {
         for (const double tilt : {0.1, 0.8, 1.4}) {
           const Vec3 to_sun(std::sin(tilt), 0, std::cos(tilt));
           const image::Image image = rendered(model, above(5, 5, to_sun));
-          materials::ShadingContext local{Vec3(0), materials::kSunAlpha2, reflectance_of(texel)};
+          materials::ShadingContext local{Vec3(0), reflectance_of(texel)};
           for (const std::size_t x : {std::size_t{2}, std::size_t{4}}) {
             if (alone && x == 4) continue;
             if (x == 4) local.reflectance.reset();
             const Vec3 up(0, 0, 1);
             const Vec3 want =
-                materials::f64::radiance(stored, to_sun, up, up, Vec3(1), Vec3(1), local);
+                materials::f64::radiance(stored, sunlight(to_sun), up, up, Vec3(1), local);
             for (int k = 0; k < 3; ++k)
               worst = std::max(worst, std::fabs(radiance_at(image, x, 2)[k] / want[k] - 1));
           }
@@ -315,8 +313,8 @@ TEST(ReflectanceMap, MeanOfACheckerAtAnyRange) {
   const pan::Model model = model_of(contents);
   const Vec3 to_sun = glm::normalize(Vec3(0.8, 0.3, 0.5)), up(0, 0, 1);
   const Vec3 mean = materials::f64::radiance(
-      pan::material_from(model.materials()[0], ""), to_sun, up, up, Vec3(1), Vec3(1),
-      {Vec3(0), materials::kSunAlpha2, 0.5 * (reflectance_of(dark) + reflectance_of(light))});
+      pan::material_from(model.materials()[0], ""), sunlight(to_sun), up, up, Vec3(1),
+      {Vec3(0), 0.5 * (reflectance_of(dark) + reflectance_of(light))});
   for (const std::uint32_t size : {640u, 192u, 64u, 45u, 32u, 20u, 6u, 1u}) {
     const Sums sum = sums(rendered(model, above(size, 1, to_sun)));
     for (int k = 0; k < 3; ++k) {

@@ -58,10 +58,10 @@ Comparison compared(const image::Image& image, const View& view, const pan::Mode
       ++result.pixels;
       const float* n = &image.normal[3 * pixel];
       const Vec3 normal = glm::normalize(Vec3(n[0], n[1], n[2]));
-      const Vec3 exact = materials::f64::radiance(
-          stored[image.material_id[pixel] - 1], to_mean_sun(to_sun, normal),
-          -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction, normal, irradiance, Vec3(1),
-          {Vec3(0), materials::kSunAlpha2});
+      const Vec3 exact =
+          materials::f64::radiance(stored[image.material_id[pixel] - 1],
+                                   {to_mean_sun(to_sun, normal), irradiance, materials::kSunAlpha2},
+                                   -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction, normal);
       const float* drawn = &image.radiance[3 * pixel];
       peak = glm::max(peak, exact);
       worst = glm::max(worst, glm::abs(Vec3(drawn[0], drawn[1], drawn[2]) - exact));

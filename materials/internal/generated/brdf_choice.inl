@@ -18,42 +18,42 @@ Vec3 diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
   return lambert_brdf(s, to_light, to_viewer, normal);
 }
 
-Vec3 lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
+Vec3 lobe_from(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
   switch (brdf_model.specular) {
     case SpecularModel::blinn_phong:
-      return blinn_phong_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return blinn_phong_lobe_from(s, light, to_viewer, normal, tilted, index);
     case SpecularModel::cook_torrance:
-      return cook_torrance_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return cook_torrance_lobe_from(s, light, to_viewer, normal, tilted, index);
     case SpecularModel::beckmann:
-      return beckmann_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return beckmann_lobe_from(s, light, to_viewer, normal, tilted, index);
     case SpecularModel::ggx:
-      return ggx_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return ggx_lobe_from(s, light, to_viewer, normal, tilted, index);
     case SpecularModel::mirror:
-      return mirror_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return mirror_lobe_from(s, light, to_viewer, normal, tilted, index);
     case SpecularModel::retroreflector:
-      return retroreflector_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+      return retroreflector_lobe_from(s, light, to_viewer, normal, tilted, index);
     default:
       break;
   }
-  return no_specular_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+  return no_specular_lobe_from(s, light, to_viewer, normal, tilted, index);
 }
 
-Real lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
+Real lobe(Surface s, Vec3 from, Incidence light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
   switch (brdf_model.specular) {
     case SpecularModel::blinn_phong:
-      return blinn_phong_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return blinn_phong_lobe(s, from, light, to_viewer, normal, tilted, index);
     case SpecularModel::cook_torrance:
-      return cook_torrance_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return cook_torrance_lobe(s, from, light, to_viewer, normal, tilted, index);
     case SpecularModel::beckmann:
-      return beckmann_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return beckmann_lobe(s, from, light, to_viewer, normal, tilted, index);
     case SpecularModel::ggx:
-      return ggx_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return ggx_lobe(s, from, light, to_viewer, normal, tilted, index);
     case SpecularModel::mirror:
-      return mirror_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return mirror_lobe(s, from, light, to_viewer, normal, tilted, index);
     case SpecularModel::retroreflector:
-      return retroreflector_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+      return retroreflector_lobe(s, from, light, to_viewer, normal, tilted, index);
     default:
       break;
   }
-  return no_specular_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+  return no_specular_lobe(s, from, light, to_viewer, normal, tilted, index);
 }

@@ -4,7 +4,7 @@
 //
 #include "materials/formulas/fresnel.glsl"
 //
-#include "materials/formulas/sun_disc.glsl"
+#include "materials/formulas/disc.glsl"
 //
 #include "materials/formulas/slopes.glsl"
 //

@@ -16,9 +16,10 @@ struct FormulaFile {
 
 const FormulaFile kFormulaFiles[] = {
     {&parameters_text, true, -1, -1},
+    {&incidence_text, true, -1, -1},
     {&common_text, true, -1, -1},
     {&fresnel_text, true, -1, -1},
-    {&sun_disc_text, true, -1, -1},
+    {&disc_text, true, -1, -1},
     {&slopes_text, true, -1, -1},
     {&lambert_text, true, -1, -1},
     {&oren_nayar_text, false, 1, -1},

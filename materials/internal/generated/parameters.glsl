@@ -98,11 +98,6 @@ struct Surface {
   Real bump_x;
   // and across
   Real bump_y;
-  // an eighth of the squared angular radius of the Sun, which a uniform disc adds to alpha
-  // squared at normal incidence; 0: a point Sun
-  Real sun_alpha2;
-  // limb darkening u of the disc, 0 to 1
-  Real sun_limb;
   // R of a map, in place of f0; read only with a map
   Vec3 reflectance;
   // share of the surface under the coat, 0 to 1

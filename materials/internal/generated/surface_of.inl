@@ -52,8 +52,7 @@ inline void load_brdf(SurfaceFields& s, const Retroreflector& b) {
   s.retro_width = real(b.width);
 }
 
-inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0)),
-                                Real sun_alpha2 = Real(0), Real sun_limb = Real(0)) {
+inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0))) {
   SurfaceFields s{};
   // what a record has where nothing uses a slot
   s.hapke_k = Real(1);
@@ -106,8 +105,6 @@ inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = 
   s.tangent = tangent;
   s.bump_x = Real(0);
   s.bump_y = Real(0);
-  s.sun_alpha2 = sun_alpha2;
-  s.sun_limb = sun_limb;
   s.reflectance = s.f0;
   s.coat_share = Real(material.coat ? 1 : 0);
   return s;

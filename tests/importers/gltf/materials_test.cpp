@@ -60,7 +60,7 @@ double difference(const Look& look, const materials::Material& material, const V
         const Vec3 v(std::sin(b) * std::cos(turn), std::sin(b) * std::sin(turn), std::cos(b));
         const Vec3 wanted = specified(look, l, v) * l.z;
         const Vec3 got =
-            materials::f64::brdf(material, l, v, n, tint, {Vec3(0), 0, reflectance}) * l.z;
+            materials::f64::brdf(material, l, v, n, tint, {Vec3(0), reflectance}) * l.z;
         for (int c = 0; c < 3; ++c)
           worst = std::max(worst, std::fabs(got[c] - wanted[c]) / std::max(1 / kPi, wanted[c]));
       }

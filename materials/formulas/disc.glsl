@@ -1,4 +1,4 @@
-// Microfacets under the Sun's disc: the mean of their slopes' distribution over the directions of its
+// Microfacets under the disc of a light: the mean of their slopes' distribution over the directions of its
 // light. A step of the light moves the half vector by half of it in the plane of incidence and by
 // 1/(2 cos) of it across, so the disc is an ellipse of slopes; its Jacobian is taken exactly, for
 // slopes that differ along two axes, normals beside the surface's and light bent by a coat.
@@ -9,7 +9,7 @@
 // disc, summed along the wide one.
 //
 //   index  of a coat over the microfacets; 0: none
-//   limb   u of the disc's brightness 1 - u (1 - sqrt(1 - r^2))
+//   limb   u of the disc's brightness 1 - u (1 - sqrt(1 - r^2)), of Incidence
 
 FORMULA Real refracted_cosine(Real cos_i, Real index) {
   Real sin_i2 = max((Real(1) - cos_i) * (Real(1) + cos_i), Real(0));
@@ -52,14 +52,14 @@ FORMULA Vec3 disc_y(Vec3 z) {
   return Vec3(z.x * z.y * a, turn + z.y * z.y * a, Real(0) - z.y);
 }
 
-FORMULA Real disc_radius(Real sun_alpha2) { return sqrt(Real(8) * sun_alpha2); }
+FORMULA Real disc_radius(Real alpha2) { return sqrt(Real(8) * alpha2); }
 
-// Whether the Sun has no disc, or one so small beside a lobe of that slope, 40 radii or more, that it changes
+// Whether the light has no disc, or one so small beside a lobe of that slope, 40 radii or more, that it changes
 // it by less than 4e-4 of its peak: then a point does.
-FORMULA Real point_sun(Real sun_alpha2, Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
-  if (!(sun_alpha2 > Real(0))) return Real(1);
-  Real reach = slope * max(dot3(tilted, to_light) + dot3(tilted, to_viewer), Real(0));
-  if (!(reach * reach < Real(12800) * sun_alpha2)) return Real(1);
+FORMULA Real point_light(Incidence light, Real slope, Vec3 to_viewer, Vec3 tilted) {
+  if (!(light.alpha2 > Real(0))) return Real(1);
+  Real reach = slope * max(dot3(tilted, light.to_light) + dot3(tilted, to_viewer), Real(0));
+  if (!(reach * reach < Real(12800) * light.alpha2)) return Real(1);
   return Real(0);
 }
 
@@ -196,8 +196,10 @@ FORMULA Real mean_on_chord(Real heavy, Real centre, Real h, Real wide) {
 
 // The direction in the disc from which most of what the viewer sees comes: all but the slopes'
 // distribution is taken there. Exactly to_light where the lobe is wide or far away, and nowhere else.
-FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 over_x, Vec3 over_y,
-                         Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+FORMULA Vec3 lit_from(Real heavy, Incidence light, Real slope, Vec3 over_x, Vec3 over_y, Vec3 to_viewer, Vec3 normal,
+                      Vec3 tilted, Real index) {
+  Vec3 to_light = light.to_light;
+  Real radius = disc_radius(light.alpha2);
   Vec3 inside = below_index(to_light, normal, index);
   Vec3 both = inside + below_index(to_viewer, normal, index);
   Real cos_sum = dot3(tilted, both);
@@ -218,7 +220,7 @@ FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 ov
   Real across = centre.x * axis.x + centre.y * axis.y;
   Real along = centre.y * axis.x - centre.x * axis.y;
   // the disc is as wide as it is where the lobe is narrow, and as its variance says where it is not
-  Real variance = disc_variance(limb);
+  Real variance = disc_variance(light.limb);
   Real within = sqrt(Real(1) - Real(0.25) * narrow2 / (narrow2 + variance));
   Real beyond = heavy * max(abs(along) - Real(1), Real(0));
   Real apart = across;
@@ -405,28 +407,28 @@ FORMULA Real over_gaussian(Real shine, Vec3 slopes) {
   return Real(1) / exp_negative(min(more, Real(20)));
 }
 
-// The mean over the disc of the slopes' density, which is 1 where they are 0; from: of sunlit_from,
+// The mean over the disc of the slopes' density, which is 1 where they are 0; from: of lit_from,
 // slope as there. shine: the density is (1 + tan^2)^(-shine/2), alpha^2 is 2/shine; 0: it is not.
-FORMULA Real density_over_disc(Real heavy, Real shine, Real limb, Real radius, Real slope, Vec3 over_x, Vec3 over_y,
-                               Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
-                               Real index) {
+FORMULA Real density_over_disc(Real heavy, Real shine, Incidence light, Real slope, Vec3 over_x, Vec3 over_y,
+                               Vec3 from, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Real radius = disc_radius(light.alpha2);
   Vec3 viewer = below_index(to_viewer, normal, index);
   Real narrow_lobe =
-      shows_disc(heavy, slope, radius, dot3(tilted, below_index(to_light, normal, index) + viewer));
+      shows_disc(heavy, slope, radius, dot3(tilted, below_index(light.to_light, normal, index) + viewer));
   Vec3 inside = below_index(from, normal, index);
   Vec3 both = inside + viewer;
   Real cos_sum = max(dot3(tilted, both), Real(1e-6));
   Vec3 slopes = Vec3(dot3(over_x, both) / cos_sum, dot3(over_y, both) / cos_sum, Real(0));
-  Vec3 axis_x = disc_x(to_light);
-  Vec3 axis_y = disc_y(to_light);
-  Vec3 moved = from - to_light;
+  Vec3 axis_x = disc_x(light.to_light);
+  Vec3 axis_y = disc_y(light.to_light);
+  Vec3 moved = from - light.to_light;
   Real near_lobe = dot3(moved, moved);
   // what the lengths of half vectors add is no small step far from a narrow lobe
   Vec3 turning = slopes;
   if (narrow_lobe > Real(0) && !(near_lobe > Real(0))) turning = Vec3(Real(0));
-  Vec3 step_x = slope_step(light_step(axis_x, radius, to_light, from, inside, normal, index), turning, over_x,
+  Vec3 step_x = slope_step(light_step(axis_x, radius, light.to_light, from, inside, normal, index), turning, over_x,
                            over_y, tilted, cos_sum);
-  Vec3 step_y = slope_step(light_step(axis_y, radius, to_light, from, inside, normal, index), turning, over_x,
+  Vec3 step_y = slope_step(light_step(axis_y, radius, light.to_light, from, inside, normal, index), turning, over_x,
                            over_y, tilted, cos_sum);
   if (near_lobe > Real(0)) {
     Real determinant = slope_determinant(step_x, step_y);
@@ -438,43 +440,43 @@ FORMULA Real density_over_disc(Real heavy, Real shine, Real limb, Real radius, R
     Real across = centre.x * axis.x + centre.y * axis.y;
     Real along = centre.y * axis.x - centre.x * axis.y;
     if (!(heavy > Real(0)))
-      return gaussian_over_disc(across, along, narrow, wide, limb) * over_gaussian(shine, slopes);
-    return heavy_over_disc(across, along, narrow, wide, limb);
+      return gaussian_over_disc(across, along, narrow, wide, light.limb) * over_gaussian(shine, slopes);
+    return heavy_over_disc(across, along, narrow, wide, light.limb);
   }
-  if (heavy > Real(0)) return heavy_wide(slopes, step_x, step_y, limb);
+  if (heavy > Real(0)) return heavy_wide(slopes, step_x, step_y, light.limb);
   if (narrow_lobe > Real(0)) return Real(0);
   Real square = dot3(slopes, slopes);
   if (shine > Real(0)) square = Real(0.5) * shine * log_one_plus(min(square * Real(2) / shine, Real(1e30)));
-  return gaussian_wide(square, slopes, step_x, step_y, limb);
+  return gaussian_wide(square, slopes, step_x, step_y, light.limb);
 }
 
 // What a lobe is multiplied by whose light is taken from there: cosines, and the disc's foreshortening.
-// Exactly 1 under a point Sun.
-FORMULA Real lobe_weight(Surface s, Vec3 from, Vec3 to_light, Vec3 normal) {
-  if (!(s.sun_alpha2 > Real(0))) return Real(1);
-  return dot3(normal, from) / (max(dot3(normal, to_light), Real(1e-10)) * dot3(to_light, from));
+// Exactly 1 under a point.
+FORMULA Real lobe_weight(Incidence light, Vec3 from, Vec3 normal) {
+  if (!(light.alpha2 > Real(0))) return Real(1);
+  return dot3(normal, from) / (max(dot3(normal, light.to_light), Real(1e-10)) * dot3(light.to_light, from));
 }
 
 // The light that a mirror shows to a viewer, if it lies in the disc, else the disc's centre.
-FORMULA Vec3 disc_mirrored(Real sun_alpha2, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
+FORMULA Vec3 disc_mirrored(Incidence light, Vec3 to_viewer, Vec3 tilted) {
   Vec3 mirrored = mirrored_about(tilted, to_viewer);
-  Vec3 apart = mirrored - to_light;
-  if (!(dot3(apart, apart) < Real(8) * sun_alpha2)) return to_light;
+  Vec3 apart = mirrored - light.to_light;
+  if (!(dot3(apart, apart) < Real(8) * light.alpha2)) return light.to_light;
   return mirrored;
 }
 
-// What a mirror shows of the Sun's disc, whose squared radius is 8 sun_alpha2; from: of disc_mirrored.
-// 0 under a Sun without a disc: that is a direction, not a lobe.
-FORMULA Real disc_lobe(Real sun_alpha2, Real limb, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
-  if (!(sun_alpha2 > Real(0))) return Real(0);
-  Real cos_nl = dot3(tilted, to_light);
+// What a mirror shows of the light's disc, whose squared radius is 8 light.alpha2; from: of disc_mirrored.
+// 0 under a light without a disc: that is a direction, not a lobe.
+FORMULA Real disc_lobe(Incidence light, Vec3 from, Vec3 to_viewer, Vec3 tilted) {
+  if (!(light.alpha2 > Real(0))) return Real(0);
+  Real cos_nl = dot3(tilted, light.to_light);
   Real cos_nv = dot3(tilted, to_viewer);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
   // the chord from the light to the mirrored viewer
-  Vec3 turned = cross3(tilted, to_light + to_viewer);
+  Vec3 turned = cross3(tilted, light.to_light + to_viewer);
   Real apart = cos_nl - cos_nv;
-  Real square = (dot3(turned, turned) + apart * apart) / (Real(8) * sun_alpha2);
+  Real square = (dot3(turned, turned) + apart * apart) / (Real(8) * light.alpha2);
   if (!(square < Real(1))) return Real(0);
-  return disc_brightness(limb, sqrt(Real(1) - square)) * Real(0.039788735772973836) * dot3(to_light, from) /
-         (sun_alpha2 * max(dot3(tilted, from), Real(1e-10)));
+  return disc_brightness(light.limb, sqrt(Real(1) - square)) * Real(0.039788735772973836) * dot3(light.to_light, from) /
+         (light.alpha2 * max(dot3(tilted, from), Real(1e-10)));
 }
