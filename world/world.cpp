@@ -12,12 +12,6 @@
 namespace panwright::world {
 namespace {
 
-// 1 is the stamp of every new, empty world and of the Sun that it begins with
-Stamp next_stamp() {
-  static std::atomic<Stamp> last{1};
-  return ++last;
-}
-
 [[maybe_unused]] bool is_unit(const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; }
 
 [[maybe_unused]] bool is_sound(const Pose& pose) {
@@ -27,13 +21,6 @@ Stamp next_stamp() {
 [[maybe_unused]] bool is_sound(const NodeTransform& t) {
   return is_finite(t.translation) && is_unit(t.rotation) && is_finite(t.scale) && t.scale.x != 0 &&
          t.scale.y != 0 && t.scale.z != 0;
-}
-
-[[maybe_unused]] bool is_sound(const Sun& sun) {
-  const bool light = !sun.irradiance || (is_finite(*sun.irradiance) && sun.irradiance->x >= 0 &&
-                                         sun.irradiance->y >= 0 && sun.irradiance->z >= 0);
-  return is_finite(sun.direction) && sun.direction != Vec3(0) && std::isfinite(sun.distance) &&
-         sun.distance > 0 && light && sun.limb_darkening >= 0 && sun.limb_darkening <= 1;
 }
 
 bool is_default(const NodeState& state) { return !state.transform && state.visible; }
@@ -191,11 +178,7 @@ void World::set_joint(std::size_t index, std::uint32_t joint,
 }
 
 void World::set_sun(const Sun& sun) {
-  assert(is_sound(sun));
-  if (sun_ == sun) return;
-  sun_ = sun;
-  sun_stamp_ = next_stamp();
-  stamp_ = next_stamp();
+  if (sun_.set(sun)) stamp_ = next_stamp();
 }
 
 }  // namespace panwright::world

@@ -2,7 +2,6 @@
 // the Sun. No OpenGL. The camera is separate: several may look at one world.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,37 +9,27 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "base/stamp.h"
 #include "geometry/kinematics/joint.h"
+#include "light/light.h"
 #include "pan/model.h"
 #include "world/camera.h"
 
 namespace panwright::world {
 
-// Identifier of a state, unique in a process: equal stamps mean equal states, in this world or in a
-// copy of it. 0 is never given.
-using Stamp = std::uint64_t;
-
 // Model shared by worlds, renderers and threads. It never changes and lives as long as one of them
 // holds it.
 using ModelPtr = std::shared_ptr<const pan::Model>;
 
-// Sine of the Sun's angular radius at 1 AU: the nominal solar radius (IAU 2015 B3) over the
-// astronomical unit (IAU 2012 B2).
-inline constexpr double kSunSineAtOneAu = 695700e3 / 149597870700.0;
-
-struct Sun {
-  Vec3 direction{0, 0, 1};         // world, from the origin to the Sun, any non-zero length
-  double distance = 1;             // AU, > 0; sets the disc's angular size, not the irradiance
-  std::optional<Vec3> irradiance;  // W/m² per band on a plane that faces it; none: 1, radiance in
-                                   // 1/sr
-  double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1
-  bool operator==(const Sun&) const = default;
-};
+using light::kSunSineAtOneAu;
+using light::Sun;  // its direction in world axes
+using panwright::Stamp;
 
 // The transform of a node in its parent: p' = T·R·S·p.
 struct NodeTransform {
@@ -138,21 +127,20 @@ class World {
   void set_joint(std::size_t index, std::uint32_t joint,
                  const std::optional<geometry::JointValues>& values, bool aimed = false);
 
-  // Expects: a direction that is finite and not 0, a distance above 0, irradiances >= 0.
+  // Expects: light::is_sound().
   void set_sun(const Sun& sun);
-  const Sun& sun() const { return sun_; }
+  const Sun& sun() const { return std::get<Sun>(sun_.source()); }
 
-  Stamp stamp() const { return stamp_; }          // changes with anything
-  Stamp sun_stamp() const { return sun_stamp_; }  // changes with the Sun
+  Stamp stamp() const { return stamp_; }            // changes with anything
+  Stamp sun_stamp() const { return sun_.stamp(); }  // changes with the Sun
 
  private:
   NodeState& state_of(Instance& instance, std::uint32_t node);
   void shape_changed(Instance& instance);
 
   std::vector<Instance> instances_;
-  Sun sun_;
-  Stamp stamp_ = 1;
-  Stamp sun_stamp_ = 1;
+  light::Light sun_;
+  Stamp stamp_ = kFirstStamp;
 };
 
 }  // namespace panwright::world

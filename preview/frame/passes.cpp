@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "materials/brdf.h"
+#include "light/light.h"
 #include "preview/frame/blocks.h"
 
 namespace panwright::preview {
@@ -42,13 +42,15 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
     down = axes[1] / (camera.focal.y * samples);
   }
   ViewBlock block{};
+  // from infinity: the same everywhere
+  const light::Incidence sunlight = light::incidence(sun, camera.position);
   copy_floats(view_ray, block.view_ray);
-  block.view_ray[3] = static_cast<float>(sun.limb_darkening);
+  block.view_ray[3] = static_cast<float>(sunlight.limb);
   copy_floats(right, block.view_ray_right);
   copy_floats(down, block.view_ray_down);
-  copy_floats(glm::normalize(sun.direction), block.to_sun);
-  block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
-  copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
+  copy_floats(sunlight.to_light, block.to_sun);
+  block.to_sun[3] = static_cast<float>(sunlight.alpha2);
+  copy_floats(sunlight.irradiance, block.irradiance);
   block.irradiance[3] = errors;
   return block;
 }
@@ -298,8 +300,8 @@ namespace {
 
 // What the Sun's disc adds to the squared slope of a lobe.
 float disc_width(const FrameScene& scene) {
-  const double distance = scene.world.sun().distance;
-  return static_cast<float>(materials::kSunAlpha2 / (distance * distance));
+  const light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  return static_cast<float>(sunlight.alpha2);
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ import sys
 LEVELS = [
     {"base": [], "schemas": []},
     {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"]},
-    {"mli": ["geometry"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
-    {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan"],
+    {"mli": ["geometry"], "light": ["materials"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
+    {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"]},
     {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},
