@@ -18,6 +18,10 @@ using materials::Incidence;
 // astronomical unit (IAU 2012 B2).
 inline constexpr double kSunSineAtOneAu = 695700e3 / 149597870700.0;
 
+// Irradiance of the Sun at 1 AU, W/m², in bands 100 nm wide about 650, 550 and 450 nm: 40 nm means
+// of ASTM E490-00a times the width.
+inline constexpr Vec3 kSolarIrradiance(158.6, 186.2, 191.4);
+
 // The Sun, at infinity: the same direction and irradiance everywhere.
 struct Sun {
   Vec3 direction{0, 0, 1};         // from the origin to the Sun, any non-zero length

@@ -41,9 +41,13 @@ using Vec3 = glm::dvec3;
 Vec3 brdf(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
           const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
-// Returns the radiance towards the viewer, emission included: irradiance/sr.
+// Returns the reflected radiance towards the viewer: irradiance/sr.
 Vec3 radiance(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
+
+// Returns the emitted radiance, whatever the light: white/sr. white: the irradiance that a white
+// Lambert surface would need for the radiance of emission 1.
+Vec3 emission(const Material& material, const Vec3& white);
 
 // Compiled BRDF: the parameters are converted once, for many directions. brdf() spends most of its
 // time on that. Thread-safe.
@@ -74,6 +78,7 @@ Vec3 brdf(const Material& material, const materials::Incidence& light, const Vec
           const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 Vec3 radiance(const Material& material, const materials::Incidence& light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& tint = Vec3(1), const ShadingContext& local = {});
+Vec3 emission(const Material& material, const Vec3& white);
 
 // See f64.
 class CompiledBrdf {

@@ -15,7 +15,9 @@ namespace panwright::materials {
 //                    member that the BRDFs use
 //   struct Incidence   one light: to_light, irradiance, alpha2, limb (materials/incidence.h)
 //   vec3 surface_brdf(Surface s, Incidence light, vec3 to_viewer, vec3 normal)       1/sr
-//   vec3 surface_radiance(Surface s, Incidence light, vec3 to_viewer, vec3 normal)   irradiance/sr
+//   vec3 surface_radiance(Surface s, Incidence light, vec3 to_viewer, vec3 normal)   reflected,
+//                                                                               irradiance/sr
+//   vec3 surface_emission(Surface s, vec3 white)                                     white/sr
 //
 // Directions are unit vectors that point away from the surface. A texture's or vertex's colour is
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in

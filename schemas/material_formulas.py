@@ -162,7 +162,7 @@ def loader_text(schema):
 
 def formula_files(schema):
     """Files in an order in which they may stand: what is called stands before who calls it."""
-    files = ["incidence", "common", "fresnel", "disc", "slopes"]
+    files = ["incidence", "common", "emission", "fresnel", "disc", "slopes"]
     for brdf in schema["brdf"]:
         if brdf["formula"] not in files:
             files.append(brdf["formula"])

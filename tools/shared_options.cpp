@@ -230,6 +230,10 @@ void declare(Arguments& arguments, ViewOptions& options) {
       "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit "
       "irradiance, 1/sr)")
       .numbers();
+  add("--white", view.white, "E0|\"R G B\"",
+      "Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (default 1; with "
+      "--sun-irradiance \"158.6 186.2 191.4\" W/m²: the Sun at 1 AU in bands of 100 nm)")
+      .numbers();
   add("--fov", view.fov, "DEG",
       "Full horizontal field of view, degrees (default: fits the targets)");
   add("--ifov", view.ifov, "ANGLE",

@@ -205,6 +205,7 @@ Json view_of(const world::World& world, const world::Camera& camera, std::option
   view["sun"] = numbers(sun.direction);
   view["sun-distance"] = sun.distance;
   if (sun.irradiance) view["sun-irradiance"] = numbers(*sun.irradiance);
+  if (world.given_white()) view["white"] = numbers(*world.given_white());
   if (sun.limb_darkening > 0) view["limb-darkening"] = sun.limb_darkening;
   add_engine(draw, view);
   return view;

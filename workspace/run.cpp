@@ -27,11 +27,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A PNG shows a white plate as white whatever the irradiance is measured in.
-double stops_of_sun(const world::Sun& sun) {
-  if (!sun.irradiance) return 0;
-  const Vec3& e = *sun.irradiance;
-  const double strongest = std::max({e.x, e.y, e.z});
+// A PNG shows a white plate as white whatever the irradiance is measured in; where the Sun is off,
+// white emission.
+double stops_of_sun(const world::World& world) {
+  const std::optional<Vec3>& irradiance = world.sun().irradiance;
+  if (!irradiance) return 0;
+  const double sun = max_component(*irradiance);
+  const double strongest = sun > 0 ? sun : max_component(world.white());
   return strongest > 0 ? std::log2(strongest) : 0;
 }
 
@@ -319,7 +321,7 @@ class Run {
     Drawing drawing;
     drawing.view = index;
     drawing.drawer = drawer_;
-    drawing.ev = view.ev - stops_of_sun(current_.sun());
+    drawing.ev = view.ev - stops_of_sun(current_);
     drawing.photo = draw.photo;
     describe(
         current_, view.camera, draw,

@@ -54,6 +54,19 @@ class ViewReader {
       log_.report(Code::W1214, {}, fmt::format("{}: {}", name, warning->message), warning->hint);
   }
 
+  std::optional<Vec3> irradiance(const char* name, const std::optional<std::string>& text) {
+    if (!text) return std::nullopt;
+    const auto one = parse_numbers(*text, 1);
+    const auto three = parse_numbers(*text, 3);
+    // what a float holds, with room for glints
+    const auto fits = [](double e) { return e >= 0 && e <= 1e20; };
+    if (one && fits((*one)[0])) return Vec3((*one)[0]);
+    if (three && std::all_of(three->begin(), three->end(), fits))
+      return Vec3((*three)[0], (*three)[1], (*three)[2]);
+    fail(name, *text, "one number or three, W/m², 0 to 1e20");
+    return std::nullopt;
+  }
+
   std::optional<Vec3> vector(const char* name, const std::optional<std::string>& text,
                              bool direction) {
     if (!text) return std::nullopt;
@@ -316,18 +329,8 @@ void read_sun(const ViewText& text, ViewReader& reader, View& view) {
       reader.fail("limb-darkening", *text.limb_darkening, "a number from 0 to 1");
   }
   view.sun = sun;
-  if (!text.sun_irradiance) return;
-  const std::string& typed = *text.sun_irradiance;
-  const auto one = parse_numbers(typed, 1);
-  const auto three = parse_numbers(typed, 3);
-  // what a float holds, with room for glints
-  const auto fits = [](double e) { return e >= 0 && e <= 1e20; };
-  if (one && fits((*one)[0]))
-    view.sun->irradiance = Vec3((*one)[0]);
-  else if (three && std::all_of(three->begin(), three->end(), fits))
-    view.sun->irradiance = Vec3((*three)[0], (*three)[1], (*three)[2]);
-  else
-    reader.fail("sun-irradiance", typed, "one number or three, W/m², 0 to 1e20");
+  view.sun->irradiance = reader.irradiance("sun-irradiance", text.sun_irradiance);
+  view.white = reader.irradiance("white", text.white);
 }
 
 void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
@@ -452,6 +455,7 @@ void show(const View& view, const world::World& world, world::World& shown) {
   for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
   for (std::size_t i = 0; i < world.size(); ++i) place_joints(view, world[i], i, shown);
   shown.set_sun(view.sun.value_or(world.sun()));
+  shown.set_white(view.white ? view.white : world.given_white());
 }
 
 }  // namespace panwright::workspace

@@ -39,6 +39,7 @@ struct View {
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: none
   world::Camera camera;
   std::optional<world::Sun> sun;    // none: the world's
+  std::optional<Vec3> white;        // none: the world's
   std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
   std::vector<TargetJoint> joints;  // different from the world, aims resolved
   std::string output;               // .png, .exr, .npy or .npz
@@ -77,6 +78,7 @@ struct ViewText {
   std::optional<std::string> sun;             // "x y z", towards the Sun
   std::optional<std::string> sun_distance;    // AU
   std::optional<std::string> sun_irradiance;  // "E" or "Er Eg Eb"
+  std::optional<std::string> white;           // the same, of emission 1
   std::optional<std::string> fov;             // angle; bare: degrees
   std::optional<std::string> ifov;            // angle; bare: degrees
   std::optional<std::string> intrinsics;      // "fx fy cx cy" pixels

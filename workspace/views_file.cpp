@@ -66,6 +66,8 @@ Field field_of(ViewOption option) {
       return &ViewText::sun_distance;
     case ViewOption::sun_irradiance:
       return &ViewText::sun_irradiance;
+    case ViewOption::white:
+      return &ViewText::white;
     case ViewOption::limb_darkening:
       return &ViewText::limb_darkening;
     case ViewOption::engine:

@@ -181,4 +181,15 @@ void World::set_sun(const Sun& sun) {
   if (sun_.set(sun)) stamp_ = next_stamp();
 }
 
+void World::set_white(const std::optional<Vec3>& white) {
+  assert(!white || (is_finite(*white) && white->x >= 0 && white->y >= 0 && white->z >= 0));
+  if (white_ == white) return;
+  white_ = white;
+  stamp_ = next_stamp();
+}
+
+Vec3 World::white() const {
+  return white_.value_or(sun().irradiance ? light::kSolarIrradiance : Vec3(1));
+}
+
 }  // namespace panwright::world

@@ -131,6 +131,16 @@ class World {
   void set_sun(const Sun& sun);
   const Sun& sun() const { return std::get<Sun>(sun_.source()); }
 
+  // White: what emission is measured in, the irradiance E0 of L = emissive·E0/π. The Sun does not
+  // change it.
+  //
+  //   white    in the unit of the Sun's irradiance; nullopt: 1, or light::kSolarIrradiance where
+  //            that has a unit
+  // Expects: numbers that are finite and >= 0.
+  void set_white(const std::optional<Vec3>& white);
+  const std::optional<Vec3>& given_white() const { return white_; }
+  Vec3 white() const;
+
   Stamp stamp() const { return stamp_; }            // changes with anything
   Stamp sun_stamp() const { return sun_.stamp(); }  // changes with the Sun
 
@@ -140,6 +150,7 @@ class World {
 
   std::vector<Instance> instances_;
   light::Light sun_;
+  std::optional<Vec3> white_;
   Stamp stamp_ = kFirstStamp;
 };
 

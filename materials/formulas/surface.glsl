@@ -95,10 +95,8 @@ FORMULA Vec3 surface_brdf(Surface s, Incidence light, Vec3 to_viewer, Vec3 norma
   return PANWRIGHT_LAYERS(s, light, seen_from, normal);
 }
 
-// The radiance towards the viewer under the light, what the surface emits included; in the units of the
-// irradiance per sr.
+// The radiance reflected towards the viewer under the light; in the units of its irradiance per sr.
 FORMULA Vec3 surface_radiance(Surface s, Incidence light, Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = max(dot3(normal, light.to_light), Real(0));
-  Vec3 emitted = s.emissive * (s.weights.z * Real(0.31830988618379067));
-  return light.irradiance * (cos_nl * surface_brdf(s, light, to_viewer, normal) + emitted);
+  return light.irradiance * (cos_nl * surface_brdf(s, light, to_viewer, normal));
 }

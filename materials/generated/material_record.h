@@ -200,7 +200,7 @@ struct Fits {
 };
 
 // A complete material (docs/conventions.md 6): f = weights.x·diffuse·f_d +
-// weights.y·specular·f_s, radiance L = f·E·cosθ + weights.z·emissive·E/π.
+// weights.y·specular·f_s, radiance L = f·E·cosθ + weights.z·emissive·E0/π.
 struct Material {
   std::string name;
   Vec3 diffuse{0.8};  // linear RGB; on the GPU a texture's or vertex's colour multiplied in

@@ -25,6 +25,10 @@ Vec3 radiance(const Material& material, const materials::Incidence& light, const
   return composition_of(material).surface_radiance(s, rounded(light), to_viewer, normal);
 }
 
+Vec3 emission(const Material& material, const Vec3& white) {
+  return surface_emission(surface_of(material), white);
+}
+
 struct CompiledBrdf::Parts {
   SurfaceFields surface;
   Composition composition;

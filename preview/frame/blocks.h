@@ -6,6 +6,7 @@
 
 #include "preview/gl/programs.h"
 #include "preview/model/draw_list.h"
+#include "world/world.h"
 
 namespace panwright::preview {
 
@@ -27,6 +28,15 @@ inline void copy_floats(const Mat3& from, float* to) {
 inline void copy_floats(const Vec3& from, float* to) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
   to[3] = 0;
+}
+
+// Returns the irradiance in parts of which shading.frag tells errors: that of the Sun's strongest
+// band, or of white's where the Sun is off.
+inline double told_irradiance(const world::World& world) {
+  const double sun = max_component(world.sun().irradiance.value_or(Vec3(1)));
+  if (sun > 1e-30) return sun;
+  const double white = max_component(world.white());
+  return white > 1e-30 ? white : 1;
 }
 
 // Restricts drawing to some sides of triangles.

@@ -29,7 +29,7 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 // what the fragments of a tile share
 //
 //   errors  ViewBlock::irradiance
-ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
+ViewBlock view_block(const world::Camera& camera, const world::World& world, const Tile& tile,
                      unsigned samples, float errors) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 view_ray = axes[2];
@@ -43,7 +43,7 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   }
   ViewBlock block{};
   // from infinity: the same everywhere
-  const light::Incidence sunlight = light::incidence(sun, camera.position);
+  const light::Incidence sunlight = light::incidence(world.sun(), camera.position);
   copy_floats(view_ray, block.view_ray);
   block.view_ray[3] = static_cast<float>(sunlight.limb);
   copy_floats(right, block.view_ray_right);
@@ -52,6 +52,8 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   block.to_sun[3] = static_cast<float>(sunlight.alpha2);
   copy_floats(sunlight.irradiance, block.irradiance);
   block.irradiance[3] = errors;
+  copy_floats(world.white(), block.white);
+  block.white[3] = static_cast<float>(told_irradiance(world));
   return block;
 }
 
@@ -203,7 +205,7 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
   // texels of imposters are samples of their pixels
   const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
   const float errors = predicting ? 1.0f : scene.texels > 0 ? -1.0f : 0.0f;
-  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples, errors);
+  const ViewBlock shared = view_block(scene.camera, scene.world, tile.tile, samples, errors);
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);

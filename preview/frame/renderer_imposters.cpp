@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "preview/frame/blocks.h"
 #include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
@@ -20,9 +21,8 @@ constexpr unsigned kFinePoints = 8;
 
 // Takes what shading.frag says beside the coverage: what relief finer than the shadow map's texels
 // may add to the flux, relative.
-double taken_relief(const world::Sun& sun, image::Image& image) {
-  const Vec3 irradiance = sun.irradiance.value_or(Vec3(1));
-  const double whole = max_component(irradiance);
+double taken_relief(const world::World& world, image::Image image) {
+  const double whole = told_irradiance(world);
   double relief = 0;
   double light = 0;
   for (std::size_t i = 0; i < image.pixels(); ++i) {
@@ -57,7 +57,7 @@ bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions&
   scene.texels = imposter.shadow_texels > 0 ? imposter.shadow_texels : imposter.texels;
   if (imposter.fine_shadows) scene.sun_points = kFinePoints;
   if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) {
-    relief = taken_relief(world.sun(), frames[frame].image);
+    relief = taken_relief(world, frames[frame].image);
     return true;
   }
   abandon(frame);

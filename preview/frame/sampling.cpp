@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "preview/frame/blocks.h"
 #include "preview/frame/outline.h"
 
 namespace panwright::preview {
@@ -378,8 +379,7 @@ void Sampling::raise_around_surprises(const Frame& frame) {
 // What shading.frag says of solar cells beside the coverage.
 void Sampling::take_patternless(const Frame& frame, const Tile& tile, image::Image& image,
                                 std::vector<float>& patternless) const {
-  const Vec3 irradiance = frame.scene.world.sun().irradiance.value_or(Vec3(1));
-  const auto whole = static_cast<float>(std::max({irradiance.x, irradiance.y, irradiance.z}));
+  const auto whole = static_cast<float>(told_irradiance(frame.scene.world));
   for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y)
     for (std::uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
       float& coverage = image.coverage[std::size_t{y} * image.width + x];

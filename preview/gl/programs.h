@@ -68,6 +68,7 @@ struct alignas(16) ViewBlock {
   float view_ray_down[4];
   float to_sun[4];      // world, unit; w: an eighth of the square of the disc's radius
   float irradiance[4];  // RGB; w: 1 to predict errors
+  float white[4];       // RGB of emission 1, times pi; w: told_irradiance()
 };
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns

@@ -250,7 +250,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   std::vector<Sun> suns;
   for (const trace::Scene::Placed& placed : scene.rays().targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
-  ViewSamples view{scene, suns, wide, {options.bounces, options.flat}, options.seed};
+  ViewSamples view{scene, suns, wide, {options.bounces, options.flat, world.white()}, options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
   if (options.ground_truth) add_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))

@@ -9,6 +9,7 @@ layout(std140, binding = 0) uniform View {
   vec4 view_ray_down;
   vec4 to_sun;      // world, unit; w: an eighth of the square of its disc's radius
   vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted, below 0 of imposters
+  vec4 white;       // RGB of emission 1, times pi; w: the irradiance in parts of which errors are told
 }
 view;
 
@@ -73,13 +74,6 @@ vec3 to_mean_sun(vec3 normal) {
   float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
   return view.to_sun.xyz + normal * (max(mean, 0.0) * radius - cosine);
 }
-
-#ifdef SHADOWED
-// What is left where the Sun does not shine.
-vec3 shaded_radiance(Surface surface) {
-  return view.irradiance.rgb * surface.emissive * (surface.weights.z * 0.31830988618379067);
-}
-#endif
 
 #ifdef ROUGH
 // What a roughness map says. Lambert's BRDF is linear in the normal, so the length of the mean normal
@@ -206,6 +200,7 @@ void main() {
 #else
   Incidence sun = Incidence(to_sun, view.irradiance.rgb, view.to_sun.w, view.view_ray.w);
 #endif
+  vec3 emitted = surface_emission(surface, view.white.rgb);
 #ifdef ROUGH
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
@@ -222,7 +217,7 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
 #endif
-  radiance = vec4(surface_radiance(surface, sun, to_viewer, normal), 1.0);
+  radiance = vec4(surface_radiance(surface, sun, to_viewer, normal) + emitted, 1.0);
 #ifdef ROUGH
     // Lambert's gaps between cells, without cover glass
     if (has_cells) {
@@ -237,16 +232,20 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
   }
-  radiance.a += patternless / max(max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b)), 1e-30);
+  radiance.a += patternless / view.white.w;
 #endif
 #ifdef SHADOWED
   if (dot(normal, to_sun) > 0.0) {
     vec2 visibility = sun_visibility(place, dot(normal, view.to_sun.xyz) < 0.0);
-    vec3 shaded = shaded_radiance(surface);
+    // what is left where the Sun does not shine
+    vec3 shaded = emitted;
+#ifdef ROUGH
+    if (has_cells) shaded *= shares.y;
+#endif
     // never below 0, whatever rounding does
     if (view.irradiance.w < 0.0)
       radiance.a += max(visibility.y - visibility.x, 0.0) * dot(radiance.rgb - shaded, vec3(1.0 / 3.0)) /
-                    max(max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b)), 1e-30);
+                    view.white.w;
     radiance.rgb = mix(shaded, radiance.rgb, visibility.x);
   }
 #endif

@@ -269,7 +269,7 @@ static_assert(offsetof(Instance, texture) == 12);
 
 // A material in the std430 layout of 24 vec4, usable as a shader storage buffer. f =
 // weight_d*diffuse*f_d + weight_s*specular*f_s, under a coat where there is one; radiance =
-// f*E*cos + weight_e*emissive*E/pi. The BRDFs are as authored; variant says which materials
+// f*E*cos + weight_e*emissive*E0/pi. The BRDFs are as authored; variant says which materials
 // share a shader. Parameters of materials, below, says what a BRDF keeps where; what no BRDF
 // uses has the slot's default.
 struct Material {

@@ -78,12 +78,15 @@ TEST(Brdf, RadianceOfReflectionAndEmission) {
   m.emissive = {0.2, 0.4, 0.6};
   m.weights = {1, 0, 0.5};
   const Vec3 irradiance(3, 2, 1);
+  const Vec3 white(7, 0.5, 0);
   const Vec3 lit = f64::radiance(m, {kLight, irradiance}, kViewer, kNormal);
-  const Vec3 dark = f64::radiance(m, {-kLight, irradiance}, kViewer, kNormal);
+  const Vec3 emitted = f64::emission(m, white);
+  EXPECT_EQ(f64::radiance(m, {-kLight, irradiance}, kViewer, kNormal), Vec3(0));
   for (int k = 0; k < 3; ++k) {
-    const double emitted = 0.5 * m.emissive[k] * irradiance[k] / kPi;
-    EXPECT_NEAR(dark[k], emitted, 1e-15);
-    EXPECT_NEAR(lit[k], emitted + 0.5 / kPi * irradiance[k] * kLight.z, 1e-15);
+    EXPECT_NEAR(lit[k], 0.5 / kPi * irradiance[k] * kLight.z, 1e-15);
+    EXPECT_NEAR(emitted[k], 0.5 * m.emissive[k] * white[k] / kPi, 1e-15);
+    EXPECT_NEAR(static_cast<double>(f32::emission(m, glm::vec3(white))[k]), emitted[k],
+                1e-7 * emitted[k]);
   }
 }
 

@@ -240,13 +240,15 @@ TEST_P(FormulasGl, EveryFamily) {
     const materials::ShadingContext local{Vec3(1, 0, 0), Vec3(reflectance)};
     const Shader shader(
         context_->gl(), materials::glsl_formulas(materials::brdf_model_of(m)), statements,
-        "surface_radiance(s, Incidence(l, vec3(1.5, 1.0, 0.5), 2.7e-6, 0.0), v, n)");
+        "surface_radiance(s, Incidence(l, vec3(1.5, 1.0, 0.5), 2.7e-6, 0.0), v, n) + "
+        "surface_emission(s, vec3(0.75, 2.0, 1.0))");
     check(
         fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_model()),
                     static_cast<int>(m.specular_model()), static_cast<int>(m.refract.has_value())),
         cases, compare(cases, shader.run(cases), [&](const Inputs& c) {
           return materials::f32::radiance(m, {Vec3(c.l), irradiance, 2.7e-6}, c.v, c.n,
-                                          glm::vec3(1), local);
+                                          glm::vec3(1), local) +
+                 materials::f32::emission(m, glm::vec3(0.75f, 2, 1));
         }));
   };
   for (std::uint32_t d = 0; d < std::variant_size_v<materials::DiffuseBrdf>; ++d) {

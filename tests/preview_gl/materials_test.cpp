@@ -61,7 +61,9 @@ Comparison compared(const image::Image& image, const View& view, const pan::Mode
       const Vec3 exact =
           materials::f64::radiance(stored[image.material_id[pixel] - 1],
                                    {to_mean_sun(to_sun, normal), irradiance, materials::kSunAlpha2},
-                                   -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction, normal);
+                                   -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction, normal) +
+          materials::f64::emission(stored[image.material_id[pixel] - 1],
+                                   view.sun_irradiance ? light::kSolarIrradiance : Vec3(1));
       const float* drawn = &image.radiance[3 * pixel];
       peak = glm::max(peak, exact);
       worst = glm::max(worst, glm::abs(Vec3(drawn[0], drawn[1], drawn[2]) - exact));

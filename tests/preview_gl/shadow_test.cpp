@@ -497,16 +497,52 @@ TEST(Shadows, TerminatorsOfImportedMeshesAgreeWithRays) {
 
 // ---- the rest
 
-TEST(Shadows, WhatGlowsGlowsInTheShade) {
+// Emission does not depend on the Sun: in the shade, with the Sun off, below the horizon, under
+// another irradiance or at another distance.
+TEST(Shadows, WhatGlowsGlowsWithoutTheSun) {
   pan::Contents contents = meadow();
   contents.materials[0].emissive = Vec3(0.3, 0.2, 0.1);
   contents.materials[0].weights = {0.5, 0, 0.7};
+  const pan::Model open = model_of(contents);
   add(contents, plate(20, 20), Vec3(0, 0, 12));
+  const pan::Model shaded = model_of(contents);
+  const auto glow = [](const pan::Model& model, const View& view, const Vec3& white) {
+    RenderOptions hard;
+    hard.shadows = Shadows::hard;
+    const Vec3 seen = radiance_at(rendered(model, view, hard), 8, 8) * kPi;
+    EXPECT_LE(glm::length(seen / white - 0.7 * Vec3(0.3, 0.2, 0.1)), 1e-7) << view.to_sun.z;
+  };
+  const std::optional<Vec3> irradiances[] = {{}, Vec3(0), Vec3(2), Vec3(1361, 500, 2)};
+  for (const auto& irradiance : irradiances) {
+    const Vec3 white = irradiance ? light::kSolarIrradiance : Vec3(1);
+    View view = above(16, 1);
+    view.sun_irradiance = irradiance;
+    view.sun_distance = 2;
+    glow(shaded, view, white);
+    if (irradiance == Vec3(0)) glow(open, view, white);
+    view.to_sun = {0.3, 0.2, -1};
+    glow(open, view, white);
+    view.white = Vec3(3, 0.5, 40);
+    glow(open, view, *view.white);
+  }
+}
+
+// Gaps of solar cells emit no more in the shade than in the light.
+TEST(Shadows, CellsGlowAlikeInTheShade) {
+  pan::Contents contents = meadow();
+  materials::Material& cells = contents.materials[0];
+  cells.emissive = Vec3(0.4);
+  cells.weights = {0, 0, 1};
+  cells.cells = materials::Cells{.count = {2e4, 2e4}, .gap = {0.2, 0.3}, .gap_color = Vec3(0)};
   View view = above(16, 1);
-  view.sun_irradiance = Vec3(2);
-  const image::Image image = rendered(model_of(contents), view);
-  const Vec3 glow = radiance_at(image, 8, 8) * kPi / (2 * 0.7);
-  EXPECT_LE(glm::length(glow - Vec3(0.3, 0.2, 0.1)), 1e-7);
+  view.sun_irradiance = Vec3(0);
+  const Vec3 unlit = radiance_at(rendered(model_of(contents), view), 8, 8);
+  add(contents, plate(20, 20), Vec3(0, 0, 12));
+  view.sun_irradiance.reset();
+  const Vec3 shaded = radiance_at(rendered(model_of(contents), view), 8, 8);
+  // cells are much smaller than pixels: measured 2e-3
+  EXPECT_NEAR(shaded.x * kPi, 0.4 * 0.8 * 0.7, 5e-3 * 0.4);
+  EXPECT_NEAR(unlit.x / light::kSolarIrradiance.x, shaded.x, 1e-6);
 }
 
 // The map is kept between views, and drawn again for another Sun or pose.

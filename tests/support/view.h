@@ -14,6 +14,7 @@ struct View {
   world::Pose world_from_model;
   Vec3 to_sun{0, 0, 1};                // world direction to the Sun, any non-zero length
   std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
+  std::optional<Vec3> white;           // irradiance of emission 1; none: as world::World::white()
   double sun_distance = 1;             // AU; sets the Sun's angular size, not the irradiance
   double limb_darkening = 0;
 };
@@ -27,6 +28,7 @@ inline void set_view(world::World& world, const View& view) {
   sun.irradiance = view.sun_irradiance;
   sun.limb_darkening = view.limb_darkening;
   world.set_sun(sun);
+  world.set_white(view.white);
 }
 
 // Makes a world of one target.

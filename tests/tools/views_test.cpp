@@ -148,6 +148,8 @@ TEST_F(Views, AnImageIsMadeAgain) {
                                           "box=-1 0 0.1 1 0.02 0 0",
                                           "--sun-irradiance",
                                           "180,190.5,170",
+                                          "--white",
+                                          "150 0.25 3",
                                           "--ev",
                                           "0.3"};
         if (ortho) words.insert(words.end(), {"--ortho", "7.3"});

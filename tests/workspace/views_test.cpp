@@ -277,6 +277,8 @@ TEST(MakeView, RefusesWhatCannotBe) {
   EXPECT_EQ(error_of(with(&ViewText::output, "a.gif")), Code::E0202);
   EXPECT_EQ(error_of(with(&ViewText::ortho, "-1")), Code::E0201);
   EXPECT_EQ(error_of(with(&ViewText::sun_irradiance, "-1")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::white, "1 -1 0")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::white, "bright")), Code::E0201);
   EXPECT_EQ(error_of(with(&ViewText::sun_distance, "0")), Code::E0201);
   ViewText both = with(&ViewText::fov, "10");
   both.ortho = "3";

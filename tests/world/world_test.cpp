@@ -107,6 +107,24 @@ TEST(World, ASetterChangesTheStampsOfWhatDependsOnIt) {
   sun.direction = Vec3(1, 0, 0);
   world.set_sun(sun);
   expect(true, false, false);
+  world.set_white(Vec3(2));
+  expect(false, false, false);
+}
+
+// White has the unit of the Sun's irradiance, and not its value.
+TEST(World, WhiteIsNotTheSuns) {
+  World world;
+  EXPECT_EQ(world.white(), Vec3(1));
+  Sun sun;
+  for (const double irradiance : {0.0, 5.0, 1361.0}) {
+    sun.irradiance = Vec3(irradiance);
+    world.set_sun(sun);
+    EXPECT_EQ(world.white(), light::kSolarIrradiance);
+  }
+  world.set_white(Vec3(3, 2, 1));
+  EXPECT_EQ(world.white(), Vec3(3, 2, 1));
+  world.set_sun(Sun{});
+  EXPECT_EQ(world.white(), Vec3(3, 2, 1));
 }
 
 TEST(World, WhatIsThereAlreadyChangesNoStamp) {
@@ -124,6 +142,7 @@ TEST(World, WhatIsThereAlreadyChangesNoStamp) {
   world.set_node_visible(0, 2, false);
   world.set_node_visible(0, 1, true);
   world.set_sun(Sun{});
+  world.set_white(std::nullopt);
   EXPECT_EQ(world.stamp(), stamp);
 }
 

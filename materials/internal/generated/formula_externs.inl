@@ -3,6 +3,7 @@
 extern const char* const parameters_text;
 extern const char* const incidence_text;
 extern const char* const common_text;
+extern const char* const emission_text;
 extern const char* const fresnel_text;
 extern const char* const disc_text;
 extern const char* const slopes_text;

@@ -2,6 +2,8 @@
 // clang-format off
 #include "materials/formulas/common.glsl"
 //
+#include "materials/formulas/emission.glsl"
+//
 #include "materials/formulas/fresnel.glsl"
 //
 #include "materials/formulas/disc.glsl"

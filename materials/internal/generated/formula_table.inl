@@ -18,6 +18,7 @@ const FormulaFile kFormulaFiles[] = {
     {&parameters_text, true, -1, -1},
     {&incidence_text, true, -1, -1},
     {&common_text, true, -1, -1},
+    {&emission_text, true, -1, -1},
     {&fresnel_text, true, -1, -1},
     {&disc_text, true, -1, -1},
     {&slopes_text, true, -1, -1},

@@ -115,7 +115,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trac
     const Sun& sun = suns[hit->target];
     const Point point = scene.point(*hit, options.flat);
     const Lit lit{scene, hit->target, sun, point};
-    result.radiance += share * point.emitted * sun.irradiance();
+    result.radiance += share * point.emitted * options.white;
     const Scatter& surface = point.surface();
     if (point.normal == Vec3(0)) break;
     if (depth > 0) {

@@ -40,6 +40,7 @@ struct FirstRandoms {
 struct PathOptions {
   std::uint32_t bounces = 0;
   bool flat = false;
+  Vec3 white{1};  // of emission 1, times π
 };
 
 // Traces the light along a ray from the camera: emission, and the Sun at every surface on the way.
