@@ -246,7 +246,7 @@ class Run {
     for (const View& view : views_) {
       show(view, world_, current_);
       evaluation_.update(current_);
-      const double pixels = double{view.camera.width} * view.camera.height;
+      const double pixels = static_cast<double>(view.camera.width) * view.camera.height;
       double covered = 0;
       for (std::size_t i = 0; i < current_.size(); ++i) {
         const std::optional<AxisBox>& box = evaluation_[i].bounds;

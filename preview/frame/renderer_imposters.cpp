@@ -21,7 +21,7 @@ constexpr unsigned kFinePoints = 8;
 
 // Takes what shading.frag says beside the coverage: what relief finer than the shadow map's texels
 // may add to the flux, relative.
-double taken_relief(const world::World& world, image::Image image) {
+double taken_relief(const world::World& world, image::Image& image) {
   const double whole = told_irradiance(world);
   double relief = 0;
   double light = 0;
