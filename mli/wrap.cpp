@@ -20,6 +20,8 @@ namespace {
 
 using geometry::Triangle;
 
+// radians: folds of foil that are sharper stay sharp; smooth ones read as stone
+constexpr double kSharp = 8 * kDegree;
 constexpr std::size_t kLeastTriangles = 2000;                // of a level: a sample of slopes
 constexpr double kPays = 0.6;                                // of the triangles of the one before
 constexpr double kMostSpreadOff = 0.03, kMostMirror = 0.05;  // of TiltSpread
@@ -114,7 +116,7 @@ void copy_places(const std::vector<Triangle>& before, Cloth& cloth) {
 void Wrapper::finish() {
   if (options.normals > 0 && !finest.mesh.triangles.empty()) {
     const std::vector<Triangle> before = finest.mesh.triangles;
-    geometry::compute_normals(finest.mesh, options.normals);
+    geometry::compute_normals(finest.mesh, std::min(options.normals, kSharp));
     copy_places(before, finest);
     const TiltSpread wanted = Tilts(finest.mesh, finest.below).spread();
     const double top = highest(finest);

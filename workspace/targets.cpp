@@ -92,6 +92,32 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
   return world;
 }
 
+std::optional<Outline> outline(const world::World& world, const world::Camera& camera) {
+  std::optional<Outline> out;
+  const Mat3 turn = glm::mat3_cast(glm::conjugate(camera.world_from_camera));
+  for (const world::Instance& target : world.instances()) {
+    if (!target.visible()) continue;
+    const world::EvaluatedInstance nodes = world::evaluated(target);
+    const pan::Model& model = *target.model();
+    for (const pan::layout::Instance& placed : model.instances()) {
+      if (!nodes.node_visible[placed.node]) continue;
+      const Mat4 matrix = target.pose().matrix() * nodes.model_from_nodes[placed.node];
+      const auto& o = model.meshes()[placed.mesh].origin;
+      const Vec3 from = turn * (Vec3(matrix * Vec4(o[0], o[1], o[2], 1)) - camera.position);
+      const Mat3 along = turn * Mat3(matrix);
+      for (const pan::layout::Float3& p : model.mesh(placed.mesh).positions) {
+        const Vec3 at = from + along * Vec3(p.x, p.y, p.z);
+        if (!(at.z > 0)) return std::nullopt;
+        const Vec2 direction(at.x / at.z, at.y / at.z);
+        if (!out) out = Outline{direction, direction};
+        out->low = glm::min(out->low, direction);
+        out->high = glm::max(out->high, direction);
+      }
+    }
+  }
+  return out;
+}
+
 BoundingSphere BoundingSpheres::of(const world::Instance& target) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const Known& each) { return each.stamp == target.shape_stamp(); });

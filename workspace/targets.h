@@ -41,6 +41,14 @@ struct BoundingSphere {
   double radius = 1;
 };
 
+// Rectangle of directions from a camera: x/z and y/z in its frame.
+struct Outline {
+  Vec2 low{0}, high{0};
+};
+// Returns the rectangle around all visible vertices; nothing: there are none, or one is not in front
+// of the camera. Cost: O(vertices).
+std::optional<Outline> outline(const world::World& world, const world::Camera& camera);
+
 // Bounding spheres of targets, each computed once for the state of its nodes.
 class BoundingSpheres {
  public:

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kDefaultFieldOfView = 30 * kDegree;
 constexpr double kMargin = 1.1;        // of the targets' radius, around it in the image
+constexpr double kFilled = 0.85;       // of the image, by targets before a camera nobody placed
 constexpr double kWidestDefault = 90;  // degrees
 constexpr std::uint32_t kMaxSide = 16384;
 // of focal lengths, pixels; orthographic: pixels per metre
@@ -208,6 +209,32 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   const double aspect = camera.width / shorter;
   const double fov = std::min(2 * std::atan(aspect * std::tan(half)), 0.99 * kPi);
   world::set_field_of_view(camera, camera.width, camera.height, fov);
+}
+
+// Of a camera that nobody placed: turns it to the middle of what is visible, which then fills
+// kFilled of the image. Returns false where nothing has an outline.
+bool fit_outline(const world::World& world, world::Camera& camera) {
+  auto seen = outline(world, camera);
+  for (int turn = 0; seen && turn < 2; ++turn) {
+    const Vec2 middle = 0.5 * (seen->low + seen->high);
+    const Quat& q = camera.world_from_camera;
+    DiagnosticLog ignored;
+    const auto aimed = world::looking_at(
+        camera.position, camera.position + q * Vec3(middle, 1), q * Vec3(0, -1, 0), ignored);
+    if (!aimed) break;
+    camera.world_from_camera = *aimed;
+    seen = outline(world, camera);
+  }
+  if (!seen) return false;
+  const Vec2 half = glm::max(glm::abs(seen->low), glm::abs(seen->high));
+  // in a line of pixels the targets would be a dot
+  const double least = 0.25 * std::max(camera.width, camera.height);
+  const Vec2 image(std::max<double>(camera.width, least), std::max<double>(camera.height, least));
+  const double focal = 0.5 * kFilled * std::min(image.x / half.x, image.y / half.y);
+  if (!(focal >= kLeastFocal && focal <= kMostFocal)) return false;
+  world::set_field_of_view(camera, camera.width, camera.height,
+                           2 * std::atan(0.5 * camera.width / focal));
+  return true;
 }
 
 // Three lengths and four numbers.
@@ -417,7 +444,9 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   } else {
     read_attitude(text, sphere, reader, view.camera, log);
   }
-  if (!lens && !text.camera_frame) fit_lens(sphere(), view.camera);
+  const bool placed = text.camera || text.look_at || text.quat || text.camera_frame;
+  if (!lens && !text.camera_frame && reader.ok() && (placed || !fit_outline(posed, view.camera)))
+    fit_lens(sphere(), view.camera);
   read_sun(text, reader, view);
   if (reader.ok()) {
     posed.set_sun(*view.sun);
