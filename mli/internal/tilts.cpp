@@ -12,6 +12,8 @@ namespace {
 
 // of a normal along the one below: steeper ones are seams, which are no foil that lies
 constexpr double kSteep = 0.2;
+// of TiltMap::power
+constexpr double kLowest = -0.6, kHighest = 0.9;
 constexpr std::size_t kMost = 20011;  // triangles that are looked at; a prime
 
 // The middles of 16 equal parts of a triangle.
@@ -57,22 +59,28 @@ Covariance between(const Covariance& a, const Covariance& b) {
 }  // namespace
 
 Tilts::Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below) {
-  corners_.reserve(mesh.normals.size());
-  for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
-    const double along = glm::dot(mesh.normals[v], below[v]);
-    corners_.push_back({along > kSteep ? mesh.normals[v] / along - below[v] : Vec3(0),
-                        along > kSteep ? along : 0});
-  }
+  constexpr std::uint32_t kUnused = 0xffffffff;
+  std::vector<std::uint32_t> corner_of(mesh.normals.size(), kUnused);
+  const auto along = [&](std::uint32_t v) { return glm::dot(mesh.normals[v], below[v]); };
   const std::size_t step = mesh.triangles.size() / kMost + 1;
   for (std::size_t k = 0; k < mesh.triangles.size(); k += step) {
     const geometry::Triangle& t = mesh.triangles[k];
-    if (std::ranges::any_of(t, [&](std::uint32_t v) { return corners_[v].along == 0; })) continue;
+    if (std::ranges::any_of(t, [&](std::uint32_t v) { return !(along(v) > kSteep); })) continue;
     const Vec3 area = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
                                  mesh.positions[t[2]] - mesh.positions[t[0]]);
     const double weight = glm::dot(area, below[t[0]] + below[t[1]] + below[t[2]]);
     // a seam between normals that are smooth
     if (!(weight > kSteep * glm::length(area))) continue;
-    triangles_.push_back(t);
+    geometry::Triangle corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = t[i];
+      if (corner_of[v] == kUnused) {
+        corner_of[v] = static_cast<std::uint32_t>(corners_.size());
+        corners_.push_back({mesh.normals[v] / along(v) - below[v], along(v)});
+      }
+      corners[i] = corner_of[v];
+    }
+    triangles_.push_back(corners);
     weights_.push_back(weight);
   }
   unit_ = spread(TiltMap{}, false).variance;
@@ -82,7 +90,6 @@ TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
   std::vector<Corner> at = corners_;
   if (map.factor != 1 || map.power != 0 || map.leans())
     for (Corner& corner : at) {
-      if (corner.along == 0) continue;
       corner.slope *= stretch(map, glm::dot(corner.slope, corner.slope));
       if (map.leans()) corner.slope = Vec3(leant(map, Vec2(corner.slope)), 0);
       corner.along = 1 / std::sqrt(1 + glm::dot(corner.slope, corner.slope));
@@ -127,16 +134,19 @@ TiltSpread Tilts::spread(const TiltMap& map, bool with_level) const {
           {slopes.xx / sum, slopes.xy / sum, slopes.yy / sum}};
 }
 
-double Tilts::factor_for(TiltMap map, double variance) const {
-  map.factor = 1;
-  // the variance is about proportional to the factor's square
+TiltSpread Tilts::scaled_to(TiltMap& map, double variance) const {
+  // the variance is about proportional to the factor's square: within 1 %, the next factor is right
+  // to 1e-4
   for (int step = 0; step < 4; ++step) {
     const double got = spread(map, false).variance;
-    if (!(got > 0)) return 1;
+    if (!(got > 0)) {
+      map.factor = 1;
+      break;
+    }
     map.factor *= std::sqrt(variance / got);
-    if (std::fabs(got - variance) < 1e-4 * variance) break;
+    if (std::fabs(got - variance) < 1e-2 * variance) break;
   }
-  return map.factor;
+  return spread(map, true);
 }
 
 TiltMap Tilts::towards(const TiltSpread& wanted, TiltSpread& reached) const {
@@ -170,13 +180,30 @@ TiltMap Tilts::towards_all(const TiltSpread& wanted) const {
 TiltMap Tilts::shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached) const {
   Tilts like = *this;
   like.unit_ = wanted.variance;
-  double low = -0.6, high = 0.9;
   map.scale = wanted.variance;
-  for (int step = 0; step < 9; ++step) {
-    map.power = 0.5 * (low + high);
-    map.factor = like.factor_for(map, wanted.variance);
-    reached = like.spread(map, true);
-    (reached.level > wanted.level ? low : high) = map.power;
+  // of powers, what is more level than wanted by how much; false position, with either end let go of
+  // when it stays twice (Illinois)
+  double low = kLowest, high = kHighest, more_low = 0, more_high = 0;
+  const auto more_at = [&](double power) {
+    map.power = power;
+    reached = like.scaled_to(map, wanted.variance);
+    return reached.level - wanted.level;
+  };
+  if (more_low = more_at(low); !(more_low > 0)) return map;
+  if (more_high = more_at(high); !(more_high < 0)) return map;
+  for (int step = 0, side = 0; step < 6; ++step) {
+    const double power = (low * more_high - high * more_low) / (more_high - more_low);
+    const double more = more_at(power);
+    if (std::fabs(more) < 1e-4 * wanted.level) break;
+    if (more > 0) {
+      low = power, more_low = more;
+      if (side == 1) more_high /= 2;
+      side = 1;
+    } else {
+      high = power, more_high = more;
+      if (side == -1) more_low /= 2;
+      side = -1;
+    }
   }
   return map;
 }

@@ -37,11 +37,12 @@ class Tilts {
     double along;  // of the unit normal along the one below
   };
   TiltSpread spread(const TiltMap& map, bool with_level) const;
-  double factor_for(TiltMap map, double variance) const;
+  // Sets the factor, from its present one on, that makes this variance.
+  TiltSpread scaled_to(TiltMap& map, double variance) const;
   TiltMap shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached) const;
 
-  std::vector<Corner> corners_;  // per vertex
-  std::vector<geometry::Triangle> triangles_;
+  std::vector<Corner> corners_;               // of the triangles
+  std::vector<geometry::Triangle> triangles_;  // by corners
   std::vector<double> weights_;  // their areas, seen from above
   double unit_ = 0;              // of TiltSpread::level: the variance of the original slopes
 };

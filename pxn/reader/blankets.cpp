@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -84,12 +85,36 @@ double covered_area(const geometry::Mesh& mesh, const std::vector<std::uint32_t>
   return twice / 2;
 }
 
-// Those of a sheet that is so high, in metres.
-std::vector<mli::Operation> operations_for(const Blanket& how, double height) {
+bool has_relief(const mli::Operation& operation) {
+  return !std::holds_alternative<mli::SlopeRms>(operation) &&
+         !std::holds_alternative<mli::Constant>(operation) &&
+         !std::holds_alternative<mli::Taper>(operation) &&
+         !std::holds_alternative<mli::Smooth>(operation);
+}
+
+mli::Recipe square_recipe(double side, double cell) {
+  mli::Recipe recipe;
+  recipe.width = recipe.height = side;
+  recipe.xgrid = static_cast<std::uint32_t>(std::lround(side / cell));
+  return recipe;
+}
+
+// Those of a sheet that is so high, in metres. Of a blanket that leaves its cells open, what is too
+// fine for them is left out: slope_rms keeps the slopes that the others have.
+std::vector<mli::Operation> operations_for(const Blanket& how, double height, double cell) {
   std::vector<mli::Operation> out;
   if (auto preset = mli::preset_operations(how.preset, height)) out = *std::move(preset);
   out.insert(out.end(), how.operations.begin(), how.operations.end());
-  return out;
+  if (how.cell > 0) return out;
+  const auto too_fine = [&](const mli::Operation& operation) {
+    mli::Recipe alone = square_recipe(64 * cell, cell);
+    alone.operations = {operation};
+    DiagnosticLog ignored;
+    return has_relief(operation) && !mli::check(alone, ignored);
+  };
+  std::vector<mli::Operation> kept;
+  std::ranges::remove_copy_if(out, std::back_inserter(kept), too_fine);
+  return std::ranges::any_of(kept, has_relief) ? kept : out;
 }
 
 // Raises a number that other threads may raise at once.
@@ -105,7 +130,7 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
     recipe.xgrid = 1;
     recipe.seed = seed;
     recipe = mli::fitted(recipe)(width, height, seed_offset);
-    recipe.operations = operations_for(how, recipe.height);
+    recipe.operations = operations_for(how, recipe.height, cell);
     return recipe;
   };
 }
@@ -211,6 +236,7 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
     }
   }
   for (const Worn& one : worn) tell(one, reporter);
+  tell_cells(worn, reporter);
   put_depth_first(scene_);
 }
 
@@ -293,11 +319,27 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
   if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
     say(Code::W7002, worn.tally.holds());
   say(Code::W7002, many_triangles(worn.triangles, worn.finest_cell));
-  if (worn.coarsened > 0)
-    say(Code::W7002,
+}
+
+// Of all elements together, which may be thousands.
+void Blankets::tell_cells(const std::vector<Worn>& worn, Reporter& reporter) {
+  const FoilWish* first = nullptr;
+  std::size_t count = 0;
+  double largest = 0;
+  for (const Worn& one : worn) {
+    if (one.coarsened == 0) continue;
+    if (first == nullptr) first = one.wish;
+    count += one.coarsened;
+    largest = std::max(largest, one.largest_cell);
+  }
+  if (first == nullptr) return;
+  reporter.report(Code::W7002, first->where, *first->document, first->element, [&] {
+    return Reporter::Text(
         fmt::format("cells of {} are up to {:.2g} m, too large for all wrinkles, within a million "
-                    "triangles each; set others by <mli_settings> of <mli type=\"wrap\">",
-                    counted(worn.coarsened, "blanket"), worn.largest_cell));
+                    "triangles each and {:.0f} million of the model; set others by <mli_settings> "
+                    "of <mli type=\"wrap\">",
+                    counted(count, "blanket"), largest, 1e-6 * kAllTriangles));
+  });
 }
 
 void Blankets::cover(std::int32_t instance, const std::string& name, const FoilWish& wish,
@@ -499,7 +541,7 @@ Blankets::Made Blankets::woven(const Place& place, const Surroundings& around,
   if (shared)
     out.reach = std::make_shared<const Made::Reach>(
         Made::Reach{std::move(woven->tops), std::move(woven->roots), woven->asked});
-  woven->recipe.operations = operations_for(how, woven->recipe.height);
+  woven->recipe.operations = operations_for(how, woven->recipe.height, cell);
   scene::Foil foil{scene::kNone, woven->recipe,       mli::Flat{}, woven->meshes.statistics,
                    true,         wish.blanket.source, {}};
   out.used_cell = cell;

@@ -51,7 +51,7 @@ TEST(Presets, SlopesAreTheirOwnWhateverTheSize) {
     for (const double slope : slopes) {
       EXPECT_NEAR(slope / slopes[0], 1, kSpread) << preset.name;
       EXPECT_GT(slope, 0.04) << preset.name;
-      EXPECT_LT(slope, 0.3) << preset.name;
+      EXPECT_LT(slope, 0.35) << preset.name;
     }
   }
 }

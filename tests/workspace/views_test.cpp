@@ -110,6 +110,36 @@ TEST(MakeView, TheDefaultSeesAllVisibleTargets) {
   EXPECT_GT(glm::length(view_of(text, world).camera.position), 1000);
 }
 
+// Nobody placed the camera: the outline of what is seen lies in the middle and is 85 % of the side
+// that it fills first. A ball, and two balls far apart, which a sphere around both would show small.
+TEST(MakeView, TheDefaultFitsTheOutline) {
+  world::World two = world_of({"a", "b"});
+  two.set_pose(1, {{60, -30, 5}, Quat(1, 0, 0, 0)});
+  for (const world::World& world : {world_of({"m"}), two})
+    for (const char* size : {"300x300", "400x200", "200x400"}) {
+      ViewText text;
+      text.size = size;
+      const View view = view_of(text, world);
+      Vec2 low(1e9), high(-1e9);
+      for (const world::Instance& target : world.instances())
+        for (int i = 0; i < 4000; ++i) {
+          const double z = -1 + (i + 0.5) / 2000, r = std::sqrt(1 - z * z);
+          const Vec3 p =
+              Vec3(10, 20, 30) + 2.0 * Vec3(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
+          const auto pixel = world::project(view.camera, Vec3(target.pose().matrix() * Vec4(p, 1)));
+          ASSERT_TRUE(pixel);
+          low = glm::min(low, Vec2(*pixel));
+          high = glm::max(high, Vec2(*pixel));
+        }
+      const Vec2 image(view.camera.width, view.camera.height);
+      const Vec2 filled = (high - low) / image, off = 0.5 * (low + high) / image - 0.5;
+      // the mesh of 16 by 16 lies up to 2 % within the ball
+      EXPECT_NEAR(std::max(filled.x, filled.y), 0.85, 0.025) << size;
+      EXPECT_NEAR(off.x, 0, 0.01) << size;
+      EXPECT_NEAR(off.y, 0, 0.01) << size;
+    }
+}
+
 TEST(MakeView, FieldOfViewIsHorizontalAndFull) {
   ViewText options;
   options.fov = "40";
@@ -134,8 +164,8 @@ TEST(MakeView, LinesOfPixelsShowTheModel) {
     const double distance = glm::length(view.camera.position - Vec3(10, 20, 30));
     // across, of a ball of radius 2
     const double pixels = 2 * view.camera.focal.x * std::tan(std::asin(2 / distance));
-    EXPECT_GT(pixels, 16384 / 8.0) << size;
-    EXPECT_LT(pixels, 16384 / 7.0) << size;
+    // 85 % of a fourth of them; its mesh lies up to 2 % within it
+    EXPECT_NEAR(pixels, 0.85 * 16384 / 4, 100) << size;
   }
 }
 
