@@ -45,8 +45,8 @@ struct BoundingSphere {
 struct Outline {
   Vec2 low{0}, high{0};
 };
-// Returns the rectangle around all visible vertices; nothing: there are none, or one is not in front
-// of the camera. Cost: O(vertices).
+// Returns the rectangle around all visible vertices; nothing: there are none, or one is not in
+// front of the camera. Cost: O(vertices).
 std::optional<Outline> outline(const world::World& world, const world::Camera& camera);
 
 // Bounding spheres of targets, each computed once for the state of its nodes.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDefaultFieldOfView = 30 * kDegree;
 constexpr double kMargin = 1.1;        // of the targets' radius, around it in the image
-constexpr double kFilled = 0.85;       // of the image, by targets before a camera nobody placed
+constexpr double kFilled = 0.85;       // of the image, by targets before a default camera
 constexpr double kWidestDefault = 90;  // degrees
 constexpr std::uint32_t kMaxSide = 16384;
 // of focal lengths, pixels; orthographic: pixels per metre
@@ -211,7 +211,7 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
 
-// Of a camera that nobody placed: turns it to the middle of what is visible, which then fills
+// Turns a default camera to the middle of what is visible, which then fills
 // kFilled of the image. Returns false where nothing has an outline.
 bool fit_outline(const world::World& world, world::Camera& camera) {
   auto seen = outline(world, camera);
@@ -219,8 +219,8 @@ bool fit_outline(const world::World& world, world::Camera& camera) {
     const Vec2 middle = 0.5 * (seen->low + seen->high);
     const Quat& q = camera.world_from_camera;
     DiagnosticLog ignored;
-    const auto aimed = world::looking_at(
-        camera.position, camera.position + q * Vec3(middle, 1), q * Vec3(0, -1, 0), ignored);
+    const auto aimed = world::looking_at(camera.position, camera.position + q * Vec3(middle, 1),
+                                         q * Vec3(0, -1, 0), ignored);
     if (!aimed) break;
     camera.world_from_camera = *aimed;
     seen = outline(world, camera);

@@ -166,7 +166,7 @@ Result<DrawOptions> draw_options(const ViewText& text, preview::ContextKind cont
                                  DiagnosticLog& log);
 
 // Maker of views of one world from texts. Without a lens, the visible targets fill the image,
-// by their outline where nobody placed the camera either, else by their sphere.
+// by their outline if the camera is not given either, else by their sphere.
 // Without a position, the camera is in front of them; without a direction, it looks at the origin
 // if a position is given, else at their centre; without a Sun, it shines from behind the camera's
 // left shoulder.

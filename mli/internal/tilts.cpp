@@ -181,8 +181,8 @@ TiltMap Tilts::shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached
   Tilts like = *this;
   like.unit_ = wanted.variance;
   map.scale = wanted.variance;
-  // of powers, what is more level than wanted by how much; false position, with either end let go of
-  // when it stays twice (Illinois)
+  // of powers, what is more level than wanted by how much; false position, with either end let go
+  // of when it stays twice (Illinois)
   double low = kLowest, high = kHighest, more_low = 0, more_high = 0;
   const auto more_at = [&](double power) {
     map.power = power;

@@ -41,10 +41,10 @@ class Tilts {
   TiltSpread scaled_to(TiltMap& map, double variance) const;
   TiltMap shaped(TiltMap map, const TiltSpread& wanted, TiltSpread& reached) const;
 
-  std::vector<Corner> corners_;               // of the triangles
+  std::vector<Corner> corners_;                // of the triangles
   std::vector<geometry::Triangle> triangles_;  // by corners
-  std::vector<double> weights_;  // their areas, seen from above
-  double unit_ = 0;              // of TiltSpread::level: the variance of the original slopes
+  std::vector<double> weights_;                // their areas, seen from above
+  double unit_ = 0;  // of TiltSpread::level: the variance of the original slopes
 };
 
 // Tilts normals in place.

@@ -110,8 +110,9 @@ TEST(MakeView, TheDefaultSeesAllVisibleTargets) {
   EXPECT_GT(glm::length(view_of(text, world).camera.position), 1000);
 }
 
-// Nobody placed the camera: the outline of what is seen lies in the middle and is 85 % of the side
-// that it fills first. A ball, and two balls far apart, which a sphere around both would show small.
+// Of a default camera the outline of what is seen lies in the middle and is 85 % of the side
+// that it fills first. A ball, and two balls far apart, which a sphere around both would show
+// small.
 TEST(MakeView, TheDefaultFitsTheOutline) {
   world::World two = world_of({"a", "b"});
   two.set_pose(1, {{60, -30, 5}, Quat(1, 0, 0, 0)});
