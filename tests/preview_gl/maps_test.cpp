@@ -156,7 +156,8 @@ TEST(NormalMap, ConstantTiltInEveryLie) {
             sun.z *= side;
             RenderOptions options;
             options.flat = turn == 1;
-            const image::Image image = rendered(model_of(contents), above(9, 1, sun, side), options);
+            const image::Image image =
+                rendered(model_of(contents), above(9, 1, sun, side), options);
             const Vec3 exact = materials::f64::radiance(contents.materials[0], sunlight(sun),
                                                         Vec3(0, 0, side), normal);
             worst = std::max(worst, std::fabs(radiance_at(image, 3, 5).x / exact.x - 1));
