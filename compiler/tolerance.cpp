@@ -77,6 +77,18 @@ double radius_in_world(const geometry::Shape& shape, const Stretch& stretch) {
   return *radius * stretch.smallest * (stretch.smallest / stretch.largest);
 }
 
+// That of the default: thin lenses do not get the millions of triangles that their rims would ask
+// for.
+double default_radius(const geometry::Shape& shape, const Stretch& stretch) {
+  constexpr double kThinnest = 1.0 / 30;
+  const double stretched = std::max(stretch.smallest, kThinnest * stretch.largest);
+  if (const auto* ellipsoid = std::get_if<geometry::Ellipsoid>(&shape)) {
+    const Vec3& r = ellipsoid->radii;
+    return stretched * std::max(std::min({r.x, r.y, r.z}), kThinnest * std::max({r.x, r.y, r.z}));
+  }
+  return stretched * radius_of_curvature(shape).value_or(0);
+}
+
 void lower_for_normals(Tolerance& best, const scene::Budget& budget, const geometry::Shape& shape,
                        const Stretch& stretch, const std::optional<double>& slope) {
   const double radius = radius_in_world(shape, stretch);
@@ -150,7 +162,11 @@ Tolerance tolerance_for(const scene::Budget& budget, const geometry::Shape& shap
     if (const double radius = radius_in_world(shape, world_from_shape); radius > 0 && budget.flux)
       lower(best, *budget.flux * radius / kFluxFactor, ToleranceReason::flux);
     lower_for_normals(best, budget, shape, world_from_shape, asked.slope);
-    if (best.metres == HUGE_VAL) best = Tolerance{};
+    if (best.metres == HUGE_VAL) {
+      best = Tolerance{};
+      if (const double radius = default_radius(shape, world_from_shape); radius > 0)
+        lower(best, kDefaultFlux * radius / kFluxFactor, ToleranceReason::flux);
+    }
   }
   if (has_explicit_counts(shape)) best.reason = ToleranceReason::explicit_counts;
   return best;

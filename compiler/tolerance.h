@@ -11,8 +11,10 @@
 
 namespace panwright::compiler {
 
-// The tolerance of a model without a budget: metres in the world.
+// The tolerance of a model without a budget: metres in the world, and the relative flux error of
+// round shapes, which is what makes thin rods and small spheres finer.
 inline constexpr double kDefaultTolerance = 1e-3;
+inline constexpr double kDefaultFlux = 0.03;
 
 // Relative flux error: a mesh within `error` of a shape of radius of curvature R is off by at most
 // kFluxFactor·error/R. Holds for phase angles of 0 to 120 degrees and parts that keep at least a
@@ -54,9 +56,10 @@ struct ToleranceOverrides {
 //   slope       R·θ²/8, where normals between vertices θ apart are off by a quarter of the slope;
 //               if the budget gives the pixel footprint, and no tolerance
 //
-// else kDefaultTolerance. Terms that lack a partner (pixels without ifov or nearest) give none. The
-// reason of a shape with explicit counts, and of a mesh, is explicit_counts; the distance then
-// holds for dimensions not fixed by counts.
+// else kDefaultTolerance, or what kDefaultFlux asks where that is smaller; there R is the smallest
+// radius of an ellipsoid, at least a 30th of its largest. Terms that lack a partner (pixels without
+// ifov or nearest) give none. The reason of a shape with explicit counts, and of a mesh, is
+// explicit_counts; the distance then holds for dimensions not fixed by counts.
 //
 //   world_from_shape   stretch of the shape into the world
 Tolerance tolerance_for(const scene::Budget& budget, const geometry::Shape& shape,

@@ -178,7 +178,8 @@ std::string budget_text(const std::string& model, const scene::Budget& budget,
   std::string out =
       fmt::format("{}: {}, {} of meshes, made in {}\n", model, counted(spent.triangles, "triangle"),
                   bytes_words(spent.bytes), time_words(spent.seconds));
-  if (!budget.any()) return out + "no budget: every part within 1 mm\n";
+  if (!budget.any())
+    return out + "no budget: every part within 1 mm, round ones within 3 % of their flux\n";
   for (const Line& line : lines_of(budget, report))
     out += fmt::format("  {:<12} {:<32} {}\n", line.term, line.asked, line.achieved);
   const FitReport& fit = report.fit;
@@ -223,7 +224,9 @@ std::string budget_page(const std::string& model, const scene::Budget& budget,
     out["asked_and_achieved"].push_back(
         {{"term", line.term}, {"asked", line.asked}, {"achieved", line.achieved}});
   if (!budget.any())
-    out["asked_and_achieved"] = "The model has no budget: every part is within 1 mm of its shape.";
+    out["asked_and_achieved"] =
+        "The model has no budget: every part is within 1 mm of its shape, and round ones "
+        "within 3 % of their flux.";
   for (Json& part : all["parts"])
     part["share_of_tolerance"] =
         part["tolerance"].is_null()
