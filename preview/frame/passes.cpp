@@ -151,13 +151,6 @@ GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& mode
   return 0;
 }
 
-namespace {
-
-// Whether the Sun's disc is no larger than what ShadingModel::wide is about.
-bool is_far(const world::Sun& sun) { return sun.distance >= 0.98; }
-
-}  // namespace
-
 bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   const bool shadows = scene.shadows != nullptr;
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
@@ -184,13 +177,11 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       if (same) continue;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) device_.programs.decal();
-        const ShadingModel& shading =
-            model.brdf_models.all[model.brdf_models.of_material[item.material]];
+        const std::uint32_t brdf_model = model.brdf_models.of_material[item.material];
         device_.programs.classes();
-        const bool one =
-            model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
-        device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one,
-                                 shadows, shading.wide && is_far(scene.world.sun()));
+        device_.programs.shading(model.brdf_models.all[brdf_model],
+                                 model.layers_for(scene.specular_filter),
+                                 model.brdf_models.materials[brdf_model] == 1, shadows);
         if (shadows)
           for (const bool instanced : {false, true})
             device_.programs.shadow(item.variant.cutout, instanced);
@@ -447,10 +438,9 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     model.gpu.bind_materials();
     for (const TileTarget::ShadingClass& one : target.classes) {
       if (one.one_material) model.gpu.bind_one_material(one.material);
-      const ShadingModel& shading = model.brdf_models.all[one.brdf_model];
-      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter),
-                                              one.one_material, scene.shadows != nullptr,
-                                              shading.wide && is_far(scene.world.sun())));
+      gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model],
+                                              model.layers_for(scene.specular_filter),
+                                              one.one_material, scene.shadows != nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
       gl_.Uniform1f(kDepthLocation, static_cast<float>(first_classes_[t] + one.brdf_model + 1) *

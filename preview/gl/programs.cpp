@@ -99,15 +99,14 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
 }
 
 GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                         bool shadows, bool point_sun) {
-  GlProgram& program =
-      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 2 + point_sun}];
+                         bool shadows) {
+  GlProgram& program = shading_[{brdf_model, (layers * 2 + one_material) * 2 + shadows}];
   if (!program) {
     std::string head = kVersion;
     head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
             defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
                                       brdf_model.specular == materials::SpecularModel::ggx) +
-            defined("ONE_MATERIAL", one_material) + defined("POINT_SUN", point_sun);
+            defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;

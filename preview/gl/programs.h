@@ -101,9 +101,8 @@ class Programs {
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced);
-  // point_sun: its disc is not resolved
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                 bool shadows, bool point_sun);
+                 bool shadows);
   GLuint classes();
   GLuint shadow(bool cutout, bool instanced);
   GLuint ids(bool cutout, bool instanced);

@@ -146,49 +146,18 @@ auto order(const DrawItem& item) {
                   item.instance);
 }
 
-// Beyond these slopes the disc changes a lobe by less than 2 % of its peak, up to 85 degrees; by
-// less than 0.1 % at normal incidence.
-constexpr double kWideLobe = 0.15;
-constexpr double kWideGgx = 0.2;
-
-bool is_wide(const materials::Material& material) {
-  // a map makes lobes narrower
-  if (material.maps.roughness >= 0) return false;
-  if (material.coat && material.coat->alpha < kWideLobe) return false;
-  using materials::SpecularModel;
-  switch (material.specular_model()) {
-    case SpecularModel::none:
-      return true;
-    case SpecularModel::mirror:
-    case SpecularModel::retroreflector:
-      return false;
-    case SpecularModel::blinn_phong:
-      return materials::slope_of_shine(
-                 std::get<materials::BlinnPhong>(material.specular_brdf).shine) >= kWideLobe;
-    case SpecularModel::cook_torrance:
-    case SpecularModel::beckmann:
-    case SpecularModel::ggx:
-      break;
-  }
-  const double least = material.specular_model() == SpecularModel::ggx ? kWideGgx : kWideLobe;
-  const auto slopes = materials::slopes_of(material);
-  return slopes && std::min(slopes->x, slopes->y) >= least;
-}
-
 }  // namespace
 
 Families families_of(const pan::Model& model) {
-  std::vector<ShadingModel> of_material;
-  for (const pan::layout::Material& record : model.materials()) {
-    const materials::Material material = pan::material_from(record, {});
-    of_material.push_back({materials::brdf_model_of(material), is_wide(material)});
-  }
+  std::vector<materials::BrdfModel> of_material;
+  for (const pan::layout::Material& record : model.materials())
+    of_material.push_back(materials::brdf_model_of(pan::material_from(record, {})));
   Families brdf_models;
   brdf_models.all = of_material;
   std::sort(brdf_models.all.begin(), brdf_models.all.end());
   brdf_models.all.erase(std::unique(brdf_models.all.begin(), brdf_models.all.end()),
                         brdf_models.all.end());
-  for (const ShadingModel& brdf_model : of_material)
+  for (const materials::BrdfModel& brdf_model : of_material)
     brdf_models.of_material.push_back(static_cast<std::uint32_t>(
         std::lower_bound(brdf_models.all.begin(), brdf_models.all.end(), brdf_model) -
         brdf_models.all.begin()));

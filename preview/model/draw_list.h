@@ -17,17 +17,9 @@
 
 namespace panwright::preview {
 
-// Materials of one BRDF model, shaded by one program.
-struct ShadingModel {
-  materials::BrdfModel brdf;
-  // no lobe is narrow enough to resolve the Sun's disc, at 1 AU and beyond
-  bool wide = false;
-  auto operator<=>(const ShadingModel&) const = default;
-};
-
-// Shading models of a model.
+// BRDF models of a model. One program shades the materials of each.
 struct Families {
-  std::vector<ShadingModel> all;           // sorted
+  std::vector<materials::BrdfModel> all;   // sorted
   std::vector<std::uint32_t> of_material;  // into all, one per material
   std::vector<std::uint32_t> materials;    // number of materials of each
 };
