@@ -73,8 +73,11 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
   // An estimate above what is asked is worth another draw. Of discs the estimate is twice what is
   // left; of foil with its glints it is the standard deviation of that, so half is aimed at.
   constexpr double kAim = 0.5;
+  constexpr double kLeastGrowth = 1.25;
+  constexpr double kMostGuess = 0.01;
   const Frame& frame = frames[index];
   double flux = 0;
+  double texels = 0;
   for (int draw = 0;; ++draw) {
     place_imposter(camera, imposter);
     if (!draw_texels(world, options, levels, imposter, index, log)) return false;
@@ -82,6 +85,13 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
     const double before = std::exchange(flux, flux_of(frame.image, 1 / imposter.rate()));
     // of coarser maps, an error of at least that size
     if (imposter.fine_shadows) relief = flux > 0 ? 2 * std::fabs(flux - before) / flux : 0;
+    // Vertices are rounded to 1/256 texel, which widens booms that are hardly wider. That falls
+    // with the texels' size or faster, and differences of neighbours do not show it. At most what
+    // is no warning: it is a guess.
+    const double growth = imposter.texels / std::exchange(texels, imposter.texels);
+    if (draw > 0 && growth > kLeastGrowth && flux > 0)
+      flux_error = std::max(flux_error,
+                            std::min(std::fabs(flux - before) / (flux * (growth - 1)), kMostGuess));
     // both fall with the texels to 3/2
     double over = flux_error / options.flux_error;
     if (imposter.tried) {

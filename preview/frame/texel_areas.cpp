@@ -380,24 +380,29 @@ ImposterPatch patch_of(const Imposter& imposter, const image::Image& texels,
 double flux_error_of(const image::Image& texels) {
   // what a disc of radius r has: 0.29 r^-3/2 of its area, and 8 r steps
   constexpr double kStep = 0.29 * kPi / 2.8284271247461903;
+  constexpr double kAlone = 0.1;  // of a texel's light, what its neighbours have
   double sum = 0;
   double squares = 0;
   const auto light = [&](std::size_t at) {
     const float* c = texels.radiance.data() + 3 * at;
     return static_cast<double>(c[0]) + static_cast<double>(c[1]) + static_cast<double>(c[2]);
   };
-  std::vector<double> above(texels.width, 0);
-  for (std::size_t row = 0; row < texels.height; ++row) {
-    double before = 0;
-    for (std::size_t column = 0; column < texels.width; ++column) {
-      const double here = light(row * texels.width + column);
+  const std::size_t width = texels.width;
+  const auto light_at = [&](std::size_t row, std::size_t column) {  // 0 beyond the border
+    return row < texels.height && column < width ? light(row * width + column) : 0;
+  };
+  for (std::size_t row = 0; row < texels.height; ++row)
+    for (std::size_t column = 0; column < width; ++column) {
+      const double here = light(row * width + column);
+      const double before = light_at(row, column - 1);
+      const double above = light_at(row - 1, column);
       sum += here;
-      squares +=
-          (here - before) * (here - before) + (here - above[column]) * (here - above[column]);
-      before = here;
-      above[column] = here;
+      squares += (here - before) * (here - before) + (here - above) * (here - above);
+      // a glint or a boom that is hit by chance: as many more may be, as Poisson says
+      const double most =
+          std::max({before, above, light_at(row, column + 1), light_at(row + 1, column)});
+      if (most < kAlone * here) squares += (1 / (kStep * kStep) - 4) * here * here;
     }
-  }
   return sum > 0 ? kStep * std::sqrt(squares) / sum : 0;
 }
 

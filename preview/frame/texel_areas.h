@@ -32,8 +32,8 @@ ImposterPatch patch_of(const Imposter& imposter, const image::Image& texels,
                        std::uint32_t width, std::uint32_t height);
 
 // Estimates the relative error of the flux by point samples, from the differences of neighbouring
-// texels: calibrated on discs, for which it is 0.29 times the radius to -3/2. 0 for an image
-// without light.
+// texels: calibrated on discs, for which it is 0.29 times the radius to -3/2; texels that are lit
+// alone count as hits of chance. 0 for an image without light.
 double flux_error_of(const image::Image& texels);
 
 // Estimates the error of the pixels, RMSE over RMS radiance, for independent errors.

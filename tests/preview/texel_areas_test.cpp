@@ -161,6 +161,24 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
   EXPECT_LT(plates, 2e-3);
 }
 
+// Glints smaller than texels, each met by chance: the relative deviation of a sum of n of them is
+// 1/sqrt(n).
+TEST(TexelAreas, FluxErrorOfGlintsMetByChance) {
+  std::mt19937 random(7);
+  Image texels;
+  texels.width = texels.height = 400;
+  texels.radiance.assign(3 * 400 * 400, 0.0f);
+  double glints = 0;
+  for (std::size_t i = 0; i < 400 * 400; ++i)
+    if (random() % 500 == 0) {
+      for (std::size_t k = 0; k < 3; ++k) texels.radiance[3 * i + k] = 2;
+      ++glints;
+    }
+  ASSERT_GT(glints, 200);
+  // a few are neighbours; steps alone gave 0.64 of it
+  EXPECT_NEAR(flux_error_of(texels) * std::sqrt(glints), 1, 0.03);
+}
+
 TEST(TexelAreas, ShiftsOfPixelsChangeNothing) {
   double first = 0;
   for (int run = 0; run < 50; ++run) {
