@@ -74,7 +74,7 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
   // left; of foil with its glints it is the standard deviation of that, so half is aimed at.
   constexpr double kAim = 0.5;
   constexpr double kLeastGrowth = 1.25;
-  constexpr double kMostGuess = 0.01;
+  constexpr double kMostGuess = 5e-3;
   const Frame& frame = frames[index];
   double flux = 0;
   double texels = 0;
@@ -87,7 +87,7 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
     if (imposter.fine_shadows) relief = flux > 0 ? 2 * std::fabs(flux - before) / flux : 0;
     // Vertices are rounded to 1/256 texel, which widens booms that are hardly wider. That falls
     // with the texels' size or faster, and differences of neighbours do not show it. At most what
-    // is no warning: it is a guess.
+    // warns nobody: it is a guess, too large where errors fall faster.
     const double growth = imposter.texels / std::exchange(texels, imposter.texels);
     if (draw > 0 && growth > kLeastGrowth && flux > 0)
       flux_error = std::max(flux_error,
