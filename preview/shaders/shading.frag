@@ -195,11 +195,7 @@ void main() {
   // the viewer to the horizon
   vec3 normal = unit_or_zero(normal_sample.xyz);
   vec3 to_sun = to_mean_sun(normal);
-#ifdef POINT_SUN
-  Incidence sun = Incidence(to_sun, view.irradiance.rgb, 0.0, 0.0);
-#else
   Incidence sun = Incidence(to_sun, view.irradiance.rgb, view.to_sun.w, view.view_ray.w);
-#endif
   vec3 emitted = surface_emission(surface, view.white.rgb);
 #ifdef ROUGH
   float patternless = 0.0;

@@ -165,7 +165,7 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
 // 1/sqrt(n).
 TEST(TexelAreas, FluxErrorOfGlintsMetByChance) {
   std::mt19937 random(7);
-  Image texels;
+  image::Image texels;
   texels.width = texels.height = 400;
   texels.radiance.assign(3 * 400 * 400, 0.0f);
   double glints = 0;
