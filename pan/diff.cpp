@@ -44,6 +44,7 @@ template <class T>
 std::string numbers(const std::byte* at, std::uint32_t count) {
   std::vector<T> values(count);
   std::memcpy(values.data(), at, count * sizeof(T));
+  for (T& value : values) value += T(0);  // -0 is 0
   return fmt::format("{}", fmt::join(values, " "));
 }
 
