@@ -138,7 +138,7 @@ def main():
                     says_flux, says_rms = stated(image)
                     counts[mode][1] += 1
                     # twice what the image and the path tracer state
-                    wrong = says_flux is not None and abs(flux) > 2 * says_flux + 2 * known
+                    wrong = abs(flux) > 2 * (says_flux or 0) + 2 * known  # no statement states 0
                     wrong = wrong or (says_rms is not None and rms > 2 * says_rms)
                     counts[mode][0] += wrong
                     print(f"{file.stem},{i},{mode},{flux:.3g},{says_flux},{rms:.3g},{says_rms},{known:.2g}"
