@@ -135,7 +135,7 @@ TEST_F(ImageFiles, PhotographsKeepHue) {
     // half a code of the brightest is 0.0045; measured: at most 0.9 of this
     EXPECT_NEAR((g - b) / (r - b), 0.5 / 0.9, 0.01 / (r - b)) << i;
     if (i == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(code[k], code[k - 3]) << i;
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(code[k], (code - 3)[k]) << i;
   }
   EXPECT_LT(codes[3 * (kCount - 1)], 255);  // 6 times white is not clipped
   EXPECT_EQ(codes[3 * kCount], 255);
