@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "image/npy.h"
 #include "image/png.h"
 #include "workspace/open.h"
 
@@ -19,23 +20,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// numpy.lib.format 1.0
-std::string npy_header(const mli::Sheet& sheet) {
-  std::string text = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}",
-                                 sheet.rows, sheet.columns);
-  // magic, version and length take 10 bytes; the data begins at a multiple of 64
-  const std::size_t length = (10 + text.size() + 1 + 63) / 64 * 64 - 10;
-  text.append(length - text.size() - 1, ' ');
-  text += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += static_cast<char>(length & 0xff);
-  header += static_cast<char>(length >> 8);
-  return header + text;
-}
-
 bool write_npy(const std::filesystem::path& path, const mli::Sheet& sheet, DiagnosticLog& log) {
   auto file = AtomicFile::create(path, log);
-  return file && file->write(as_bytes(npy_header(sheet)), log) &&
+  return file &&
+         file->write(
+             as_bytes(image::npy_header("<f8", fmt::format("({}, {})", sheet.rows, sheet.columns))),
+             log) &&
          file->write(std::as_bytes(std::span(sheet.heights)), log) && file->commit(log);
 }
 

@@ -1,4 +1,6 @@
-// NumPy's array files (numpy.lib.format 1.0) and archives of them.
+// NPY array files (numpy.lib.format 1.0) and archives of them.
+#include "image/npy.h"
+
 #include <fmt/core.h>
 
 #include <bit>
@@ -13,10 +15,15 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 // type: "<f4" or "<u4"; channels 0: a plane (H, W)
-std::string npy_header(const char* type, const Image& image, unsigned channels) {
-  const std::string shape = channels
-                                ? fmt::format("({}, {}, {})", image.height, image.width, channels)
-                                : fmt::format("({}, {})", image.height, image.width);
+std::string header_of(const char* type, const Image& image, unsigned channels) {
+  return npy_header(type, channels
+                              ? fmt::format("({}, {}, {})", image.height, image.width, channels)
+                              : fmt::format("({}, {})", image.height, image.width));
+}
+
+}  // namespace
+
+std::string npy_header(std::string_view type, std::string_view shape) {
   std::string text =
       fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
   // magic, version and length take 10 bytes; the data begins at a multiple of 64
@@ -29,10 +36,8 @@ std::string npy_header(const char* type, const Image& image, unsigned channels) 
   return header + text;
 }
 
-}  // namespace
-
 bool write_npy(AtomicFile& file, const Image& image, DiagnosticLog& log) {
-  return file.write(as_bytes(npy_header("<f4", image, 3)), log) &&
+  return file.write(as_bytes(header_of("<f4", image, 3)), log) &&
          file.write(std::as_bytes(std::span(image.radiance)), log);
 }
 
@@ -43,7 +48,7 @@ bool write_npz(AtomicFile& file, const Image& image, const FileOptions& options,
   const auto add = [&](FileLayer layer, const char* type, unsigned channels, const auto& values) {
     if (!good || values.empty() || !options.has(layer)) return;
     const std::string name(kLayerNames[static_cast<std::size_t>(layer)]);
-    good = zip.add(name + ".npy", as_bytes(npy_header(type, image, channels)),
+    good = zip.add(name + ".npy", as_bytes(header_of(type, image, channels)),
                    std::as_bytes(std::span(values)), log, options.compress);
   };
   for (const auto& [name, value] : image.metadata)
