@@ -13,46 +13,14 @@
 
 #include "pan/model.h"
 #include "pan/writer.h"
+#include "tests/support/shapes.h"
 #include "trace/scene.h"
 #include "world/world.h"
 
 namespace panwright::trace::testing_support {
 
-// A rectangle about the origin in z = 0, its normal +z.
-inline geometry::Mesh plate(double width, double height) {
-  geometry::Mesh mesh;
-  const double x = width / 2, y = height / 2;
-  mesh.positions = {{-x, -y, 0}, {x, -y, 0}, {x, y, 0}, {-x, y, 0}};
-  mesh.normals.assign(4, Vec3(0, 0, 1));
-  mesh.texcoords = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return mesh;
-}
-
-// A closed box about the origin, its normals those of its faces.
-inline geometry::Mesh box(const Vec3& sides) {
-  geometry::Mesh mesh;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1.0, 1.0}) {
-      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-        Vec3 p(0), n(0);
-        p[axis] = sign * sides[axis] / 2;
-        p[u] = a * sides[u] / 2;
-        p[v] = b * sides[v] / 2;
-        n[axis] = sign;
-        mesh.positions.push_back(p);
-        mesh.normals.push_back(n);
-      }
-      // counter-clockwise from outside
-      for (std::uint32_t k = 1; k < 3; ++k)
-        mesh.triangles.push_back(
-            {first, first + (sign > 0 ? k : k + 1), first + (sign > 0 ? k + 1 : k)});
-    }
-  mesh.closed = true;
-  return mesh;
-}
+using support::box;
+using support::plate;
 
 inline pan::Contents single(const geometry::Mesh& mesh) {
   pan::Contents contents;
