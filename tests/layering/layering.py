@@ -10,7 +10,7 @@ import sys
 LEVELS = [
     {"base": [], "schemas": []},
     {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"]},
-    {"mli": ["geometry"], "light": ["materials"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
+    {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"]},
@@ -28,6 +28,7 @@ PARTS = {
     "materials": {"generated": [], "formulas": [], "presets": [], "internal": ["formulas", "generated"]},
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "image": {"internal": []},
+    "sensor": {"internal": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 # includes that these tables forbid, each with its reason
