@@ -1,0 +1,496 @@
+#include "sensor/camera_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+#include "base/config_text.h"
+#include "base/text.h"
+
+namespace panwright::sensor {
+
+namespace {
+
+using Value = ConfigValue;
+using Numbers = std::vector<double>;
+
+// From the centre of a pixel, where the others count from, to its corner.
+constexpr double kHalf = 0.5;
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+// Reader of members of one table. Members that nobody asked for are told at the end.
+class TableReader {
+ public:
+  TableReader(const Value& table, DiagnosticLog& log) : table_(table), log_(log) {}
+
+  bool ok() const { return ok_; }
+
+  std::nullptr_t fail(const Value& at, const std::string& message, const std::string& hint = {}) {
+    if (ok_) log_.report(Code::E0220, at.where, message, hint);
+    ok_ = false;
+    return nullptr;
+  }
+  void ignored(const Value& at, const std::string& message) {
+    log_.report(Code::W0221, at.where, message);
+  }
+
+  // Returns a member, by any of its names in any letter case; null: there is none.
+  const Value* find(std::initializer_list<std::string_view> names) {
+    const auto* map = std::get_if<Value::Map>(&table_.data);
+    if (map == nullptr) return nullptr;
+    for (const auto& [key, value] : *map)
+      if (std::ranges::find(names, lower(key)) != names.end()) {
+        used_.push_back(key);
+        return &value;
+      }
+    return nullptr;
+  }
+
+  const Value* require(std::initializer_list<std::string_view> names) {
+    const Value* found = find(names);
+    return found != nullptr ? found : fail(table_, fmt::format("{} is missing", *names.begin()));
+  }
+
+  // A list of finite numbers, or one; OpenCV and ROS put them into the member "data" of a matrix,
+  // others into rows.
+  std::optional<Numbers> numbers(const Value* value, std::string_view name,
+                                 std::initializer_list<std::size_t> counts) {
+    if (value == nullptr) return std::nullopt;
+    Numbers out;
+    const Value* data = value->find("data");
+    if (!gather(data != nullptr ? *data : *value, out)) {
+      fail(*value, fmt::format("{} is {}, expected numbers", name, type_name(*value)));
+      return std::nullopt;
+    }
+    if (std::ranges::find(counts, out.size()) == counts.end()) {
+      fail(*value, fmt::format("{} has {}, expected {}", name, counted(out.size(), "number"),
+                               fmt::join(counts, " or ")));
+      return std::nullopt;
+    }
+    return out;
+  }
+
+  std::optional<std::uint32_t> pixels(const Value* value, std::string_view name, double least = 1) {
+    if (value == nullptr) return std::nullopt;
+    const auto* number = std::get_if<double>(&value->data);
+    if (number != nullptr && *number >= least && *number <= kMostPixels &&
+        *number == std::floor(*number))
+      return static_cast<std::uint32_t>(*number);
+    fail(*value, fmt::format("{} is not a whole number from {} to {}", name, least, kMostPixels));
+    return std::nullopt;
+  }
+
+  std::string text(const Value* value, std::string_view name, std::string otherwise) {
+    if (value == nullptr) return otherwise;
+    if (const auto* word = std::get_if<std::string>(&value->data)) return *word;
+    fail(*value, fmt::format("{} is {}, expected text", name, type_name(*value)));
+    return otherwise;
+  }
+
+  // Refuses names that were not asked for.
+  void finish(std::span<const std::string_view> names) {
+    const auto* map = std::get_if<Value::Map>(&table_.data);
+    if (map == nullptr) return;
+    for (const auto& [key, value] : *map) {
+      if (std::ranges::find(used_, key) != used_.end()) continue;
+      const auto near = nearest_name(key, names);
+      fail(value, fmt::format("unknown or unneeded member {}", in_quotes(key)),
+           near && *near != key ? fmt::format("did you mean '{}'?", *near) : "");
+    }
+  }
+
+ private:
+  static bool gather(const Value& value, Numbers& out) {
+    if (const auto* number = std::get_if<double>(&value.data)) {
+      out.push_back(*number);
+      return std::isfinite(*number);
+    }
+    const auto* list = std::get_if<Value::List>(&value.data);
+    if (list == nullptr || out.size() > 64) return false;
+    return std::ranges::all_of(*list, [&](const Value& item) { return gather(item, out); });
+  }
+
+  const Value& table_;
+  DiagnosticLog& log_;
+  std::vector<std::string> used_;
+  bool ok_ = true;
+};
+
+template <std::size_t N>
+std::array<double, N> padded(const Numbers& from) {
+  std::array<double, N> out{};
+  std::copy_n(from.begin(), std::min(N, from.size()), out.begin());
+  return out;
+}
+
+// K of a pinhole, row-major, into a lens.
+void use_matrix(TableReader& reader, const Value* value, std::string_view name, Lens& lens) {
+  const auto k = reader.numbers(value, name, {9});
+  if (!k) return;
+  const Numbers& m = *k;
+  if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
+    reader.fail(*value, fmt::format("{} is not [fx s cx; 0 fy cy; 0 0 1]", name));
+  lens.focal = {m[0], m[4]};
+  lens.skew = m[1];
+  lens.principal = Vec2(m[2], m[5]) + kHalf;
+}
+
+void use_brown(TableReader& reader, const Value* value, std::string_view name, Lens& lens) {
+  if (value == nullptr) return;
+  if (const auto k = reader.numbers(value, name, {0, 4, 5, 8, 12, 14})) {
+    if (std::ranges::any_of(*k, [](double each) { return each != 0; }))
+      lens.distortion = Brown{padded<14>(*k)};
+  }
+}
+
+void use_fisheye(TableReader& reader, const Value* value, std::string_view name, Lens& lens) {
+  if (const auto k = reader.numbers(value, name, {4})) lens.distortion = Fisheye{padded<4>(*k)};
+}
+
+// ---- formats
+
+void read_opencv(TableReader& reader, CameraFile& camera) {
+  camera.width = reader.pixels(reader.require({"image_width", "width"}), "image_width").value_or(0);
+  camera.height =
+      reader.pixels(reader.require({"image_height", "height"}), "image_height").value_or(0);
+  use_matrix(reader, reader.require({"camera_matrix", "cameramatrix", "k"}), "camera_matrix",
+             camera.lens);
+  const Value* k = reader.find({"distortion_coefficients", "dist_coeffs", "distcoeffs", "d"});
+  const Value* fisheye = reader.find({"fisheye_model"});
+  const auto is = [&](const auto& value) {
+    const auto* found =
+        fisheye == nullptr ? nullptr : std::get_if<std::decay_t<decltype(value)>>(&fisheye->data);
+    return found != nullptr && *found == value;
+  };
+  const bool wide = is(true) || is(1.0);
+  if (wide)
+    use_fisheye(reader, k, "distortion_coefficients", camera.lens);
+  else
+    use_brown(reader, k, "distortion_coefficients", camera.lens);
+}
+
+void read_window(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
+  Window window;
+  const Value* at = nullptr;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const Value* binning = reader.find({axis == 0 ? "binning_x" : "binning_y"});
+    if (const auto count = reader.pixels(binning, "binning", 0)) {
+      window.binning[axis] = std::max(*count, 1u);
+      if (*count > 1) at = binning;
+    }
+  }
+  if (const Value* roi = reader.find({"roi"}); roi != nullptr) {
+    TableReader part(*roi, log);
+    constexpr std::string_view kNames[] = {"x_offset", "y_offset", "width", "height"};
+    for (std::size_t k = 0; k < 4; ++k)
+      window.region[k] = part.pixels(part.find({kNames[k]}), kNames[k], 0).value_or(0);
+    if (!part.ok()) reader.fail(*roi, "the region of interest is wrong");
+    if (window.region != decltype(window.region){}) at = roi;
+  }
+  if (at == nullptr || !reader.ok()) return;
+  if (const auto part = windowed(camera, window))
+    camera = *part;
+  else
+    reader.fail(*at, "region of interest and binning do not fit the image");
+}
+
+void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
+  camera.name = reader.text(reader.find({"camera_name"}), "camera_name", "");
+  camera.width = reader.pixels(reader.require({"image_width"}), "image_width").value_or(0);
+  camera.height = reader.pixels(reader.require({"image_height"}), "image_height").value_or(0);
+  use_matrix(reader, reader.require({"camera_matrix"}), "camera_matrix", camera.lens);
+  const Value* model = reader.find({"distortion_model"});
+  const std::string name = reader.text(model, "distortion_model", "plumb_bob");
+  const Value* k = reader.find({"distortion_coefficients"});
+  if (name == "equidistant")
+    use_fisheye(reader, k, "distortion_coefficients", camera.lens);
+  else if (name == "plumb_bob" || name == "rational_polynomial")
+    use_brown(reader, k, "distortion_coefficients", camera.lens);
+  else
+    reader.fail(*model, fmt::format("distortion_model is {}, expected plumb_bob, "
+                                    "rational_polynomial or equidistant",
+                                    in_quotes(name)));
+  if (const Value* turn = reader.find({"rectification_matrix"}); turn != nullptr) {
+    const auto m = reader.numbers(turn, "rectification_matrix", {9});
+    if (m && *m != Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1})
+      reader.ignored(*turn, "the rectification is not applied: images are those of the camera");
+  }
+  read_window(reader, camera, log);
+}
+
+void read_kalibr(TableReader& reader, CameraFile& camera) {
+  const Value* model = reader.find({"camera_model"});
+  if (const std::string name = reader.text(model, "camera_model", "pinhole"); name != "pinhole")
+    reader.fail(*model, fmt::format("camera_model is {}, expected pinhole", in_quotes(name)));
+  if (const auto k = reader.numbers(reader.require({"intrinsics"}), "intrinsics", {4})) {
+    camera.lens.focal = {(*k)[0], (*k)[1]};
+    camera.lens.principal = Vec2((*k)[2], (*k)[3]) + kHalf;
+  }
+  if (const auto size = reader.numbers(reader.require({"resolution"}), "resolution", {2})) {
+    const auto whole = [&](double side) {
+      if (side >= 1 && side <= kMostPixels && side == std::floor(side))
+        return static_cast<std::uint32_t>(side);
+      reader.fail(*reader.find({"resolution"}), "resolution is not two whole numbers of pixels");
+      return 0u;
+    };
+    camera.width = whole((*size)[0]);
+    camera.height = whole((*size)[1]);
+  }
+  const Value* distortion = reader.find({"distortion_model"});
+  const Value* k = reader.find({"distortion_coeffs"});
+  const std::string name = reader.text(distortion, "distortion_model", "none");
+  if (name == "radtan")
+    use_brown(reader, k, "distortion_coeffs", camera.lens);
+  else if (name == "equidistant" || name == "equi")
+    use_fisheye(reader, k, "distortion_coeffs", camera.lens);
+  else if (name != "none")
+    reader.fail(*distortion, fmt::format("distortion_model is {}, expected radtan, equidistant "
+                                         "or none",
+                                         in_quotes(name)));
+}
+
+void read_speed(TableReader& reader, CameraFile& camera) {
+  camera.width = reader.pixels(reader.require({"nu"}), "Nu").value_or(0);
+  camera.height = reader.pixels(reader.require({"nv"}), "Nv").value_or(0);
+  if (const Value* matrix = reader.find({"cameramatrix"}); matrix != nullptr) {
+    use_matrix(reader, matrix, "cameraMatrix", camera.lens);
+  } else {
+    // metres, and metres a pixel
+    double read[6] = {};
+    constexpr std::string_view kNames[] = {"fx", "fy", "ppx", "ppy", "ccx", "ccy"};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double centre = (k == 4 ? camera.width : camera.height) / 2.0;
+      const Value* value = k < 4 ? reader.require({kNames[k]}) : reader.find({kNames[k]});
+      const auto one = reader.numbers(value, kNames[k], {1});
+      read[k] = one ? one->front() : centre;
+    }
+    camera.lens.focal = {read[0] / read[2], read[1] / read[3]};
+    camera.lens.principal = Vec2(read[4], read[5]) + kHalf;
+  }
+  use_brown(reader, reader.find({"distcoeffs"}), "distCoeffs", camera.lens);
+}
+
+// ---- our own
+
+constexpr std::string_view kOwnNames[] = {"name",         "size",      "focal",  "focal_length_mm",
+                                          "pixel_um",     "principal", "skew",   "distortion",
+                                          "coefficients", "axis",      "r",      "e",
+                                          "linearity",    "region",    "binning"};
+
+void read_own_size(TableReader& reader, CameraFile& camera) {
+  const Value* value = reader.require({"size"});
+  const auto size = reader.numbers(value, "size", {1, 2});
+  if (!size) return;
+  for (const double side : *size)
+    if (!(side >= 1 && side <= kMostPixels && side == std::floor(side))) {
+      reader.fail(*value, fmt::format("size is not of whole numbers from 1 to {}", kMostPixels));
+      return;
+    }
+  camera.width = static_cast<std::uint32_t>(size->front());
+  camera.height = static_cast<std::uint32_t>(size->back());
+}
+
+void read_own_focal(TableReader& reader, Lens& lens) {
+  const Value* focal = reader.find({"focal"});
+  const Value* length = reader.find({"focal_length_mm"});
+  if ((focal == nullptr) == (length == nullptr)) {
+    reader.require({"focal"});
+    if (focal != nullptr) reader.fail(*length, "expected focal or focal_length_mm, not both");
+    return;
+  }
+  if (focal != nullptr) {
+    if (const auto f = reader.numbers(focal, "focal", {1, 2})) lens.focal = {f->front(), f->back()};
+    return;
+  }
+  const auto f = reader.numbers(length, "focal_length_mm", {1});
+  const auto pitch = reader.numbers(reader.require({"pixel_um"}), "pixel_um", {1, 2});
+  if (f && pitch) lens.focal = 1e3 * f->front() / Vec2(pitch->front(), pitch->back());
+}
+
+void read_own_distortion(TableReader& reader, Lens& lens) {
+  const Value* model = reader.find({"distortion"});
+  const std::string name = reader.text(model, "distortion", "none");
+  const auto terms = [&](std::initializer_list<std::size_t> counts) {
+    return reader.numbers(reader.require({"coefficients"}), "coefficients", counts)
+        .value_or(Numbers{});
+  };
+  if (name == "brown") {
+    lens.distortion = Brown{padded<14>(terms({1, 2, 4, 5, 8, 12, 14}))};
+  } else if (name == "fisheye") {
+    lens.distortion = Fisheye{padded<4>(terms({0, 1, 2, 3, 4}))};
+  } else if (name == "division") {
+    lens.distortion = Division{padded<1>(terms({1}))[0]};
+  } else if (name == "powers") {
+    lens.distortion = RadialPowers{padded<5>(terms({1, 2, 3, 4, 5}))};
+  } else if (name == "cahvore") {
+    Cahvore model_terms;
+    if (const auto axis = reader.numbers(reader.find({"axis"}), "axis", {3})) {
+      const Vec3 given((*axis)[0], (*axis)[1], (*axis)[2]);
+      const double length = glm::length(given);
+      if (!(length > 1e-100 && given.z >= 0.5 * length))
+        reader.fail(*reader.find({"axis"}), "axis is more than 60 degrees off the boresight");
+      model_terms.axis = given / length;
+    }
+    if (const auto r = reader.numbers(reader.find({"r"}), "r", {3})) model_terms.r = padded<3>(*r);
+    if (const auto e = reader.numbers(reader.find({"e"}), "e", {3})) model_terms.e = padded<3>(*e);
+    if (const auto l = reader.numbers(reader.find({"linearity"}), "linearity", {1}))
+      model_terms.linearity = l->front();
+    if (std::fabs(model_terms.linearity) > 1)
+      reader.fail(*reader.find({"linearity"}), "linearity is not from -1 to 1");
+    lens.distortion = model_terms;
+  } else if (name != "none") {
+    constexpr std::string_view kModels[] = {"none",     "brown",  "fisheye",
+                                            "division", "powers", "cahvore"};
+    const auto near = nearest_name(name, kModels);
+    reader.fail(
+        *model,
+        fmt::format("distortion is {}, expected {}", in_quotes(name), fmt::join(kModels, ", ")),
+        near ? fmt::format("did you mean '{}'?", *near) : "");
+  }
+}
+
+void read_own(TableReader& reader, CameraFile& camera) {
+  camera.name = reader.text(reader.find({"name"}), "name", "");
+  read_own_size(reader, camera);
+  read_own_focal(reader, camera.lens);
+  camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
+  if (const auto c = reader.numbers(reader.find({"principal"}), "principal", {2}))
+    camera.lens.principal = {(*c)[0], (*c)[1]};
+  if (const auto skew = reader.numbers(reader.find({"skew"}), "skew", {1}))
+    camera.lens.skew = skew->front();
+  read_own_distortion(reader, camera.lens);
+  Window window;
+  const auto whole = [&](const Value* value, auto& to, std::string_view name, double least) {
+    const auto given = reader.numbers(value, name, {to.size()});
+    if (!given) return;
+    for (std::size_t k = 0; k < to.size(); ++k) {
+      if (!((*given)[k] >= least && (*given)[k] <= kMostPixels &&
+            (*given)[k] == std::floor((*given)[k])))
+        reader.fail(*value, fmt::format("{} is not of whole numbers of pixels", name));
+      else
+        to[k] = static_cast<std::uint32_t>((*given)[k]);
+    }
+  };
+  const Value* region = reader.find({"region"});
+  const Value* binning = reader.find({"binning"});
+  whole(region, window.region, "region", 0);
+  whole(binning, window.binning, "binning", 1);
+  if (reader.ok() && (region != nullptr || binning != nullptr)) {
+    if (const auto part = windowed(camera, window))
+      camera = *part;
+    else
+      reader.fail(region != nullptr ? *region : *binning,
+                  "region and binning do not fit the image and its lens");
+  }
+  reader.finish(kOwnNames);
+}
+
+// Formats differ in a member each.
+CameraFormat format_of(const Value& root) {
+  const auto has = [&](std::string_view name) {
+    const auto* map = std::get_if<Value::Map>(&root.data);
+    return map != nullptr && std::ranges::any_of(*map, [&](const auto& member) {
+             return lower(member.first) == name;
+           });
+  };
+  if (has("nu")) return CameraFormat::speed;
+  if (has("intrinsics")) return CameraFormat::kalibr;
+  return has("distortion_model") ? CameraFormat::ros : CameraFormat::opencv;
+}
+
+// A camchain holds its cameras as members cam0, cam1, …
+const Value& first_camera(const Value& root, DiagnosticLog& log) {
+  const Value* first = root.find("cam0");
+  if (first == nullptr) return root;
+  if (const Value* second = root.find("cam1"); second != nullptr)
+    log.report(Code::W0221, second->where, "only the first camera, cam0, is read");
+  return *first;
+}
+
+// TOML has '=' between name and value; YAML and JSON ':'.
+ConfigFormat text_format(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first != line.npos && line[first] != '#') {
+      const std::size_t equals = line.find('='), colon = line.find(':');
+      return equals < colon ? ConfigFormat::toml : ConfigFormat::yaml;
+    }
+    at = end + 1;
+  }
+  return ConfigFormat::toml;
+}
+
+bool is_finite(const Lens& lens) {
+  return std::isfinite(lens.focal.x + lens.focal.y + lens.principal.x + lens.principal.y +
+                       lens.skew);
+}
+
+}  // namespace
+
+std::optional<CameraFile> windowed(const CameraFile& camera, const Window& window) {
+  auto [x, y, width, height] = window.region;
+  if (width == 0) width = x < camera.width ? camera.width - x : 0;
+  if (height == 0) height = y < camera.height ? camera.height - y : 0;
+  const Vec2 block(window.binning[0], window.binning[1]);
+  if (window.binning[0] == 0 || window.binning[1] == 0) return std::nullopt;
+  const bool inside =
+      std::uint64_t{x} + width <= camera.width && std::uint64_t{y} + height <= camera.height;
+  if (!inside || width < window.binning[0] || height < window.binning[1]) return std::nullopt;
+  CameraFile part = camera;
+  part.width = width / window.binning[0];
+  part.height = height / window.binning[1];
+  part.lens.focal /= block;
+  part.lens.skew /= block.x;
+  part.lens.principal = (camera.lens.principal - Vec2(x, y)) / block;
+  if (auto* powers = std::get_if<RadialPowers>(&part.lens.distortion)) {
+    if (block.x != block.y) return std::nullopt;
+    double factor = 1;
+    for (double& k : powers->k) k *= factor, factor *= block.x;
+  }
+  return part;
+}
+
+Result<CameraFile> read_camera(std::string_view text, const std::string& name, DiagnosticLog& log) {
+  SourceFile source;
+  source.name = name;
+  source.bytes = std::make_shared<const std::string>(text);
+  const FileId file = log.sources().add(std::move(source));
+  const ConfigFormat format = text_format(text);
+  const auto root = parse_config(text, format, file, Code::E0220, log);
+  if (!root) return failed;
+  const Value& table = first_camera(*root, log);
+  TableReader reader(table, log);
+  CameraFile camera;
+  if (!std::holds_alternative<Value::Map>(table.data))
+    reader.fail(table, fmt::format("the text is {}, expected a camera", type_name(table)));
+  else if (format == ConfigFormat::toml)
+    read_own(reader, camera);
+  else if (const CameraFormat kind = format_of(table); kind == CameraFormat::speed)
+    read_speed(reader, camera);
+  else if (kind == CameraFormat::kalibr)
+    read_kalibr(reader, camera);
+  else if (kind == CameraFormat::ros)
+    read_ros(reader, camera, log);
+  else
+    read_opencv(reader, camera);
+  if (!reader.ok()) return failed;
+  if (!(camera.lens.focal.x > 0 && camera.lens.focal.y > 0 && is_finite(camera.lens))) {
+    reader.fail(table, "focal lengths are not above 0 and finite");
+    return failed;
+  }
+  return camera;
+}
+
+}  // namespace panwright::sensor

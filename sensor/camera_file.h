@@ -1,0 +1,56 @@
+// Camera files: image size and lens, as text of this program and of calibration programs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "sensor/lens.h"
+
+namespace panwright::sensor {
+
+inline constexpr std::uint32_t kMostPixels = 16384;  // of a side
+
+struct CameraFile {
+  std::string name;          // may be empty
+  std::uint32_t width = 0;   // pixels, 1 to kMostPixels
+  std::uint32_t height = 0;  // pixels, 1 to kMostPixels
+  Lens lens;                 // of these pixels, from their upper left corner
+};
+
+// Part of a detector, in pixels, read out in blocks.
+struct Window {
+  std::array<std::uint32_t, 4> region{};  // x, y, width, height; of size 0: all
+  std::array<std::uint32_t, 2> binning{1, 1};
+};
+
+// Returns the camera of a window: rays stay, pixels are renumbered. Pixels that do not fill a block
+// are left out. Nothing: the window lies outside, is smaller than a block, or the lens has powers
+// of pixels and blocks are no squares.
+std::optional<CameraFile> windowed(const CameraFile& camera, const Window& window);
+
+enum class CameraFormat {
+  toml,    // our own: docs/cameras.md
+  opencv,  // FileStorage of OpenCV: camera_matrix, distortion_coefficients, image_width
+  ros,     // sensor_msgs/CameraInfo as YAML
+  kalibr,  // camchain: its first camera
+  speed,   // camera.json of SPEED and SPEED+
+};
+
+// Reads a camera, of the format that its content has. Principal points are converted from the
+// centres of pixels to their corners: 0.5 more, except of our own format.
+//
+//   name  of the text in diagnostics
+// Fails: E0220. Reports: W0221 for members that have no effect.
+Result<CameraFile> read_camera(std::string_view text, const std::string& name, DiagnosticLog& log);
+
+// Returns the text of a camera, which reads back as the same numbers to their last bit or two.
+//
+// Fails: E0220 for a lens that the format cannot hold.
+Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log);
+
+}  // namespace panwright::sensor

@@ -1,0 +1,186 @@
+// Camera files as text.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/text.h"
+#include "sensor/camera_file.h"
+
+namespace panwright::sensor {
+
+namespace {
+
+// From the corner of a pixel to its centre.
+constexpr double kToCentre = 0.5;
+
+template <class Range>
+std::string joined(const Range& numbers) {
+  std::string out;
+  for (const double number : numbers) {
+    if (!out.empty()) out += ", ";
+    // a name for whole numbers as well: 1.0, as TOML and YAML tell them from integers
+    const std::string text = format_double(number);
+    out += text.find_first_of(".e") == text.npos ? text + ".0" : text;
+  }
+  return "[" + out + "]";
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + '"';
+}
+
+// Terms of Brown's model up to the last that is not 0, in the counts that OpenCV takes.
+std::vector<double> brown_terms(const Brown& brown) {
+  std::size_t used = 14;
+  while (used > 0 && brown.k[used - 1] == 0) --used;
+  for (const std::size_t count : {4, 5, 8, 12, 14})
+    if (used <= count) return {brown.k.begin(), brown.k.begin() + static_cast<long>(count)};
+  return {};
+}
+
+std::string own_text(const CameraFile& camera) {
+  const Lens& lens = camera.lens;
+  std::string out = "# A camera of Panwright: pixels from the upper left corner of the image\n";
+  if (!camera.name.empty()) out += fmt::format("name = {}\n", quoted(camera.name));
+  out += fmt::format("size = [{}, {}]\nfocal = {}\nprincipal = {}\n", camera.width, camera.height,
+                     joined(std::array{lens.focal.x, lens.focal.y}),
+                     joined(std::array{lens.principal.x, lens.principal.y}));
+  if (lens.skew != 0) out += fmt::format("skew = {}\n", joined(std::array{lens.skew}));
+  const auto terms = [&](const char* name, const auto& k) {
+    out += fmt::format("distortion = \"{}\"\ncoefficients = {}\n", name, joined(k));
+  };
+  if (const auto* brown = std::get_if<Brown>(&lens.distortion)) terms("brown", brown_terms(*brown));
+  if (const auto* fisheye = std::get_if<Fisheye>(&lens.distortion)) terms("fisheye", fisheye->k);
+  if (const auto* division = std::get_if<Division>(&lens.distortion))
+    terms("division", std::array{division->k});
+  if (const auto* powers = std::get_if<RadialPowers>(&lens.distortion)) terms("powers", powers->k);
+  if (const auto* cahvore = std::get_if<Cahvore>(&lens.distortion)) {
+    const Vec3& o = cahvore->axis;
+    out += fmt::format("distortion = \"cahvore\"\naxis = {}\nr = {}\ne = {}\nlinearity = {}\n",
+                       joined(std::array{o.x, o.y, o.z}), joined(cahvore->r), joined(cahvore->e),
+                       joined(std::array{cahvore->linearity}));
+  }
+  return out;
+}
+
+// What the formats of others hold of a lens.
+struct Plain {
+  std::vector<double> matrix;  // row-major, pixels counted from the centre of the first
+  std::vector<double> terms;   // empty: no distortion
+  bool fisheye = false;
+};
+
+std::optional<Plain> plain(const Lens& lens) {
+  Plain out;
+  out.matrix = {lens.focal.x,
+                lens.skew,
+                lens.principal.x - kToCentre,
+                0,
+                lens.focal.y,
+                lens.principal.y - kToCentre,
+                0,
+                0,
+                1};
+  if (std::holds_alternative<Pinhole>(lens.distortion)) return out;
+  if (const auto* brown = std::get_if<Brown>(&lens.distortion)) {
+    out.terms = brown_terms(*brown);
+    return out;
+  }
+  if (const auto* fisheye = std::get_if<Fisheye>(&lens.distortion)) {
+    out.terms.assign(fisheye->k.begin(), fisheye->k.end());
+    out.fisheye = true;
+    return out;
+  }
+  return std::nullopt;
+}
+
+std::string opencv_text(const CameraFile& camera, const Plain& lens) {
+  const std::vector<double> terms = lens.terms.empty() ? std::vector<double>(5) : lens.terms;
+  return fmt::format(
+      "%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n"
+      "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: {}\n"
+      "{}distortion_coefficients: !!opencv-matrix\n   rows: {}\n   cols: 1\n   dt: d\n   data: "
+      "{}\n",
+      camera.width, camera.height, joined(lens.matrix), lens.fisheye ? "fisheye_model: 1\n" : "",
+      terms.size(), joined(terms));
+}
+
+std::string ros_text(const CameraFile& camera, const Plain& lens) {
+  const std::vector<double> terms = lens.terms.empty() ? std::vector<double>(5) : lens.terms;
+  std::vector<double> projection;
+  for (std::size_t k = 0; k < 9; ++k) {
+    projection.push_back(lens.matrix[k]);
+    if (k % 3 == 2) projection.push_back(0);
+  }
+  return fmt::format(
+      "image_width: {}\nimage_height: {}\ncamera_name: {}\n"
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: {}\n"
+      "distortion_model: {}\n"
+      "distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: {}\n"
+      "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, "
+      "0.0, 1.0]\n"
+      "projection_matrix:\n  rows: 3\n  cols: 4\n  data: {}\n",
+      camera.width, camera.height, quoted(camera.name), joined(lens.matrix),
+      lens.fisheye       ? "equidistant"
+      : terms.size() > 5 ? "rational_polynomial"
+                         : "plumb_bob",
+      terms.size(), joined(terms), joined(projection));
+}
+
+std::string kalibr_text(const CameraFile& camera, const Plain& lens) {
+  const auto& m = lens.matrix;
+  return fmt::format(
+      "cam0:\n  camera_model: pinhole\n  intrinsics: {}\n  distortion_model: {}\n"
+      "  distortion_coeffs: {}\n  resolution: [{}, {}]\n",
+      joined(std::array{m[0], m[4], m[2], m[5]}),
+      lens.fisheye         ? "equidistant"
+      : lens.terms.empty() ? "none"
+                           : "radtan",
+      joined(lens.terms), camera.width, camera.height);
+}
+
+std::string speed_text(const CameraFile& camera, const Plain& lens) {
+  const auto& m = lens.matrix;
+  const std::vector<double> terms = lens.terms.empty() ? std::vector<double>(5) : lens.terms;
+  return fmt::format(
+      "{{\"Nu\": {}, \"Nv\": {}, \"ccx\": {}, \"ccy\": {}, \"cameraMatrix\": [{}, {}, {}], "
+      "\"distCoeffs\": {}}}\n",
+      camera.width, camera.height, format_double(m[2]), format_double(m[5]),
+      joined(std::array{m[0], m[1], m[2]}), joined(std::array{m[3], m[4], m[5]}),
+      joined(std::array{m[6], m[7], m[8]}), joined(terms));
+}
+
+}  // namespace
+
+Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log) {
+  if (format == CameraFormat::toml) return own_text(camera);
+  const auto fail = [&](const char* message) {
+    log.report(Code::E0220, {}, message, "write it as .toml");
+    return failed;
+  };
+  const auto lens = plain(camera.lens);
+  if (!lens) return fail("the format holds pinhole, brown and fisheye lenses only");
+  switch (format) {
+    case CameraFormat::opencv:
+      return opencv_text(camera, *lens);
+    case CameraFormat::ros:
+      return ros_text(camera, *lens);
+    case CameraFormat::kalibr:
+      if (lens->matrix[1] != 0) return fail("Kalibr's camchain has no skew");
+      if (!lens->fisheye && lens->terms.size() > 4)
+        return fail("Kalibr's camchain has four terms of distortion");
+      return kalibr_text(camera, *lens);
+    default:
+      if (lens->fisheye || lens->terms.size() > 5)
+        return fail("SPEED's camera.json has five terms of distortion");
+      return speed_text(camera, *lens);
+  }
+}
+
+}  // namespace panwright::sensor
