@@ -138,10 +138,9 @@ void use_matrix(TableReader& reader, const Value* value, std::string_view name, 
   const auto k = reader.numbers(value, name, {9});
   if (!k) return;
   const Numbers& m = *k;
-  if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
-    reader.fail(*value, fmt::format("{} is not [fx s cx; 0 fy cy; 0 0 1]", name));
+  if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
+    reader.fail(*value, fmt::format("{} is not [fx 0 cx; 0 fy cy; 0 0 1]", name));
   lens.focal = {m[0], m[4]};
-  lens.skew = m[1];
   lens.principal = Vec2(m[2], m[5]) + kHalf;
 }
 
@@ -283,7 +282,7 @@ void read_speed(TableReader& reader, CameraFile& camera) {
 // ---- our own
 
 constexpr std::string_view kOwnNames[] = {"name",         "size",      "focal",  "focal_length_mm",
-                                          "pixel_um",     "principal", "skew",   "distortion",
+                                          "pixel_um",     "principal",   "distortion",
                                           "coefficients", "axis",      "r",      "e",
                                           "linearity",    "region",    "binning"};
 
@@ -331,7 +330,11 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
   } else if (name == "division") {
     lens.distortion = Division{padded<1>(terms({1}))[0]};
   } else if (name == "powers") {
-    lens.distortion = RadialPowers{padded<5>(terms({1, 2, 3, 4, 5}))};
+    RadialPowers powers{padded<5>(terms({1, 2, 3, 4, 5}))};
+    if (lens.focal.x != lens.focal.y) reader.fail(*model, "powers of pixels need square ones");
+    double factor = 1;
+    for (double& k : powers.k) k *= factor, factor *= lens.focal.x;
+    lens.distortion = powers;
   } else if (name == "cahvore") {
     Cahvore model_terms;
     if (const auto axis = reader.numbers(reader.find({"axis"}), "axis", {3})) {
@@ -366,8 +369,6 @@ void read_own(TableReader& reader, CameraFile& camera) {
   camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
   if (const auto c = reader.numbers(reader.find({"principal"}), "principal", {2}))
     camera.lens.principal = {(*c)[0], (*c)[1]};
-  if (const auto skew = reader.numbers(reader.find({"skew"}), "skew", {1}))
-    camera.lens.skew = skew->front();
   read_own_distortion(reader, camera.lens);
   Window window;
   const auto whole = [&](const Value* value, auto& to, std::string_view name, double least) {
@@ -390,7 +391,7 @@ void read_own(TableReader& reader, CameraFile& camera) {
       camera = *part;
     else
       reader.fail(region != nullptr ? *region : *binning,
-                  "region and binning do not fit the image and its lens");
+                  "region and binning do not fit the image");
   }
   reader.finish(kOwnNames);
 }
@@ -433,8 +434,7 @@ ConfigFormat text_format(std::string_view text) {
 }
 
 bool is_finite(const Lens& lens) {
-  return std::isfinite(lens.focal.x + lens.focal.y + lens.principal.x + lens.principal.y +
-                       lens.skew);
+  return std::isfinite(lens.focal.x + lens.focal.y + lens.principal.x + lens.principal.y);
 }
 
 }  // namespace
@@ -452,13 +452,7 @@ std::optional<CameraFile> windowed(const CameraFile& camera, const Window& windo
   part.width = width / window.binning[0];
   part.height = height / window.binning[1];
   part.lens.focal /= block;
-  part.lens.skew /= block.x;
   part.lens.principal = (camera.lens.principal - Vec2(x, y)) / block;
-  if (auto* powers = std::get_if<RadialPowers>(&part.lens.distortion)) {
-    if (block.x != block.y) return std::nullopt;
-    double factor = 1;
-    for (double& k : powers->k) k *= factor, factor *= block.x;
-  }
   return part;
 }
 

@@ -13,13 +13,22 @@
 
 namespace panwright::sensor {
 
+// Pixels of places on the image plane: focal·place + principal, from the upper left corner of the
+// image; pixel (i, j) covers [i, i+1) × [j, j+1) (docs/conventions.md).
+struct Lens {
+  Vec2 focal{1024};     // pixels, > 0
+  Vec2 principal{512};  // pixels
+  Distortion distortion;
+  bool operator==(const Lens&) const = default;
+};
+
 inline constexpr std::uint32_t kMostPixels = 16384;  // of a side
 
 struct CameraFile {
   std::string name;          // may be empty
   std::uint32_t width = 0;   // pixels, 1 to kMostPixels
   std::uint32_t height = 0;  // pixels, 1 to kMostPixels
-  Lens lens;                 // of these pixels, from their upper left corner
+  Lens lens;                 // of these pixels
 };
 
 // Part of a detector, in pixels, read out in blocks.
@@ -29,8 +38,7 @@ struct Window {
 };
 
 // Returns the camera of a window: rays stay, pixels are renumbered. Pixels that do not fill a block
-// are left out. Nothing: the window lies outside, is smaller than a block, or the lens has powers
-// of pixels and blocks are no squares.
+// are left out. Nothing: the window lies outside, or is smaller than a block.
 std::optional<CameraFile> windowed(const CameraFile& camera, const Window& window);
 
 enum class CameraFormat {

@@ -51,7 +51,6 @@ std::string own_text(const CameraFile& camera) {
   out += fmt::format("size = [{}, {}]\nfocal = {}\nprincipal = {}\n", camera.width, camera.height,
                      joined(std::array{lens.focal.x, lens.focal.y}),
                      joined(std::array{lens.principal.x, lens.principal.y}));
-  if (lens.skew != 0) out += fmt::format("skew = {}\n", joined(std::array{lens.skew}));
   const auto terms = [&](const char* name, const auto& k) {
     out += fmt::format("distortion = \"{}\"\ncoefficients = {}\n", name, joined(k));
   };
@@ -59,7 +58,12 @@ std::string own_text(const CameraFile& camera) {
   if (const auto* fisheye = std::get_if<Fisheye>(&lens.distortion)) terms("fisheye", fisheye->k);
   if (const auto* division = std::get_if<Division>(&lens.distortion))
     terms("division", std::array{division->k});
-  if (const auto* powers = std::get_if<RadialPowers>(&lens.distortion)) terms("powers", powers->k);
+  if (const auto* powers = std::get_if<RadialPowers>(&lens.distortion)) {
+    auto of_pixels = powers->k;
+    double factor = 1;
+    for (double& k : of_pixels) k /= factor, factor *= lens.focal.x;
+    terms("powers", of_pixels);
+  }
   if (const auto* cahvore = std::get_if<Cahvore>(&lens.distortion)) {
     const Vec3& o = cahvore->axis;
     out += fmt::format("distortion = \"cahvore\"\naxis = {}\nr = {}\ne = {}\nlinearity = {}\n",
@@ -79,7 +83,7 @@ struct Plain {
 std::optional<Plain> plain(const Lens& lens) {
   Plain out;
   out.matrix = {lens.focal.x,
-                lens.skew,
+                0,
                 lens.principal.x - kToCentre,
                 0,
                 lens.focal.y,
@@ -159,11 +163,16 @@ std::string speed_text(const CameraFile& camera, const Plain& lens) {
 }  // namespace
 
 Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log) {
-  if (format == CameraFormat::toml) return own_text(camera);
-  const auto fail = [&](const char* message) {
-    log.report(Code::E0220, {}, message, "write it as .toml");
+  const auto fail = [&](const char* message, const char* hint = "write it as .toml") {
+    log.report(Code::E0220, {}, message, hint);
     return failed;
   };
+  if (format == CameraFormat::toml) {
+    if (std::holds_alternative<RadialPowers>(camera.lens.distortion) &&
+        camera.lens.focal.x != camera.lens.focal.y)
+      return fail("powers of pixels need square ones", "");
+    return own_text(camera);
+  }
   const auto lens = plain(camera.lens);
   if (!lens) return fail("the format holds pinhole, brown and fisheye lenses only");
   switch (format) {
@@ -172,7 +181,6 @@ Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, D
     case CameraFormat::ros:
       return ros_text(camera, *lens);
     case CameraFormat::kalibr:
-      if (lens->matrix[1] != 0) return fail("Kalibr's camchain has no skew");
       if (!lens->fisheye && lens->terms.size() > 4)
         return fail("Kalibr's camchain has four terms of distortion");
       return kalibr_text(camera, *lens);

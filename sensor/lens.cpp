@@ -10,10 +10,10 @@ namespace panwright::sensor {
 
 namespace {
 
-// Pixels farther out than any image: beyond them a ray is rounding.
-constexpr double kFarPixel = 1e12;
+// Places farther out than any image: beyond them a ray is rounding.
+constexpr double kFarPlace = 1e9;
 
-// Ends of searches for a fold: tangents of angles to the boresight, or pixels.
+// Ends of searches for a fold: tangents of angles to the boresight.
 constexpr double kNearest = 1e-3;
 constexpr double kFarthest = 1e6;
 
@@ -174,12 +174,6 @@ std::optional<double> pupil_angle(const Cahvore& lens, double along, double acro
   return std::max(theta, 0.0);
 }
 
-// Solid angle, signed.
-double triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return 2 * det::atan2(glm::dot(a, glm::cross(b - a, c - a)),
-                        1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
-}
-
 // Direction at an angle to an axis, on the side of `across`; the axis, if that is 0.
 Vec3 turned(const Vec3& axis, const Vec3& across, double length, double theta) {
   if (length == 0) return axis;
@@ -195,7 +189,6 @@ struct Domain {
   double angle;        // to the axis
   const Mat3& tilt;
   const Mat3& untilt;
-  const Lens& lens;
 };
 
 std::optional<Vec2> onto(const Pinhole&, const Domain&, const Vec3& point) {
@@ -231,8 +224,7 @@ std::optional<Vec2> onto(const Division& lens, const Domain&, const Vec3& point)
 std::optional<Vec2> onto(const RadialPowers& lens, const Domain& domain, const Vec3& point) {
   if (!(point.z > 0)) return std::nullopt;
   const Vec2 at = Vec2(point) / point.z;
-  const Lens& k = domain.lens;
-  const double r = glm::length(Vec2(k.focal.x * at.x + k.skew * at.y, k.focal.y * at.y));
+  const double r = glm::length(at);
   if (!(r <= domain.limit)) return std::nullopt;
   return r == 0 ? at : at * (radial(lens, r).value / r);
 }
@@ -290,8 +282,7 @@ std::optional<LensRay> from(const Division& lens, const Domain&, const Vec2& at)
 }
 
 std::optional<LensRay> from(const RadialPowers& lens, const Domain& domain, const Vec2& at) {
-  const Lens& k = domain.lens;
-  const double r = glm::length(Vec2(k.focal.x * at.x + k.skew * at.y, k.focal.y * at.y));
+  const double r = glm::length(at);
   if (!(r <= domain.limit_image)) return std::nullopt;
   const double scale = r == 0 ? 1 : inverse(lens, domain.limit, r) / r;
   return LensRay{.direction = glm::normalize(Vec3(at * scale, 1))};
@@ -313,30 +304,29 @@ std::optional<LensRay> from(const Cahvore& lens, const Domain& domain, const Vec
 
 }  // namespace
 
-LensMap::LensMap(const Lens& lens) : lens_(lens) {
-  assert(lens.focal.x > 0 && lens.focal.y > 0);
-  if (const auto* brown = std::get_if<Brown>(&lens.distortion)) {
+DistortionMap::DistortionMap(const Distortion& distortion) : distortion_(distortion) {
+  if (const auto* brown = std::get_if<Brown>(&distortion)) {
     limit_ = before_fold(*brown, kFarthest);
     limit_image_ = radial(*brown, limit_).value;
     domain_ = det::atan(limit_);
     tilt_ = tilt_of(brown->k[12], brown->k[13]);
     untilt_ = glm::inverse(tilt_);
-  } else if (const auto* fisheye = std::get_if<Fisheye>(&lens.distortion)) {
+  } else if (const auto* fisheye = std::get_if<Fisheye>(&distortion)) {
     domain_ = limit_ = before_fold(*fisheye, kPi);
     limit_image_ = radial(*fisheye, limit_).value;
-  } else if (const auto* powers = std::get_if<RadialPowers>(&lens.distortion)) {
-    limit_ = before_fold(*powers, kFarthest * lens.focal.x);
+  } else if (const auto* powers = std::get_if<RadialPowers>(&distortion)) {
+    limit_ = before_fold(*powers, kFarthest);
     limit_image_ = radial(*powers, limit_).value;
-    domain_ = det::atan(limit_ / lens.focal.x);
-  } else if (const auto* cahvore = std::get_if<Cahvore>(&lens.distortion)) {
-    assert(cahvore->axis.z >= 0.5);
+    domain_ = det::atan(limit_);
+  } else if (const auto* cahvore = std::get_if<Cahvore>(&distortion)) {
+    assert(cahvore->axis.z >= 0.49);
     const double linearity = cahvore->linearity;
     const double widest = linearity == 0 ? kPi : std::min(kPi, kPi / 2 / std::fabs(linearity));
     const double far = linearity > 0.5 ? kFarthest : chi_of(linearity, widest);
     limit_ = before_fold(*cahvore, far);
     limit_image_ = radial(*cahvore, limit_).value;
     domain_ = theta_of(linearity, limit_);
-  } else if (const auto* division = std::get_if<Division>(&lens.distortion)) {
+  } else if (const auto* division = std::get_if<Division>(&distortion)) {
     const double k = division->k;
     domain_ = k > 0 ? det::atan(0.5 / std::sqrt(k)) : k < 0 ? kPi : kPi / 2;
   } else {
@@ -344,40 +334,18 @@ LensMap::LensMap(const Lens& lens) : lens_(lens) {
   }
 }
 
-Vec2 LensMap::pixel_of(const Vec2& at) const {
-  return {lens_.focal.x * at.x + lens_.skew * at.y + lens_.principal.x,
-          lens_.focal.y * at.y + lens_.principal.y};
-}
-
-Vec2 LensMap::distorted_of(const Vec2& pixel) const {
-  const double y = (pixel.y - lens_.principal.y) / lens_.focal.y;
-  return {(pixel.x - lens_.principal.x - lens_.skew * y) / lens_.focal.x, y};
-}
-
-std::optional<Vec2> LensMap::project(const Vec3& point) const {
-  const Domain domain{limit_, limit_image_, domain_, tilt_, untilt_, lens_};
+std::optional<Vec2> DistortionMap::place(const Vec3& point) const {
+  const Domain domain{limit_, limit_image_, domain_, tilt_, untilt_};
   const auto at =
-      std::visit([&](const auto& lens) { return onto(lens, domain, point); }, lens_.distortion);
-  if (!at || !(std::fabs(at->x) < kFarPixel && std::fabs(at->y) < kFarPixel)) return std::nullopt;
-  return pixel_of(*at);
+      std::visit([&](const auto& lens) { return onto(lens, domain, point); }, distortion_);
+  if (!at || !(std::fabs(at->x) < kFarPlace && std::fabs(at->y) < kFarPlace)) return std::nullopt;
+  return at;
 }
 
-std::optional<LensRay> LensMap::ray(const Vec2& pixel) const {
-  if (!(std::fabs(pixel.x) < kFarPixel && std::fabs(pixel.y) < kFarPixel)) return std::nullopt;
-  const Domain domain{limit_, limit_image_, domain_, tilt_, untilt_, lens_};
-  return std::visit([&](const auto& lens) { return from(lens, domain, distorted_of(pixel)); },
-                    lens_.distortion);
-}
-
-double LensMap::pixel_solid_angle(std::uint32_t column, std::uint32_t row) const {
-  std::array<Vec3, 4> corners;
-  for (unsigned k = 0; k < 4; ++k) {
-    const auto corner = ray(Vec2(column + (k == 1 || k == 2), row + k / 2));
-    if (!corner) return 0;
-    corners[k] = corner->direction;
-  }
-  return triangle(corners[0], corners[1], corners[2]) +
-         triangle(corners[0], corners[2], corners[3]);
+std::optional<LensRay> DistortionMap::ray(const Vec2& place) const {
+  if (!(std::fabs(place.x) < kFarPlace && std::fabs(place.y) < kFarPlace)) return std::nullopt;
+  const Domain domain{limit_, limit_image_, domain_, tilt_, untilt_};
+  return std::visit([&](const auto& lens) { return from(lens, domain, place); }, distortion_);
 }
 
 }  // namespace panwright::sensor

@@ -1,12 +1,10 @@
-// Lenses: the pixel that a point falls on, and the ray of a pixel. Pure functions.
+// Lenses: the place on the image plane that a point falls on, and back. Pure functions.
 //
-// Camera axes: x right, y down, z along the boresight; metres. Pixels: (0, 0) is the upper left
-// corner of the image, pixel (i, j) covers [i, i+1) × [j, j+1) (docs/conventions.md). OpenCV, ROS
-// and Kalibr put the centre of a pixel at whole numbers: their principal points are 0.5 less.
+// Camera axes: x right, y down, z along the boresight; metres. The image plane: at distance 1, so
+// that without distortion a point falls on (X/Z, Y/Z); pixels are focal·place + principal.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <variant>
 
@@ -14,7 +12,7 @@
 
 namespace panwright::sensor {
 
-// Ideal coordinates below: x = X/Z, y = Y/Z, r² = x² + y².
+// Below: x = X/Z, y = Y/Z, r² = x² + y²; x', y', r' are places with distortion.
 
 // No distortion.
 struct Pinhole {
@@ -42,16 +40,14 @@ struct Division {
   bool operator==(const Division&) const = default;
 };
 
-// r' = r + k1·r + k2·r² + … + k5·r⁵, r and r' in pixels from the principal point.
-// Source: PANGU's -distortion, which does not document the unit; that of AMICA, whose published
-// term is −2.8e-5·r², is the pixel.
+// r' = r + k1·r + k2·r² + … + k5·r⁵. Source: PANGU's -distortion.
 struct RadialPowers {
   std::array<double, 5> k{};
   bool operator==(const RadialPowers&) const = default;
 };
 
 // CAHVOR and CAHVORE, in camera axes: A, H and V are the boresight, focal lengths and principal
-// point of the lens; `axis` is O, `r` is R, `e` is E.
+// point of the camera; `axis` is O, `r` is R, `e` is E.
 //
 //   linearity  1: perspective (CAHVOR with e = 0); 0: fisheye; between: general
 // E moves the entrance pupil along O, metres: rays do not meet in one point then.
@@ -66,53 +62,37 @@ struct Cahvore {
 
 using Distortion = std::variant<Pinhole, Brown, Fisheye, Division, RadialPowers, Cahvore>;
 
-// Pixels of distorted coordinates: (focal.x·x' + skew·y' + principal.x, focal.y·y' + principal.y).
-struct Lens {
-  Vec2 focal{1024};     // pixels, > 0
-  Vec2 principal{512};  // pixels
-  double skew = 0;      // pixels
-  Distortion distortion;
-  bool operator==(const Lens&) const = default;
-};
-
 // Ray in camera axes.
 struct LensRay {
   Vec3 origin{0};     // metres; not 0 only with Cahvore::e
   Vec3 direction{0};  // unit
 };
 
-// Lens with its domain: the largest angle to the axis up to which farther directions fall on
-// farther points. Beyond it a polynomial folds back; directions and pixels there have no partner.
-class LensMap {
+// Distortion with its domain: the largest angle to the axis up to which farther directions fall on
+// farther places. Beyond it a polynomial folds back; directions and places there have no partner.
+class DistortionMap {
  public:
-  // Expects: finite numbers; focal lengths > 0; Cahvore's axis of unit length, within 60 degrees of
-  // the boresight. Cost: some 10 µs.
-  explicit LensMap(const Lens& lens);
+  // Expects: finite numbers; Cahvore's axis of unit length, within 60 degrees of the boresight, and
+  // its linearity from -1 to 1. Cost: some 100 µs.
+  explicit DistortionMap(const Distortion& distortion);
 
-  const Lens& lens() const { return lens_; }
+  const Distortion& distortion() const { return distortion_; }
 
-  // Returns the pixel of a point; nothing: it lies behind the camera or outside the domain.
-  std::optional<Vec2> project(const Vec3& point) const;
+  // Returns the place of a point; nothing: it lies behind the camera or outside the domain.
+  std::optional<Vec2> place(const Vec3& point) const;
 
-  // Returns the ray of a pixel: project() of its points is the pixel, within 1e-9 pixels. Nothing:
-  // no direction of the domain falls there.
-  std::optional<LensRay> ray(const Vec2& pixel) const;
-
-  // Returns the solid angle of a pixel, steradians: that of the spherical quadrilateral of its
-  // corners, so that pixels add up to the polygon of the outermost ones. 0: a corner has no ray.
-  double pixel_solid_angle(std::uint32_t column, std::uint32_t row) const;
+  // Returns the ray of a place: place() of its points is the place, within 1e-14. Nothing: no
+  // direction of the domain falls there.
+  std::optional<LensRay> ray(const Vec2& place) const;
 
   // Returns the domain's largest angle to the axis of the distortion, radians, up to π. With
   // tangential terms it is that of the radial ones.
   double domain() const { return domain_; }
 
  private:
-  Vec2 pixel_of(const Vec2& distorted) const;
-  Vec2 distorted_of(const Vec2& pixel) const;
-
-  Lens lens_;
+  Distortion distortion_;
   double domain_ = kPi;
-  double limit_ = 0;          // domain in the variable of the distortion: r, θ or pixels
+  double limit_ = 0;          // domain in the variable of the distortion: r, θ or CAHVORE's χ
   double limit_image_ = 0;    // its distorted value
   Mat3 tilt_{1}, untilt_{1};  // of Brown
 };

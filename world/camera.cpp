@@ -38,6 +38,22 @@ double triangle_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double 
   return 2 * det::atan2(determinant, sum);
 }
 
+// the quadrilateral of a pixel's corners on the sphere
+double distorted_solid_angle(const Camera& camera, std::uint32_t column, std::uint32_t row) {
+  Vec3 corners[4];
+  for (unsigned k = 0; k < 4; ++k) {
+    const Vec2 at(column + (k == 1 || k == 2), row + k / 2);
+    const auto ray = camera.distortion->ray((at - camera.principal) / camera.focal);
+    if (!ray) return 0;
+    corners[k] = ray->direction;
+  }
+  const auto triangle = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return triangle_solid_angle(a, b, c, glm::dot(a, glm::cross(b - a, c - a)));
+  };
+  return triangle(corners[0], corners[1], corners[2]) +
+         triangle(corners[0], corners[2], corners[3]);
+}
+
 }  // namespace
 
 void set_field_of_view(Camera& camera, std::uint32_t width, std::uint32_t height, double fov) {
@@ -93,6 +109,7 @@ void place_in_frame(Camera& camera, const Mat4& world_from_node, const Vec3& ori
 }
 
 geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel) {
+  assert(camera.distortion == nullptr);
   const Vec2 plane = (pixel - camera.principal) / camera.focal;
   geometry::Ray ray;
   ray.origin = camera.position;
@@ -105,10 +122,25 @@ geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel) {
   return ray;
 }
 
+std::optional<geometry::Ray> distorted_ray(const Camera& camera, const Vec2& pixel) {
+  if (camera.distortion == nullptr) return pixel_ray(camera, pixel);
+  const auto local = camera.distortion->ray((pixel - camera.principal) / camera.focal);
+  if (!local) return std::nullopt;
+  geometry::Ray ray;
+  ray.origin = camera.position + camera.world_from_camera * local->origin;
+  ray.direction = camera.world_from_camera * local->direction;
+  return ray;
+}
+
 std::optional<Vec2> project(const Camera& camera, const Vec3& point) {
   const Vec3 local = glm::conjugate(camera.world_from_camera) * (point - camera.position);
   if (camera.projection == Projection::orthographic)
     return camera.focal * Vec2(local) + camera.principal;
+  if (camera.distortion != nullptr) {
+    const auto place = camera.distortion->place(local);
+    if (!place) return std::nullopt;
+    return camera.focal * *place + camera.principal;
+  }
   if (!(local.z > 0)) return std::nullopt;
   return camera.focal * Vec2(local) / local.z + camera.principal;
 }
@@ -116,6 +148,7 @@ std::optional<Vec2> project(const Camera& camera, const Vec3& point) {
 double pixel_solid_angle(const Camera& camera, std::uint32_t column, std::uint32_t row) {
   assert(camera.projection == Projection::perspective);
   assert(column < camera.width && row < camera.height);
+  if (camera.distortion != nullptr) return distorted_solid_angle(camera, column, row);
   // the rectangle on the plane at distance 1, as two triangles
   const Vec2 low = (Vec2(column, row) - camera.principal) / camera.focal;
   const Vec2 side = Vec2(1) / camera.focal;

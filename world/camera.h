@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
 #include "geometry/ray/ray.h"
+#include "sensor/lens.h"
 
 namespace panwright::world {
 
@@ -17,6 +19,7 @@ enum class Projection { perspective, orthographic };
 // camera's frame, metres, falls on pixel
 //   perspective    (focal.x·X/Z + principal.x, focal.y·Y/Z + principal.y), Z > 0
 //   orthographic   (focal.x·X + principal.x, focal.y·Y + principal.y)
+//   distorted      focal·distortion->place(point) + principal
 // with (0, 0) the upper left corner of the image; pixel (i, j) covers [i, i+1) × [j, j+1).
 struct Camera {
   std::uint32_t width = 1024;   // pixels
@@ -24,6 +27,7 @@ struct Camera {
   Projection projection = Projection::perspective;
   Vec2 focal{1024};     // pixels; orthographic: pixels per metre; > 0
   Vec2 principal{512};  // pixels
+  std::shared_ptr<const sensor::DistortionMap> distortion;  // perspective only; null: none
   Vec3 position{0};     // world, metres
   Quat world_from_camera{1, 0, 0, 0};
 };
@@ -54,14 +58,20 @@ void place_in_frame(Camera& camera, const Mat4& world_from_node, const Vec3& ori
                     const Quat& node_from_frame);
 
 // The world ray through an image point, unit direction. Orthographic rays start on the plane
-// through the camera's position.
+// through the camera's position. Expects: no distortion.
 geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel);
 
-// Projects a world point to the image; nothing when it is not in front of the camera.
+// The same for any camera; nothing: the distortion has no ray there.
+std::optional<geometry::Ray> distorted_ray(const Camera& camera, const Vec2& pixel);
+
+// Projects a world point to the image; nothing when it is not in front of the camera, or outside
+// the domain of its distortion.
 std::optional<Vec2> project(const Camera& camera, const Vec3& point);
 
 // The solid angle of any pixel, steradians, to a relative 1e-15 (7e-16 measured; of one that spans
 // 179.9 degrees 4e-14). A sum of L·pixel_solid_angle over an image is the irradiance at the camera.
+// With distortion: of the spherical quadrilateral of its corners, so that pixels add up to the
+// polygon of the outermost ones; to a relative 1e-16 over the pixel's angle; 0: a corner has no ray.
 // Expects: perspective; column < width, row < height.
 double pixel_solid_angle(const Camera& camera, std::uint32_t column, std::uint32_t row);
 

@@ -117,14 +117,17 @@ void add_ground_truth(const TraceScene& scene, const world::Camera& camera, bool
   image.target_id.resize(image.pixels());
   const auto trace_row = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
-      const trace::Ray ray{view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5})};
+      const auto seen = view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5});
+      if (!seen) continue;
+      const trace::Ray ray{*seen};
       const auto hit = scene.seen(ray);
       if (!hit) continue;
       const trace::Scene::Placed& placed = scene.rays().targets()[hit->target];
       const std::size_t pixel = row * image.width + column;
-      // the ray is of unit length: its part along the boresight is the depth's
+      // the ray is of unit length: its part along the boresight is the depth's. A pupil that moves
+      // starts it off the plane of the camera
       image.range[pixel] = static_cast<float>(hit->distance);
-      image.depth[pixel] = static_cast<float>(hit->distance * ray.direction.z);
+      image.depth[pixel] = static_cast<float>(ray.origin.z + hit->distance * ray.direction.z);
       const Vec3 normal = placed.frame.world_from * placed.target->normal(*hit, flat);
       for (std::size_t k = 0; k < 3; ++k)
         image.normal[3 * pixel + k] = static_cast<float>(normal[static_cast<int>(k)]);

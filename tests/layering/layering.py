@@ -11,7 +11,7 @@ LEVELS = [
     {"base": [], "schemas": []},
     {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"]},
     {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
-    {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light"],
+    {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"]},
     {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},

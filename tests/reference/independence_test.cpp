@@ -131,7 +131,7 @@ TEST(ReferenceIndependence, PixelsAreAlike) {
     camera.projection = i % 2 ? world::Projection::perspective : world::Projection::orthographic;
     const Vec2 place(100 * uniform(random), 80 * uniform(random));
     const geometry::Ray theirs = world::pixel_ray(camera, place);
-    const geometry::Ray ours = reference::view_ray(camera, place);
+    const geometry::Ray ours = *reference::view_ray(camera, place);
     const trace::RigidFrame frame = trace::frame_of({camera.position, camera.world_from_camera});
     ray_off = std::max(
         {ray_off, glm::length(frame.world_from * ours.direction - theirs.direction),

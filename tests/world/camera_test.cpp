@@ -186,6 +186,63 @@ TEST(Camera, SolidAngleOfOnePixelOffAxis) {
   EXPECT_NEAR(pixel_solid_angle(camera, 900, 100) / midpoint, 1, 1e-6);  // measured 4e-7
 }
 
+Camera distorted(const sensor::Distortion& distortion, double focal) {
+  Camera camera;
+  camera.focal = {focal, 1.1 * focal};
+  camera.principal = {500, 520};
+  camera.position = {1, -2, 3};
+  camera.world_from_camera = glm::angleAxis(kPi / 2, glm::normalize(Vec3(1, 2, 3)));
+  camera.distortion = std::make_shared<sensor::DistortionMap>(distortion);
+  return camera;
+}
+
+TEST(Camera, DistortedRaysProjectBack) {
+  for (const sensor::Distortion& each :
+       {sensor::Distortion(sensor::Brown{{-.2, .1, 4e-3, -3e-3}}),
+        sensor::Distortion(sensor::Fisheye{{-.02, .005}}),
+        sensor::Distortion(sensor::Cahvore{.e = {0.2, 0, 0}, .linearity = 0.5})}) {
+    const Camera camera = distorted(each, 500);
+    for (const Vec2& pixel : {Vec2(500, 520), Vec2(0.5, 1023.5), Vec2(900, 300)}) {
+      const auto ray = distorted_ray(camera, pixel);
+      ASSERT_TRUE(ray);
+      const auto back = project(camera, ray->origin + 7.0 * ray->direction);
+      ASSERT_TRUE(back);
+      EXPECT_LE(glm::length(*back - pixel), 1e-11);
+    }
+  }
+  const Camera brown = distorted(sensor::Brown{{-.2}}, 500);
+  EXPECT_FALSE(project(brown, brown.position + brown.world_from_camera * Vec3(0, 0, -1)));
+  // without: the same as pixel_ray()
+  Camera plain;
+  EXPECT_EQ(distorted_ray(plain, {3, 4})->direction, pixel_ray(plain, {3, 4}).direction);
+}
+
+// Pixels add up to the polygon of the border; without terms to the closed form of a pyramid.
+TEST(Camera, DistortedSolidAngles) {
+  Camera camera = distorted(sensor::Pinhole{}, 60);
+  camera.width = 64, camera.height = 48;
+  camera.focal = {60, 70};
+  camera.principal = {32, 24};
+  double sum = 0;
+  for (unsigned row = 0; row < 48; ++row)
+    for (unsigned column = 0; column < 64; ++column) sum += pixel_solid_angle(camera, column, row);
+  const double a = 32 / 60.0, b = 24 / 70.0;
+  EXPECT_NEAR(sum, 4 * std::atan(a * b / std::sqrt(1 + a * a + b * b)), 1e-14);
+  // of an equidistant lens dΩ = sin θ/θ dx dy, here 0.01 rad a pixel: 4.2e-6 for squares
+  Camera fisheye = distorted(sensor::Fisheye{}, 100);
+  fisheye.focal = Vec2(100);
+  fisheye.principal = Vec2(0);
+  for (const unsigned column : {0u, 50u, 140u}) {
+    const double theta = std::hypot(column + 0.5, 0.5) / 100;
+    EXPECT_NEAR(pixel_solid_angle(fisheye, column, 0) / (1e-4 * std::sin(theta) / theta), 1, 2e-5);
+  }
+  // narrow: one millionth of a radian
+  const Camera narrow = distorted(sensor::Pinhole{}, 1e6);
+  EXPECT_NEAR(pixel_solid_angle(narrow, 500, 520) * 1.1e12, 1, 1e-9);
+  // beyond a fold at r' = 0.70 there is nothing
+  EXPECT_EQ(pixel_solid_angle(distorted(sensor::Brown{{-.3}}, 500), 0, 0), 0);
+}
+
 TEST(Camera, OrthographicPixels) {
   Camera camera;
   set_orthographic(camera, 400, 200, 8);

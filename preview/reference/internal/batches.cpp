@@ -170,7 +170,9 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   }
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
-  const trace::Ray ray{view_ray(view_.camera, sample.place)};
+  const auto seen = view_ray(view_.camera, sample.place);
+  if (!seen) return sample;
+  const trace::Ray ray{*seen};
   const PathResult path = traced(view_.scene, view_.suns, ray, first, name, view_.path, counts);
   sample.light = Light(path.radiance, path.covered ? 1 : 0);
   return sample;

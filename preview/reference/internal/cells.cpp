@@ -79,6 +79,34 @@ bool is_out_of_view(const world::Camera& camera, std::span<const Vec3> corners) 
   return behind || left || right || above || below;
 }
 
+// The area of a sphere on an image with distortion: that of the rim of its cone. The rim's image
+// surrounds that of what is inside it.
+AxisRectangle distorted_area(const world::Camera& camera, const Vec3& centre, double radius) {
+  constexpr int kRim = 64;
+  // what chords of the rim cut off, and what its image bends beyond them: 0.12 % of a circle
+  constexpr double kSlack = 0.02;
+  const AxisRectangle everywhere{Vec2(-kInfinity), Vec2(kInfinity)};
+  const double distance = glm::length(centre);
+  const double sine = radius / distance;
+  const auto* cahvore = std::get_if<sensor::Cahvore>(&camera.distortion->distortion());
+  const bool pupil_moves = cahvore != nullptr && cahvore->e != decltype(cahvore->e){};
+  if (!(sine < 0.9) || pupil_moves) return everywhere;
+  const Vec3 axis = centre / distance;
+  const Vec3 beside =
+      glm::normalize(glm::cross(axis, std::fabs(axis.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
+  const Vec3 other = glm::cross(axis, beside);
+  AxisRectangle area;
+  for (int k = 0; k < kRim; ++k) {
+    const auto [s, c] = det::sincos(2 * kPi * k / kRim);
+    const auto place = camera.distortion->place(std::sqrt(1 - sine * sine) * axis +
+                                                sine * (c * beside + s * other));
+    if (!place) return everywhere;
+    area.add(camera.focal * *place + camera.principal);
+  }
+  area.widen(kSlack * area.longest() + 1e-6);
+  return area;
+}
+
 AxisRectangle area_of(const world::Camera& camera, const trace::Model::Part& part,
                       const trace::Affine& camera_from_mesh, const Vec3& target) {
   std::array<Vec3, 8> corners = corners_of(part);
@@ -86,6 +114,14 @@ AxisRectangle area_of(const world::Camera& camera, const trace::Model::Part& par
       glm::max(glm::abs(camera_from_mesh.offset), glm::abs(camera.position) + glm::abs(target));
   // metres: some roundings of the largest numbers on the way
   const double rounding = 1e-15 * std::max({far.x, far.y, far.z});
+  if (camera.distortion != nullptr) {
+    Vec3 low(kInfinity), high(-kInfinity);
+    for (const Vec3& corner : corners) {
+      low = glm::min(low, camera_from_mesh(corner));
+      high = glm::max(high, camera_from_mesh(corner));
+    }
+    return distorted_area(camera, (low + high) / 2.0, glm::length(high - low) / 2 + rounding);
+  }
   Projected whole(camera, camera_from_mesh, rounding);
   for (Vec3& corner : corners) {
     whole.add(corner);

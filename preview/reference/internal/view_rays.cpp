@@ -1,5 +1,6 @@
 #include "preview/reference/internal/view_rays.h"
 
+#include <array>
 #include <cmath>
 
 namespace panwright::preview::reference {
@@ -21,9 +22,16 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double twice_are
 
 }  // namespace
 
-geometry::Ray view_ray(const world::Camera& camera, const Vec2& place) {
+std::optional<geometry::Ray> view_ray(const world::Camera& camera, const Vec2& place) {
   const Vec2 plane = (place - camera.principal) / camera.focal;
   geometry::Ray ray;
+  if (camera.distortion != nullptr) {
+    const auto found = camera.distortion->ray(plane);
+    if (!found) return std::nullopt;
+    ray.origin = found->origin;
+    ray.direction = found->direction;
+    return ray;
+  }
   if (camera.projection == world::Projection::orthographic) {
     ray.origin = Vec3(plane, 0);
     ray.direction = Vec3(0, 0, 1);
@@ -34,9 +42,28 @@ geometry::Ray view_ray(const world::Camera& camera, const Vec2& place) {
   return ray;
 }
 
+namespace {
+
+// Of the quadrilateral of the corners' directions.
+double distorted_weight(const world::Camera& camera, std::uint32_t column, std::uint32_t row) {
+  std::array<Vec3, 4> at;
+  for (unsigned k = 0; k < 4; ++k) {
+    const auto ray = view_ray(camera, Vec2(column + (k == 1 || k == 2), row + k / 2));
+    if (!ray) return 0;
+    at[k] = ray->direction;
+  }
+  const auto triangle = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return solid_angle(a, b, c, glm::dot(a, glm::cross(b - a, c - a)));
+  };
+  return triangle(at[0], at[1], at[2]) + triangle(at[0], at[2], at[3]);
+}
+
+}  // namespace
+
 double pixel_weight(const world::Camera& camera, std::uint32_t column, std::uint32_t row) {
   const double area = 1 / (camera.focal.x * camera.focal.y);
   if (camera.projection == world::Projection::orthographic) return area;
+  if (camera.distortion != nullptr) return distorted_weight(camera, column, row);
   const auto corner = [&](double x, double y) {
     return Vec3((x - camera.principal.x) / camera.focal.x,
                 (y - camera.principal.y) / camera.focal.y, 1);

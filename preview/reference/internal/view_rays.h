@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/math.h"
 #include "geometry/ray/ray.h"
@@ -10,11 +11,12 @@
 namespace panwright::preview::reference {
 
 // Returns the ray through a place on the image, in the camera's frame, unit direction. Orthographic
-// rays start on the plane through the camera.
-geometry::Ray view_ray(const world::Camera& camera, const Vec2& place);
+// rays start on the plane through the camera. Nothing: the camera's distortion has none there.
+std::optional<geometry::Ray> view_ray(const world::Camera& camera, const Vec2& place);
 
 // Returns the weight of a pixel's radiance in the total flux: its solid angle, steradians, or its
-// area, m², for an orthographic camera. Exact to some roundings.
+// area, m², for an orthographic camera. Exact to some roundings;
+// with distortion that of its corners' rays, 0 where one has none.
 double pixel_weight(const world::Camera& camera, std::uint32_t column, std::uint32_t row);
 
 }  // namespace panwright::preview::reference

@@ -1,0 +1,106 @@
+// Cameras with distortion: what a sphere covers, by closed forms and by the camera's own rays.
+#include "reference_models.h"
+
+namespace panwright::preview::distortion_test {
+namespace {
+
+using namespace testing_support;
+
+struct Case {
+  const char* name;
+  double focal;
+  sensor::Distortion distortion;
+};
+const Case kCases[] = {
+    {"brown", 90, sensor::Brown{{-.25, .08, 4e-3, -3e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, .02, .01}}},
+    {"fisheye", 50, sensor::Fisheye{{-.02, .005}}},
+    {"division", 60, sensor::Division{-.25}},
+    {"CAHVOR", 80, sensor::Cahvore{.axis = glm::normalize(Vec3(.02, -.01, 1)), .r = {0, -.1, .02}}},
+};
+
+// A unit sphere of many facets at a place of the camera's axes.
+View sphere_at(const Case& each, const Vec3& place) {
+  View view = looking_from({0, -1, 0}, 10, 1, 128, 0.5);
+  view.camera.focal = Vec2(each.focal);
+  view.camera.world_from_camera = glm::angleAxis(kPi / 2, glm::normalize(Vec3(1, 2, 3)));
+  view.camera.position = -(view.camera.world_from_camera * place);
+  view.camera.distortion = std::make_shared<sensor::DistortionMap>(each.distortion);
+  return view;
+}
+
+// Sum over pixels of coverage times solid angle: that of the sphere, 2π(1 - cos α). Facets take
+// 7e-6; 64 samples a pixel leave some 2e-4 of the 20 to 60 pixels across it.
+TEST(ReferenceDistortion, SphereCoversItsSolidAngle) {
+  const pan::Model model = model_of(single(sphere(300, 300), lambert(0.8)));
+  for (const Case& each : kCases)
+    for (const Vec3& place : {Vec3(0, 0, 4), Vec3(2, -1.5, 4), Vec3(-1.4, 1.2, 2.6)}) {
+      SCOPED_TRACE(each.name);
+      const View view = sphere_at(each, place);
+      const ReferenceImage result = traced(model, view, direct_light(256));
+      double covered = 0;
+      for (std::uint32_t row = 0; row < 128; ++row)
+        for (std::uint32_t column = 0; column < 128; ++column)
+          covered += result.image.coverage[row * 128 + column] *
+                     world::pixel_solid_angle(view.camera, column, row);
+      const double sine = 1 / glm::length(place);
+      const double exact = 2 * kPi * (1 - std::sqrt(1 - sine * sine));
+      printf("%s at %g %g %g: %+.2e\n", each.name, place.x, place.y, place.z, covered / exact - 1);
+      EXPECT_NEAR(covered / exact, 1, 1e-3);
+      expect_no_nan(result.image);
+    }
+}
+
+// Truth layers hold what the ray through a pixel's centre meets.
+TEST(ReferenceDistortion, TruthIsOfTheCentresRays) {
+  const pan::Model model = model_of(single(sphere(300, 300), lambert(0.8)));
+  for (const Case& each : kCases) {
+    SCOPED_TRACE(each.name);
+    const View view = sphere_at(each, {1.5, -1, 3});
+    ReferenceOptions options = direct_light(8);
+    options.ground_truth = true;
+    const image::Image image = traced(model, view, options).image;
+    int hits = 0;
+    for (std::uint32_t row = 0; row < 128; ++row)
+      for (std::uint32_t column = 0; column < 128; ++column) {
+        const auto ray = world::distorted_ray(view.camera, {column + 0.5, row + 0.5});
+        const double range = image.range[row * 128 + column];
+        if (!ray) {
+          EXPECT_TRUE(std::isinf(range));
+          continue;
+        }
+        // of the sphere about the origin
+        const double middle = -glm::dot(ray->origin, ray->direction);
+        const double square = 1 - (glm::dot(ray->origin, ray->origin) - middle * middle);
+        if (std::fabs(square) < 2e-3) continue;  // facets there
+        ASSERT_EQ(std::isfinite(range), square > 0) << column << ' ' << row;
+        if (square < 0) continue;
+        ++hits;
+        EXPECT_NEAR(range, middle - std::sqrt(square), 2e-3);
+        const Vec3 local = glm::conjugate(view.camera.world_from_camera) * (range * ray->direction);
+        EXPECT_NEAR(image.depth[row * 128 + column], local.z, 1e-5);
+      }
+    EXPECT_GT(hits, 300);
+  }
+}
+
+// A sphere beside and behind the camera, which a pinhole cannot show.
+TEST(ReferenceDistortion, FisheyeSeesBehindItself) {
+  const pan::Model model = model_of(single(sphere(300, 300), lambert(0.8)));
+  const Case fisheye{"fisheye", 24, sensor::Fisheye{}};
+  const Vec3 place(4, 0, -1);
+  const ReferenceImage result = traced(model, sphere_at(fisheye, place), direct_light(64));
+  Vec2 centre(0);
+  double sum = 0;
+  for (int row = 0; row < 128; ++row)
+    for (int column = 0; column < 128; ++column) {
+      const double a = result.image.coverage[static_cast<std::size_t>(row * 128 + column)];
+      sum += a;
+      centre += a * Vec2(column + 0.5, row + 0.5);
+    }
+  ASSERT_GT(sum, 50);
+  EXPECT_NEAR(centre.x / sum, 64 + 24 * std::atan2(4.0, -1.0), 0.2);
+  EXPECT_NEAR(centre.y / sum, 64, 0.05);
+}
+
+}  // namespace
+}  // namespace panwright::preview::distortion_test
