@@ -1,6 +1,6 @@
 #include "base/config_text.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <toml++/toml.h>
 #include <yaml-cpp/yaml.h>
 
@@ -203,6 +203,19 @@ Result<ConfigValue> read_yaml(std::string_view text, ConfigReader& reader) {
   }
 }
 
+// Numbers of nested lists, in order; false: others, or far too many.
+bool add_numbers(const ConfigValue& value, std::vector<double>& out) {
+  constexpr std::size_t kMost = 4096;
+  if (const auto* number = std::get_if<double>(&value.data)) {
+    out.push_back(*number);
+    return std::isfinite(*number) && out.size() <= kMost;
+  }
+  const auto* list = std::get_if<ConfigValue::List>(&value.data);
+  return list != nullptr && std::ranges::all_of(*list, [&](const ConfigValue& item) {
+           return add_numbers(item, out);
+         });
+}
+
 }  // namespace
 
 const ConfigValue* ConfigValue::find(std::string_view name) const {
@@ -222,6 +235,94 @@ Result<ConfigValue> parse_config(std::string_view text, ConfigFormat format, Fil
                                  DiagnosticLog& log) {
   ConfigReader reader(text, file, code, log);
   return format == ConfigFormat::toml ? read_toml(text, reader) : read_yaml(text, reader);
+}
+
+void ConfigTable::fail(const ConfigValue& at, std::string message, std::string hint) {
+  log_.report(code_, at.where, std::move(message), std::move(hint));
+  ok_ = false;
+}
+
+const ConfigValue* ConfigTable::find(std::string_view name) {
+  asked_.emplace_back(name);
+  return value_.find(name);
+}
+
+const ConfigValue* ConfigTable::require(std::string_view name) {
+  const ConfigValue* found = find(name);
+  if (found == nullptr) fail(value_, fmt::format("{} is missing", name));
+  return found;
+}
+
+const ConfigValue* ConfigTable::find_any(std::initializer_list<std::string_view> names) {
+  const auto* map = std::get_if<ConfigValue::Map>(&value_.data);
+  if (map == nullptr) return nullptr;
+  for (const auto& [key, value] : *map) {
+    std::string lower = key;
+    for (char& c : lower)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (std::ranges::find(names, lower) == names.end()) continue;
+    asked_.push_back(key);
+    return &value;
+  }
+  return nullptr;
+}
+
+const ConfigValue* ConfigTable::require_any(std::initializer_list<std::string_view> names) {
+  const ConfigValue* found = find_any(names);
+  if (found == nullptr) fail(value_, fmt::format("{} is missing", *names.begin()));
+  return found;
+}
+
+std::optional<std::string> ConfigTable::text(const ConfigValue* member, std::string_view name) {
+  if (member == nullptr) return std::nullopt;
+  if (const auto* word = std::get_if<std::string>(&member->data)) return *word;
+  fail(*member, fmt::format("{} is {}, expected text", name, type_name(*member)));
+  return std::nullopt;
+}
+
+std::optional<double> ConfigTable::number(const ConfigValue* member, std::string_view name) {
+  const auto one = numbers(member, name, {1});
+  if (!one) return std::nullopt;
+  return one->front();
+}
+
+std::optional<bool> ConfigTable::flag(const ConfigValue* member, std::string_view name) {
+  if (member == nullptr) return std::nullopt;
+  if (const auto* flag = std::get_if<bool>(&member->data)) return *flag;
+  fail(*member, fmt::format("{} is {}, expected true or false", name, type_name(*member)));
+  return std::nullopt;
+}
+
+std::optional<std::vector<double>> ConfigTable::numbers(const ConfigValue* member,
+                                                        std::string_view name,
+                                                        std::initializer_list<std::size_t> counts) {
+  if (member == nullptr) return std::nullopt;
+  std::vector<double> out;
+  if (!add_numbers(*member, out)) {
+    fail(*member, fmt::format("{} is {}, expected {}", name, type_name(*member),
+                              std::max(counts) == 1 ? "a number" : "numbers"));
+    return std::nullopt;
+  }
+  if (std::ranges::find(counts, out.size()) == counts.end()) {
+    fail(*member, fmt::format("{} has {}, expected {}", name, counted(out.size(), "number"),
+                              fmt::join(counts, " or ")));
+    return std::nullopt;
+  }
+  return out;
+}
+
+void ConfigTable::finish() {
+  const auto* map = std::get_if<ConfigValue::Map>(&value_.data);
+  if (map == nullptr) return fail(value_, fmt::format("{}, expected {}", type_name(value_), what_));
+  const std::vector<std::string_view> names(asked_.begin(), asked_.end());
+  for (const auto& [key, value] : *map) {
+    if (std::ranges::find(asked_, key) != asked_.end()) continue;
+    const auto near = nearest_name(key, names);
+    fail(value,
+         fmt::format("{} is no member of {}, or has no effect beside the others", in_quotes(key),
+                     what_),
+         near ? fmt::format("did you mean '{}'?", *near) : "");
+  }
 }
 
 }  // namespace panwright

@@ -21,109 +21,34 @@ using Numbers = std::vector<double>;
 // From the centre of a pixel, where the others count from, to its corner.
 constexpr double kHalf = 0.5;
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
-// Reader of members of one table. Members that nobody asked for are told at the end.
-class TableReader {
+// Members of a camera's table. OpenCV and ROS put numbers into the member "data" of a matrix.
+class TableReader : public ConfigTable {
  public:
-  TableReader(const Value& table, DiagnosticLog& log) : table_(table), log_(log) {}
+  TableReader(const Value& table, DiagnosticLog& log)
+      : ConfigTable(table, "a camera", Code::E0220, log), log_(log) {}
 
-  bool ok() const { return ok_; }
-
-  std::nullptr_t fail(const Value& at, const std::string& message, const std::string& hint = {}) {
-    if (ok_) log_.report(Code::E0220, at.where, message, hint);
-    ok_ = false;
-    return nullptr;
-  }
   void ignored(const Value& at, const std::string& message) {
     log_.report(Code::W0221, at.where, message);
   }
 
-  // Returns a member, by any of its names in any letter case; null: there is none.
-  const Value* find(std::initializer_list<std::string_view> names) {
-    const auto* map = std::get_if<Value::Map>(&table_.data);
-    if (map == nullptr) return nullptr;
-    for (const auto& [key, value] : *map)
-      if (std::ranges::find(names, lower(key)) != names.end()) {
-        used_.push_back(key);
-        return &value;
-      }
-    return nullptr;
-  }
-
-  const Value* require(std::initializer_list<std::string_view> names) {
-    const Value* found = find(names);
-    return found != nullptr ? found : fail(table_, fmt::format("{} is missing", *names.begin()));
-  }
-
-  // A list of finite numbers, or one; OpenCV and ROS put them into the member "data" of a matrix,
-  // others into rows.
   std::optional<Numbers> numbers(const Value* value, std::string_view name,
                                  std::initializer_list<std::size_t> counts) {
-    if (value == nullptr) return std::nullopt;
-    Numbers out;
-    const Value* data = value->find("data");
-    if (!gather(data != nullptr ? *data : *value, out)) {
-      fail(*value, fmt::format("{} is {}, expected numbers", name, type_name(*value)));
-      return std::nullopt;
-    }
-    if (std::ranges::find(counts, out.size()) == counts.end()) {
-      fail(*value, fmt::format("{} has {}, expected {}", name, counted(out.size(), "number"),
-                               fmt::join(counts, " or ")));
-      return std::nullopt;
-    }
-    return out;
+    const Value* data = value == nullptr ? nullptr : value->find("data");
+    return ConfigTable::numbers(data != nullptr ? data : value, name, counts);
   }
 
+  // Whole numbers up to the largest image.
   std::optional<std::uint32_t> pixels(const Value* value, std::string_view name, double least = 1) {
-    if (value == nullptr) return std::nullopt;
-    const auto* number = std::get_if<double>(&value->data);
-    if (number != nullptr && *number >= least && *number <= kMostPixels &&
-        *number == std::floor(*number))
+    const auto number = ConfigTable::number(value, name);
+    if (!number) return std::nullopt;
+    if (*number >= least && *number <= kMostPixels && *number == std::floor(*number))
       return static_cast<std::uint32_t>(*number);
     fail(*value, fmt::format("{} is not a whole number from {} to {}", name, least, kMostPixels));
     return std::nullopt;
   }
 
-  std::string text(const Value* value, std::string_view name, std::string otherwise) {
-    if (value == nullptr) return otherwise;
-    if (const auto* word = std::get_if<std::string>(&value->data)) return *word;
-    fail(*value, fmt::format("{} is {}, expected text", name, type_name(*value)));
-    return otherwise;
-  }
-
-  // Refuses names that were not asked for.
-  void finish(std::span<const std::string_view> names) {
-    const auto* map = std::get_if<Value::Map>(&table_.data);
-    if (map == nullptr) return;
-    for (const auto& [key, value] : *map) {
-      if (std::ranges::find(used_, key) != used_.end()) continue;
-      const auto near = nearest_name(key, names);
-      fail(value, fmt::format("unknown or unneeded member {}", in_quotes(key)),
-           near && *near != key ? fmt::format("did you mean '{}'?", *near) : "");
-    }
-  }
-
  private:
-  static bool gather(const Value& value, Numbers& out) {
-    if (const auto* number = std::get_if<double>(&value.data)) {
-      out.push_back(*number);
-      return std::isfinite(*number);
-    }
-    const auto* list = std::get_if<Value::List>(&value.data);
-    if (list == nullptr || out.size() > 64) return false;
-    return std::ranges::all_of(*list, [&](const Value& item) { return gather(item, out); });
-  }
-
-  const Value& table_;
   DiagnosticLog& log_;
-  std::vector<std::string> used_;
-  bool ok_ = true;
 };
 
 template <std::size_t N>
@@ -159,13 +84,14 @@ void use_fisheye(TableReader& reader, const Value* value, std::string_view name,
 // ---- formats
 
 void read_opencv(TableReader& reader, CameraFile& camera) {
-  camera.width = reader.pixels(reader.require({"image_width", "width"}), "image_width").value_or(0);
+  camera.width =
+      reader.pixels(reader.require_any({"image_width", "width"}), "image_width").value_or(0);
   camera.height =
-      reader.pixels(reader.require({"image_height", "height"}), "image_height").value_or(0);
-  use_matrix(reader, reader.require({"camera_matrix", "cameramatrix", "k"}), "camera_matrix",
+      reader.pixels(reader.require_any({"image_height", "height"}), "image_height").value_or(0);
+  use_matrix(reader, reader.require_any({"camera_matrix", "cameramatrix", "k"}), "camera_matrix",
              camera.lens);
-  const Value* k = reader.find({"distortion_coefficients", "dist_coeffs", "distcoeffs", "d"});
-  const Value* fisheye = reader.find({"fisheye_model"});
+  const Value* k = reader.find_any({"distortion_coefficients", "dist_coeffs", "distcoeffs", "d"});
+  const Value* fisheye = reader.find_any({"fisheye_model"});
   const auto is = [&](const auto& value) {
     const auto* found =
         fisheye == nullptr ? nullptr : std::get_if<std::decay_t<decltype(value)>>(&fisheye->data);
@@ -182,17 +108,17 @@ void read_window(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
   Window window;
   const Value* at = nullptr;
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    const Value* binning = reader.find({axis == 0 ? "binning_x" : "binning_y"});
+    const Value* binning = reader.find_any({axis == 0 ? "binning_x" : "binning_y"});
     if (const auto count = reader.pixels(binning, "binning", 0)) {
       window.binning[axis] = std::max(*count, 1u);
       if (*count > 1) at = binning;
     }
   }
-  if (const Value* roi = reader.find({"roi"}); roi != nullptr) {
+  if (const Value* roi = reader.find_any({"roi"}); roi != nullptr) {
     TableReader part(*roi, log);
     constexpr std::string_view kNames[] = {"x_offset", "y_offset", "width", "height"};
     for (std::size_t k = 0; k < 4; ++k)
-      window.region[k] = part.pixels(part.find({kNames[k]}), kNames[k], 0).value_or(0);
+      window.region[k] = part.pixels(part.find_any({kNames[k]}), kNames[k], 0).value_or(0);
     if (!part.ok()) reader.fail(*roi, "the region of interest is wrong");
     if (window.region != decltype(window.region){}) at = roi;
   }
@@ -204,13 +130,13 @@ void read_window(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
 }
 
 void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
-  camera.name = reader.text(reader.find({"camera_name"}), "camera_name", "");
-  camera.width = reader.pixels(reader.require({"image_width"}), "image_width").value_or(0);
-  camera.height = reader.pixels(reader.require({"image_height"}), "image_height").value_or(0);
-  use_matrix(reader, reader.require({"camera_matrix"}), "camera_matrix", camera.lens);
-  const Value* model = reader.find({"distortion_model"});
-  const std::string name = reader.text(model, "distortion_model", "plumb_bob");
-  const Value* k = reader.find({"distortion_coefficients"});
+  camera.name = reader.text(reader.find_any({"camera_name"}), "camera_name").value_or("");
+  camera.width = reader.pixels(reader.require_any({"image_width"}), "image_width").value_or(0);
+  camera.height = reader.pixels(reader.require_any({"image_height"}), "image_height").value_or(0);
+  use_matrix(reader, reader.require_any({"camera_matrix"}), "camera_matrix", camera.lens);
+  const Value* model = reader.find_any({"distortion_model"});
+  const std::string name = reader.text(model, "distortion_model").value_or("plumb_bob");
+  const Value* k = reader.find_any({"distortion_coefficients"});
   if (name == "equidistant")
     use_fisheye(reader, k, "distortion_coefficients", camera.lens);
   else if (name == "plumb_bob" || name == "rational_polynomial")
@@ -219,7 +145,7 @@ void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
     reader.fail(*model, fmt::format("distortion_model is {}, expected plumb_bob, "
                                     "rational_polynomial or equidistant",
                                     in_quotes(name)));
-  if (const Value* turn = reader.find({"rectification_matrix"}); turn != nullptr) {
+  if (const Value* turn = reader.find_any({"rectification_matrix"}); turn != nullptr) {
     const auto m = reader.numbers(turn, "rectification_matrix", {9});
     if (m && *m != Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1})
       reader.ignored(*turn, "the rectification is not applied: images are those of the camera");
@@ -228,26 +154,28 @@ void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
 }
 
 void read_kalibr(TableReader& reader, CameraFile& camera) {
-  const Value* model = reader.find({"camera_model"});
-  if (const std::string name = reader.text(model, "camera_model", "pinhole"); name != "pinhole")
+  const Value* model = reader.find_any({"camera_model"});
+  if (const std::string name = reader.text(model, "camera_model").value_or("pinhole");
+      name != "pinhole")
     reader.fail(*model, fmt::format("camera_model is {}, expected pinhole", in_quotes(name)));
-  if (const auto k = reader.numbers(reader.require({"intrinsics"}), "intrinsics", {4})) {
+  if (const auto k = reader.numbers(reader.require_any({"intrinsics"}), "intrinsics", {4})) {
     camera.lens.focal = {(*k)[0], (*k)[1]};
     camera.lens.principal = Vec2((*k)[2], (*k)[3]) + kHalf;
   }
-  if (const auto size = reader.numbers(reader.require({"resolution"}), "resolution", {2})) {
+  if (const auto size = reader.numbers(reader.require_any({"resolution"}), "resolution", {2})) {
     const auto whole = [&](double side) {
       if (side >= 1 && side <= kMostPixels && side == std::floor(side))
         return static_cast<std::uint32_t>(side);
-      reader.fail(*reader.find({"resolution"}), "resolution is not two whole numbers of pixels");
+      reader.fail(*reader.find_any({"resolution"}),
+                  "resolution is not two whole numbers of pixels");
       return 0u;
     };
     camera.width = whole((*size)[0]);
     camera.height = whole((*size)[1]);
   }
-  const Value* distortion = reader.find({"distortion_model"});
-  const Value* k = reader.find({"distortion_coeffs"});
-  const std::string name = reader.text(distortion, "distortion_model", "none");
+  const Value* distortion = reader.find_any({"distortion_model"});
+  const Value* k = reader.find_any({"distortion_coeffs"});
+  const std::string name = reader.text(distortion, "distortion_model").value_or("none");
   if (name == "radtan")
     use_brown(reader, k, "distortion_coeffs", camera.lens);
   else if (name == "equidistant" || name == "equi")
@@ -259,9 +187,9 @@ void read_kalibr(TableReader& reader, CameraFile& camera) {
 }
 
 void read_speed(TableReader& reader, CameraFile& camera) {
-  camera.width = reader.pixels(reader.require({"nu"}), "Nu").value_or(0);
-  camera.height = reader.pixels(reader.require({"nv"}), "Nv").value_or(0);
-  if (const Value* matrix = reader.find({"cameramatrix"}); matrix != nullptr) {
+  camera.width = reader.pixels(reader.require_any({"nu"}), "Nu").value_or(0);
+  camera.height = reader.pixels(reader.require_any({"nv"}), "Nv").value_or(0);
+  if (const Value* matrix = reader.find_any({"cameramatrix"}); matrix != nullptr) {
     use_matrix(reader, matrix, "cameraMatrix", camera.lens);
   } else {
     // metres, and metres a pixel
@@ -269,25 +197,20 @@ void read_speed(TableReader& reader, CameraFile& camera) {
     constexpr std::string_view kNames[] = {"fx", "fy", "ppx", "ppy", "ccx", "ccy"};
     for (std::size_t k = 0; k < 6; ++k) {
       const double centre = (k == 4 ? camera.width : camera.height) / 2.0;
-      const Value* value = k < 4 ? reader.require({kNames[k]}) : reader.find({kNames[k]});
+      const Value* value = k < 4 ? reader.require_any({kNames[k]}) : reader.find_any({kNames[k]});
       const auto one = reader.numbers(value, kNames[k], {1});
       read[k] = one ? one->front() : centre;
     }
     camera.lens.focal = {read[0] / read[2], read[1] / read[3]};
     camera.lens.principal = Vec2(read[4], read[5]) + kHalf;
   }
-  use_brown(reader, reader.find({"distcoeffs"}), "distCoeffs", camera.lens);
+  use_brown(reader, reader.find_any({"distcoeffs"}), "distCoeffs", camera.lens);
 }
 
 // ---- our own
 
-constexpr std::string_view kOwnNames[] = {"name",         "size",      "focal",  "focal_length_mm",
-                                          "pixel_um",     "principal",   "distortion",
-                                          "coefficients", "axis",      "r",      "e",
-                                          "linearity",    "region",    "binning"};
-
 void read_own_size(TableReader& reader, CameraFile& camera) {
-  const Value* value = reader.require({"size"});
+  const Value* value = reader.require_any({"size"});
   const auto size = reader.numbers(value, "size", {1, 2});
   if (!size) return;
   for (const double side : *size)
@@ -300,10 +223,10 @@ void read_own_size(TableReader& reader, CameraFile& camera) {
 }
 
 void read_own_focal(TableReader& reader, Lens& lens) {
-  const Value* focal = reader.find({"focal"});
-  const Value* length = reader.find({"focal_length_mm"});
+  const Value* focal = reader.find_any({"focal"});
+  const Value* length = reader.find_any({"focal_length_mm"});
   if ((focal == nullptr) == (length == nullptr)) {
-    reader.require({"focal"});
+    reader.require_any({"focal"});
     if (focal != nullptr) reader.fail(*length, "expected focal or focal_length_mm, not both");
     return;
   }
@@ -312,15 +235,15 @@ void read_own_focal(TableReader& reader, Lens& lens) {
     return;
   }
   const auto f = reader.numbers(length, "focal_length_mm", {1});
-  const auto pitch = reader.numbers(reader.require({"pixel_um"}), "pixel_um", {1, 2});
+  const auto pitch = reader.numbers(reader.require_any({"pixel_um"}), "pixel_um", {1, 2});
   if (f && pitch) lens.focal = 1e3 * f->front() / Vec2(pitch->front(), pitch->back());
 }
 
 void read_own_distortion(TableReader& reader, Lens& lens) {
-  const Value* model = reader.find({"distortion"});
-  const std::string name = reader.text(model, "distortion", "none");
+  const Value* model = reader.find_any({"distortion"});
+  const std::string name = reader.text(model, "distortion").value_or("none");
   const auto terms = [&](std::initializer_list<std::size_t> counts) {
-    return reader.numbers(reader.require({"coefficients"}), "coefficients", counts)
+    return reader.numbers(reader.require_any({"coefficients"}), "coefficients", counts)
         .value_or(Numbers{});
   };
   if (name == "brown") {
@@ -337,19 +260,21 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
     lens.distortion = powers;
   } else if (name == "cahvore") {
     Cahvore model_terms;
-    if (const auto axis = reader.numbers(reader.find({"axis"}), "axis", {3})) {
+    if (const auto axis = reader.numbers(reader.find_any({"axis"}), "axis", {3})) {
       const Vec3 given((*axis)[0], (*axis)[1], (*axis)[2]);
       const double length = glm::length(given);
       if (!(length > 1e-100 && given.z >= 0.5 * length))
-        reader.fail(*reader.find({"axis"}), "axis is more than 60 degrees off the boresight");
+        reader.fail(*reader.find_any({"axis"}), "axis is more than 60 degrees off the boresight");
       model_terms.axis = given / length;
     }
-    if (const auto r = reader.numbers(reader.find({"r"}), "r", {3})) model_terms.r = padded<3>(*r);
-    if (const auto e = reader.numbers(reader.find({"e"}), "e", {3})) model_terms.e = padded<3>(*e);
-    if (const auto l = reader.numbers(reader.find({"linearity"}), "linearity", {1}))
+    if (const auto r = reader.numbers(reader.find_any({"r"}), "r", {3}))
+      model_terms.r = padded<3>(*r);
+    if (const auto e = reader.numbers(reader.find_any({"e"}), "e", {3}))
+      model_terms.e = padded<3>(*e);
+    if (const auto l = reader.numbers(reader.find_any({"linearity"}), "linearity", {1}))
       model_terms.linearity = l->front();
     if (std::fabs(model_terms.linearity) > 1)
-      reader.fail(*reader.find({"linearity"}), "linearity is not from -1 to 1");
+      reader.fail(*reader.find_any({"linearity"}), "linearity is not from -1 to 1");
     lens.distortion = model_terms;
   } else if (name != "none") {
     constexpr std::string_view kModels[] = {"none",     "brown",  "fisheye",
@@ -363,11 +288,11 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
 }
 
 void read_own(TableReader& reader, CameraFile& camera) {
-  camera.name = reader.text(reader.find({"name"}), "name", "");
+  camera.name = reader.text(reader.find_any({"name"}), "name").value_or("");
   read_own_size(reader, camera);
   read_own_focal(reader, camera.lens);
   camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
-  if (const auto c = reader.numbers(reader.find({"principal"}), "principal", {2}))
+  if (const auto c = reader.numbers(reader.find_any({"principal"}), "principal", {2}))
     camera.lens.principal = {(*c)[0], (*c)[1]};
   read_own_distortion(reader, camera.lens);
   Window window;
@@ -382,8 +307,8 @@ void read_own(TableReader& reader, CameraFile& camera) {
         to[k] = static_cast<std::uint32_t>((*given)[k]);
     }
   };
-  const Value* region = reader.find({"region"});
-  const Value* binning = reader.find({"binning"});
+  const Value* region = reader.find_any({"region"});
+  const Value* binning = reader.find_any({"binning"});
   whole(region, window.region, "region", 0);
   whole(binning, window.binning, "binning", 1);
   if (reader.ok() && (region != nullptr || binning != nullptr)) {
@@ -393,20 +318,14 @@ void read_own(TableReader& reader, CameraFile& camera) {
       reader.fail(region != nullptr ? *region : *binning,
                   "region and binning do not fit the image");
   }
-  reader.finish(kOwnNames);
+  reader.finish();
 }
 
 // Formats differ in a member each.
-CameraFormat format_of(const Value& root) {
-  const auto has = [&](std::string_view name) {
-    const auto* map = std::get_if<Value::Map>(&root.data);
-    return map != nullptr && std::ranges::any_of(*map, [&](const auto& member) {
-             return lower(member.first) == name;
-           });
-  };
-  if (has("nu")) return CameraFormat::speed;
-  if (has("intrinsics")) return CameraFormat::kalibr;
-  return has("distortion_model") ? CameraFormat::ros : CameraFormat::opencv;
+CameraFormat format_of(ConfigTable& table) {
+  if (table.find_any({"nu"}) != nullptr) return CameraFormat::speed;
+  if (table.find_any({"intrinsics"}) != nullptr) return CameraFormat::kalibr;
+  return table.find_any({"distortion_model"}) != nullptr ? CameraFormat::ros : CameraFormat::opencv;
 }
 
 // A camchain holds its cameras as members cam0, cam1, …
@@ -471,7 +390,7 @@ Result<CameraFile> read_camera(std::string_view text, const std::string& name, D
     reader.fail(table, fmt::format("the text is {}, expected a camera", type_name(table)));
   else if (format == ConfigFormat::toml)
     read_own(reader, camera);
-  else if (const CameraFormat kind = format_of(table); kind == CameraFormat::speed)
+  else if (const CameraFormat kind = format_of(reader); kind == CameraFormat::speed)
     read_speed(reader, camera);
   else if (kind == CameraFormat::kalibr)
     read_kalibr(reader, camera);
