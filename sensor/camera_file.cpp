@@ -210,7 +210,7 @@ void read_speed(TableReader& reader, CameraFile& camera) {
 // ---- our own
 
 void read_own_size(TableReader& reader, CameraFile& camera) {
-  const Value* value = reader.require_any({"size"});
+  const Value* value = reader.require("size");
   const auto size = reader.numbers(value, "size", {1, 2});
   if (!size) return;
   for (const double side : *size)
@@ -223,10 +223,10 @@ void read_own_size(TableReader& reader, CameraFile& camera) {
 }
 
 void read_own_focal(TableReader& reader, Lens& lens) {
-  const Value* focal = reader.find_any({"focal"});
-  const Value* length = reader.find_any({"focal_length_mm"});
+  const Value* focal = reader.find("focal");
+  const Value* length = reader.find("focal_length_mm");
   if ((focal == nullptr) == (length == nullptr)) {
-    reader.require_any({"focal"});
+    reader.require("focal");
     if (focal != nullptr) reader.fail(*length, "expected focal or focal_length_mm, not both");
     return;
   }
@@ -235,15 +235,15 @@ void read_own_focal(TableReader& reader, Lens& lens) {
     return;
   }
   const auto f = reader.numbers(length, "focal_length_mm", {1});
-  const auto pitch = reader.numbers(reader.require_any({"pixel_um"}), "pixel_um", {1, 2});
+  const auto pitch = reader.numbers(reader.require("pixel_um"), "pixel_um", {1, 2});
   if (f && pitch) lens.focal = 1e3 * f->front() / Vec2(pitch->front(), pitch->back());
 }
 
 void read_own_distortion(TableReader& reader, Lens& lens) {
-  const Value* model = reader.find_any({"distortion"});
+  const Value* model = reader.find("distortion");
   const std::string name = reader.text(model, "distortion").value_or("none");
   const auto terms = [&](std::initializer_list<std::size_t> counts) {
-    return reader.numbers(reader.require_any({"coefficients"}), "coefficients", counts)
+    return reader.numbers(reader.require("coefficients"), "coefficients", counts)
         .value_or(Numbers{});
   };
   if (name == "brown") {
@@ -260,21 +260,19 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
     lens.distortion = powers;
   } else if (name == "cahvore") {
     Cahvore model_terms;
-    if (const auto axis = reader.numbers(reader.find_any({"axis"}), "axis", {3})) {
+    if (const auto axis = reader.numbers(reader.find("axis"), "axis", {3})) {
       const Vec3 given((*axis)[0], (*axis)[1], (*axis)[2]);
       const double length = glm::length(given);
       if (!(length > 1e-100 && given.z >= 0.5 * length))
-        reader.fail(*reader.find_any({"axis"}), "axis is more than 60 degrees off the boresight");
+        reader.fail(*reader.find("axis"), "axis is more than 60 degrees off the boresight");
       model_terms.axis = given / length;
     }
-    if (const auto r = reader.numbers(reader.find_any({"r"}), "r", {3}))
-      model_terms.r = padded<3>(*r);
-    if (const auto e = reader.numbers(reader.find_any({"e"}), "e", {3}))
-      model_terms.e = padded<3>(*e);
-    if (const auto l = reader.numbers(reader.find_any({"linearity"}), "linearity", {1}))
+    if (const auto r = reader.numbers(reader.find("r"), "r", {3})) model_terms.r = padded<3>(*r);
+    if (const auto e = reader.numbers(reader.find("e"), "e", {3})) model_terms.e = padded<3>(*e);
+    if (const auto l = reader.numbers(reader.find("linearity"), "linearity", {1}))
       model_terms.linearity = l->front();
     if (std::fabs(model_terms.linearity) > 1)
-      reader.fail(*reader.find_any({"linearity"}), "linearity is not from -1 to 1");
+      reader.fail(*reader.find("linearity"), "linearity is not from -1 to 1");
     lens.distortion = model_terms;
   } else if (name != "none") {
     constexpr std::string_view kModels[] = {"none",     "brown",  "fisheye",
@@ -288,11 +286,11 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
 }
 
 void read_own(TableReader& reader, CameraFile& camera) {
-  camera.name = reader.text(reader.find_any({"name"}), "name").value_or("");
+  camera.name = reader.text(reader.find("name"), "name").value_or("");
   read_own_size(reader, camera);
   read_own_focal(reader, camera.lens);
   camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
-  if (const auto c = reader.numbers(reader.find_any({"principal"}), "principal", {2}))
+  if (const auto c = reader.numbers(reader.find("principal"), "principal", {2}))
     camera.lens.principal = {(*c)[0], (*c)[1]};
   read_own_distortion(reader, camera.lens);
   Window window;
@@ -307,8 +305,8 @@ void read_own(TableReader& reader, CameraFile& camera) {
         to[k] = static_cast<std::uint32_t>((*given)[k]);
     }
   };
-  const Value* region = reader.find_any({"region"});
-  const Value* binning = reader.find_any({"binning"});
+  const Value* region = reader.find("region");
+  const Value* binning = reader.find("binning");
   whole(region, window.region, "region", 0);
   whole(binning, window.binning, "binning", 1);
   if (reader.ok() && (region != nullptr || binning != nullptr)) {
