@@ -13,7 +13,7 @@ LEVELS = [
     {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
-    {"trace": ["world"]},
+    {"trace": ["world"], "scenario": ["world"]},
     {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
@@ -29,6 +29,7 @@ PARTS = {
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "image": {"internal": []},
     "sensor": {"internal": []},
+    "scenario": {"internal": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 # includes that these tables forbid, each with its reason

@@ -1,0 +1,180 @@
+#include "scenario/oem.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/text.h"
+#include "scenario/internal/ccsds.h"
+
+namespace panwright::scenario {
+
+namespace {
+
+constexpr std::array<std::string_view, 12> kOemKeys = {
+    "OBJECT_NAME",       "OBJECT_ID",   "CENTER_NAME",   "REF_FRAME",
+    "REF_FRAME_EPOCH",   "TIME_SYSTEM", "START_TIME",    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME", "STOP_TIME",   "INTERPOLATION", "INTERPOLATION_DEGREE"};
+constexpr std::array<std::string_view, 3> kOemExpected = {"OBJECT_NAME", "OBJECT_ID",
+                                                          "CENTER_NAME"};
+constexpr double kKilometre = 1000;
+constexpr std::size_t kDefaultDegree = 7;
+
+class OemSource final : public Source {
+ public:
+  OemSource(SourceInfo info, std::string target, std::vector<Samples<Vec3>> segments,
+            std::vector<Piece> pieces)
+      : Source(std::move(info)),
+        target_(std::move(target)),
+        segments_(std::move(segments)),
+        pieces_(std::move(pieces)) {}
+
+ private:
+  void fill(double time, Frame& frame) const override {
+    const Vec3 position = value_at(segments_[segment_at(pieces_, time)], time);
+    Placement& placement = target_.empty() ? frame.camera : frame.target(target_).placement;
+    placement.position = position;
+  }
+  std::string target_;
+  std::vector<Samples<Vec3>> segments_;
+  std::vector<Piece> pieces_;
+};
+
+// Reader of the blocks.
+class OemReader {
+ public:
+  OemReader(const OemOptions& options, Input& input) : options_(options), input_(input) {}
+
+  bool read(const Message& message) {
+    for (const Block& block : message.blocks)
+      if (!read_block(block, message.blocks.front())) return false;
+    return input_.errors() == 0;
+  }
+
+  SourcePtr source() {
+    std::vector<TimeSpan> spans;
+    for (const auto& segment : segments_) spans.push_back(segment.span);
+    auto pieces = block_pieces(spans, places_, input_, options_.strict);
+    info_.name = input_.name();
+    info_.spans = spans_of(pieces);
+    info_.channels = {{Quantity::position, options_.target, {}}};
+    for (const Piece& piece : pieces)
+      for (const double time : segments_[piece.segment].times)
+        if (piece.span.contains(time) && (info_.times.empty() || time > info_.times.back()))
+          info_.times.push_back(time);
+    return std::make_shared<OemSource>(std::move(info_), options_.target, std::move(segments_),
+                                       std::move(pieces));
+  }
+
+ private:
+  // Metadata that all blocks must share. False: reported.
+  bool agrees(const Block& block, const Block& first) {
+    for (const std::string_view key : {"OBJECT_NAME", "CENTER_NAME", "REF_FRAME"}) {
+      const Field* const a = block.find(key);
+      const Field* const b = first.find(key);
+      if (a == nullptr || b == nullptr || capitals(a->value) == capitals(b->value)) continue;
+      input_.error(Code::E8001, a->value,
+                   fmt::format("{} is {}, and {} in the first block", key, in_quotes(a->value),
+                               in_quotes(b->value)),
+                   "divide the file: one object in one frame is a source");
+      return false;
+    }
+    const Field* const system = block.find("TIME_SYSTEM");
+    const Field* const before = first.find("TIME_SYSTEM");
+    if (system != nullptr && before != nullptr && system->value != before->value) {
+      input_.error(Code::E8007, system->value,
+                   fmt::format("TIME_SYSTEM is {}, and {} in the first block; one message has one",
+                               in_quotes(system->value), in_quotes(before->value)));
+      return false;
+    }
+    return true;
+  }
+
+  bool read_block(const Block& block, const Block& first) {
+    check_present(block, kOemExpected, input_, options_.strict);
+    const Field* const frame = required(block, "REF_FRAME", input_);
+    BlockTimes times;
+    MethodRead method;
+    if (!read_times(block, times, input_) || frame == nullptr || !agrees(block, first) ||
+        !read_method(block, "INTERPOLATION", method, input_))
+      return false;
+    Samples<Vec3> samples;
+    std::vector<std::size_t> kept;
+    if (!read_record_times(block, times.system, info_.epoch, samples.times, kept, input_,
+                           options_.strict) ||
+        !read_states(block, kept, samples))
+      return false;
+    if (!method.stated) {
+      method = {true, Method::hermite, kDefaultDegree};
+      method.degree = std::min(kDefaultDegree, 2 * samples.times.size() - 1);
+      if (!assumed_)
+        input_.report(
+            Code::N8010, block.begin,
+            fmt::format("the metadata have no INTERPOLATION: Hermite of degree {}", method.degree));
+      assumed_ = true;
+    } else if (method.method != Method::linear) {
+      check_degree(block, method,
+                   method.method == Method::hermite ? (method.degree + 2) / 2 : method.degree + 1,
+                   samples.times.size(), input_);
+    }
+    samples.method = method.method;
+    samples.degree = method.degree;
+    samples.span = useable_span(block, times, *info_.epoch, samples.times, input_, options_.strict);
+    if (!(samples.span.begin <= samples.span.end)) {
+      input_.error(Code::E8004, block.begin, "the usable span ends before it begins");
+      return false;
+    }
+    report_gap(samples.times, input_, block.begin);
+    info_.system = times.system;
+    info_.frame = capitals(frame->value);
+    if (const Field* const centre = block.find("CENTER_NAME"))
+      info_.centre = capitals(centre->value);
+    segments_.push_back(std::move(samples));
+    places_.push_back(block.begin);
+    return true;
+  }
+
+  bool read_states(const Block& block, const std::vector<std::size_t>& kept,
+                   Samples<Vec3>& samples) {
+    constexpr std::size_t kState = 6, kWithAcceleration = 9;
+    for (const std::size_t i : kept) {
+      const Record& record = block.records[i];
+      if (record.count != kState && record.count != kWithAcceleration) {
+        input_.error(
+            Code::E8001, record.line,
+            fmt::format("a record has an epoch and 6 or 9 numbers, found {}", record.count));
+        if (!input_.more()) return false;
+        continue;
+      }
+      const double* const n = &block.numbers[record.first];
+      samples.values.push_back(Vec3(n[0], n[1], n[2]) * kKilometre);
+      samples.velocities.push_back(Vec3(n[3], n[4], n[5]) * kKilometre);
+    }
+    return samples.values.size() == kept.size();
+  }
+
+  const OemOptions& options_;
+  Input& input_;
+  SourceInfo info_;
+  std::vector<Samples<Vec3>> segments_;
+  std::vector<std::string_view> places_;
+  bool assumed_ = false;
+};
+
+}  // namespace
+
+Result<SourcePtr> read_oem(const Text& text, const OemOptions& options, DiagnosticLog& log) {
+  Input input(text, log);
+  const Grammar grammar{"CCSDS_OEM_VERS", 3, kOemKeys, false};
+  const auto message = read_message(input, grammar);
+  if (!message) return failed;
+  OemReader reader(options, input);
+  if (!reader.read(*message)) return failed;
+  SourcePtr source = reader.source();
+  if (input.errors() > 0) return failed;
+  return source;
+}
+
+}  // namespace panwright::scenario
