@@ -32,14 +32,6 @@ struct ColumnGroup {
   }
 };
 
-bool is_word_nan(std::string_view word) {
-  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
-  std::string lower(word);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower == "nan" || lower == "inf" || lower == "infinity";
-}
-
 class CsvReader {
  public:
   CsvReader(const CsvOptions& options, Input& input) : options_(options), input_(input) {}
@@ -238,10 +230,6 @@ class CsvReader {
   std::optional<double> value(std::ptrdiff_t index) {
     const Column& column = columns_[static_cast<std::size_t>(index)];
     const std::string_view field = fields_[static_cast<std::size_t>(index)];
-    if (column.kind == ColumnKind::rotation && is_word_nan(field)) {
-      input_.error(Code::E8005, field, "the quaternion is not finite");
-      return std::nullopt;
-    }
     const auto number = input_.number(field, column.header);
     return number ? std::optional(*number * column.factor) : std::nullopt;
   }

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "scenario/internal/ccsds.h"
+#include "scenario/internal/segment_source.h"
 
 namespace panwright::scenario {
 
@@ -19,28 +20,9 @@ constexpr std::array<std::string_view, 12> kOemKeys = {
     "USEABLE_STOP_TIME", "STOP_TIME",   "INTERPOLATION", "INTERPOLATION_DEGREE"};
 constexpr std::array<std::string_view, 3> kOemExpected = {"OBJECT_NAME", "OBJECT_ID",
                                                           "CENTER_NAME"};
+constexpr std::array<std::string_view, 3> kOemShared = {"OBJECT_NAME", "CENTER_NAME", "REF_FRAME"};
 constexpr double kKilometre = 1000;
 constexpr std::size_t kDefaultDegree = 7;
-
-class OemSource final : public Source {
- public:
-  OemSource(SourceInfo info, std::string target, std::vector<Samples<Vec3>> segments,
-            std::vector<Piece> pieces)
-      : Source(std::move(info)),
-        target_(std::move(target)),
-        segments_(std::move(segments)),
-        pieces_(std::move(pieces)) {}
-
- private:
-  void fill(double time, Frame& frame) const override {
-    const Vec3 position = value_at(segments_[segment_at(pieces_, time)], time);
-    Placement& placement = target_.empty() ? frame.camera : frame.target(target_).placement;
-    placement.position = position;
-  }
-  std::string target_;
-  std::vector<Samples<Vec3>> segments_;
-  std::vector<Piece> pieces_;
-};
 
 // Reader of the blocks.
 class OemReader {
@@ -58,46 +40,18 @@ class OemReader {
     for (const auto& segment : segments_) spans.push_back(segment.span);
     auto pieces = block_pieces(spans, places_, input_, options_.strict);
     info_.name = input_.name();
-    info_.spans = spans_of(pieces);
-    info_.channels = {{Quantity::position, options_.target, {}}};
-    for (const Piece& piece : pieces)
-      for (const double time : segments_[piece.segment].times)
-        if (piece.span.contains(time) && (info_.times.empty() || time > info_.times.back()))
-          info_.times.push_back(time);
-    return std::make_shared<OemSource>(std::move(info_), options_.target, std::move(segments_),
-                                       std::move(pieces));
+    return segment_source(std::move(info_), options_.target, std::move(segments_),
+                          std::move(pieces));
   }
 
  private:
-  // Metadata that all blocks must share. False: reported.
-  bool agrees(const Block& block, const Block& first) {
-    for (const std::string_view key : {"OBJECT_NAME", "CENTER_NAME", "REF_FRAME"}) {
-      const Field* const a = block.find(key);
-      const Field* const b = first.find(key);
-      if (a == nullptr || b == nullptr || capitals(a->value) == capitals(b->value)) continue;
-      input_.error(Code::E8001, a->value,
-                   fmt::format("{} is {}, and {} in the first block", key, in_quotes(a->value),
-                               in_quotes(b->value)),
-                   "divide the file: one object in one frame is a source");
-      return false;
-    }
-    const Field* const system = block.find("TIME_SYSTEM");
-    const Field* const before = first.find("TIME_SYSTEM");
-    if (system != nullptr && before != nullptr && system->value != before->value) {
-      input_.error(Code::E8007, system->value,
-                   fmt::format("TIME_SYSTEM is {}, and {} in the first block; one message has one",
-                               in_quotes(system->value), in_quotes(before->value)));
-      return false;
-    }
-    return true;
-  }
-
   bool read_block(const Block& block, const Block& first) {
     check_present(block, kOemExpected, input_, options_.strict);
     const Field* const frame = required(block, "REF_FRAME", input_);
     BlockTimes times;
     MethodRead method;
-    if (!read_times(block, times, input_) || frame == nullptr || !agrees(block, first) ||
+    if (!read_times(block, times, input_) || frame == nullptr ||
+        !same_metadata(block, first, kOemShared, input_) ||
         !read_method(block, "INTERPOLATION", method, input_))
       return false;
     Samples<Vec3> samples;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/text.h"
 
@@ -247,6 +248,31 @@ void check_present(const Block& block, std::span<const std::string_view> keys, I
   for (const std::string_view key : keys)
     if (block.find(key) == nullptr)
       input.deviation(strict, block.begin, fmt::format("the metadata have no {}", key));
+}
+
+bool same_metadata(const Block& block, const Block& first, std::span<const std::string_view> keys,
+                   Input& input) {
+  const auto other = [&](std::string_view key) -> std::pair<const Field*, const Field*> {
+    const Field* const a = block.find(key);
+    const Field* const b = first.find(key);
+    if (a == nullptr || b == nullptr || capitals(a->value) == capitals(b->value)) return {};
+    return {a, b};
+  };
+  for (const std::string_view key : keys)
+    if (const auto [a, b] = other(key); a != nullptr) {
+      input.error(Code::E8001, a->value,
+                  fmt::format("{} is {}, and {} in the first block", key, in_quotes(a->value),
+                              in_quotes(b->value)),
+                  "divide the file: one object in one frame is a source");
+      return false;
+    }
+  if (const auto [a, b] = other("TIME_SYSTEM"); a != nullptr) {
+    input.error(Code::E8007, a->value,
+                fmt::format("TIME_SYSTEM is {}, and {} in the first block; one message has one",
+                            in_quotes(a->value), in_quotes(b->value)));
+    return false;
+  }
+  return true;
 }
 
 std::optional<Epoch> read_epoch(std::string_view text, TimeSystem system, Input& input) {

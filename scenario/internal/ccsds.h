@@ -71,6 +71,10 @@ const Field* required(const Block& block, std::string_view key, Input& input);
 // Reports each missing key that the standard demands and reading does not.
 void check_present(const Block& block, std::span<const std::string_view> keys, Input& input,
                    bool strict);
+// Returns whether a block shares some metadata, and TIME_SYSTEM, with the first one. False: E8001,
+// E8007.
+bool same_metadata(const Block& block, const Block& first, std::span<const std::string_view> keys,
+                   Input& input);
 // False: E8001, E8007.
 bool read_times(const Block& block, BlockTimes& out, Input& input);
 std::optional<Epoch> read_epoch(std::string_view text, TimeSystem system, Input& input);

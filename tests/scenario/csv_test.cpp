@@ -156,9 +156,10 @@ TEST(Csv, Quaternions) {
       "c.qz[world_from_model]\n";
   EXPECT_EQ(problem(header + "1,0,0,0\n0.7,0.7,0,0\n"), "W8006:3");
   EXPECT_EQ(problem(header + "0.70711,0.70711,0,0\n"), ":0");
-  EXPECT_EQ(problem(header + "nan,0,0,0\n"), "E8005:2");
+  EXPECT_EQ(problem(header + "nan,0,0,0\n"), "E8001:2");
   EXPECT_EQ(problem(header + "0,0,0,0\n"), "E8005:2");
   EXPECT_EQ(problem(header + "3,0,0,0\n"), "E8005:2");
+  EXPECT_EQ(problem(header + "1e300,0,0,0\n"), "E8005:2");
   EXPECT_EQ(problem("c.qw,c.qx,c.qy,c.qz\n1,0,0,0\n"), "E8001 E8001 E8001 E8001:1");
   EXPECT_EQ(problem("camera.qw[world_from_model],camera.qx[world_from_model],"
                     "camera.qy[world_from_model],camera.qz[world_from_model]\n1,0,0,0\n"),
