@@ -210,7 +210,7 @@ class AemReader {
           fmt::format("ATTITUDE_DIR is {}, expected A2B or B2A", in_quotes(direction->value)));
       return false;
     }
-    const std::string first = capitals(a->value), second = capitals(b->value);
+    const std::string first = frame_name(a->value), second = frame_name(b->value);
     const bool a_body =
         is_body(first) || (!is_body(second) && is_outer(second) && !is_outer(first));
     if (is_body(first) == is_body(second) && is_outer(first) == is_outer(second))

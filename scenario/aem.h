@@ -1,4 +1,5 @@
-// Attitude ephemeris messages of CCSDS (504.0-B, versions 1 and 2, keyword-value notation).
+// Attitude ephemeris messages of CCSDS (504.0-B, versions 1 and 2, keyword-value notation or
+// XML).
 #pragma once
 
 #include <string>

@@ -82,7 +82,7 @@ class OemReader {
     }
     report_gap(samples.times, input_, block.begin);
     info_.system = times.system;
-    info_.frame = capitals(frame->value);
+    info_.frame = frame_name(frame->value);
     if (const Field* const centre = block.find("CENTER_NAME"))
       info_.centre = capitals(centre->value);
     segments_.push_back(std::move(samples));

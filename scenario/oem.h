@@ -1,4 +1,5 @@
-// Orbit ephemeris messages of CCSDS (502.0-B, versions 1 to 3, keyword-value notation).
+// Orbit ephemeris messages of CCSDS (502.0-B, versions 1 to 3, keyword-value notation or
+// XML).
 #pragma once
 
 #include <string>

@@ -170,9 +170,12 @@ double Sequence::own_time(const Shifted& part, double time) {
   const double own = time - part.offset;
   const double slack =
       4 * std::numeric_limits<double>::epsilon() * (std::abs(time) + std::abs(part.offset));
-  for (const TimeSpan& span : part.source->info().spans)
-    for (const double end : {span.begin, span.end})
-      if (std::abs(own - end) <= slack) return end;
+  const std::vector<TimeSpan>& spans = part.source->info().spans;
+  const auto after = std::ranges::upper_bound(spans, own, {}, &TimeSpan::begin);
+  if (after != spans.end() && after->begin - own <= slack) return after->begin;
+  if (after == spans.begin()) return own;
+  const double end = std::prev(after)->end;
+  if (own > end && own - end <= slack) return end;
   return own;
 }
 

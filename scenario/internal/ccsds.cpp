@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kHeaderKeys = {"CREATION_DATE", "ORIGINATOR",
                                                          "MESSAGE_ID", "CLASSIFICATION"};
 constexpr std::size_t kMaxRecordNumbers = 10;
+constexpr std::size_t kMaxBlocks = 10'000;
 
 // Reader of the lines of one message.
 class MessageReader {
@@ -141,6 +142,10 @@ class MessageReader {
 
   void read_mark(std::string_view mark) {
     const bool between = state_ == State::body || (state_ == State::records && !needs_data());
+    if (mark == "META_START" && between && message_.blocks.size() >= kMaxBlocks) {
+      input_.error(Code::E8001, mark, fmt::format("the message has over {} blocks", kMaxBlocks));
+      return;
+    }
     if (mark == "META_START" && between) {
       state_ = State::meta;
       message_.blocks.emplace_back().begin = mark;
@@ -226,6 +231,9 @@ const Field* Block::find(std::string_view key) const {
 }
 
 Result<Message> read_message(Input& input, const Grammar& grammar) {
+  const std::string_view text = input.bytes();
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (first != text.npos && text[first] == '<') return read_xml_message(input, grammar);
   return MessageReader(input, grammar).read();
 }
 
@@ -234,6 +242,11 @@ std::string capitals(std::string_view name) {
   for (char& c : out)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
   return out;
+}
+
+std::string frame_name(std::string_view name) {
+  std::string out = capitals(name);
+  return out == "J2000" ? "EME2000" : out;
 }
 
 const Field* required(const Block& block, std::string_view key, Input& input) {
@@ -255,7 +268,7 @@ bool same_metadata(const Block& block, const Block& first, std::span<const std::
   const auto other = [&](std::string_view key) -> std::pair<const Field*, const Field*> {
     const Field* const a = block.find(key);
     const Field* const b = first.find(key);
-    if (a == nullptr || b == nullptr || capitals(a->value) == capitals(b->value)) return {};
+    if (a == nullptr || b == nullptr || frame_name(a->value) == frame_name(b->value)) return {};
     return {a, b};
   };
   for (const std::string_view key : keys)

@@ -1,5 +1,5 @@
-// Messages of CCSDS in keyword-value notation: a header, then blocks of metadata and records.
-// Private to scenario.
+// Messages of CCSDS in keyword-value notation or XML: a header, then blocks of metadata and
+// records. Private to scenario.
 //
 // Sources: CCSDS 502.0-B-3, 5 and 7; 504.0-B-2, 4 and 6.
 #pragma once
@@ -53,11 +53,13 @@ struct Grammar {
   bool data_marks = false;                 // records lie between DATA_START and DATA_STOP
 };
 
-// Fails: E8001.
+// Reads either notation: a text that begins with '<' is XML. Fails: E8001.
 Result<Message> read_message(Input& input, const Grammar& grammar);
+Result<Message> read_xml_message(Input& input, const Grammar& grammar);
 
-// Returns a name of a frame or centre in capitals.
+// Returns a name in capitals; of a frame, J2000 as EME2000, which it is.
 std::string capitals(std::string_view name);
+std::string frame_name(std::string_view name);
 
 // Common metadata of a block.
 struct BlockTimes {

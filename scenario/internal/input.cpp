@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/file.h"
@@ -46,6 +47,18 @@ Input::Input(const Text& text, DiagnosticLog& log)
   if (bytes_->starts_with("\xef\xbb\xbf")) at_ = 3;
 }
 
+Input::~Input() {
+  if (scaled_ > 1)
+    log_.report(Code::W8006, {file_, 0, 0},
+                fmt::format("{} more in this file", counted(scaled_ - 1, "quaternion")));
+}
+
+void Input::report_scaled(double length, std::string_view at) {
+  if (++scaled_ == 1)
+    report(Code::W8006, at,
+           fmt::format("the quaternion has length {:.6g} and is scaled to 1", length));
+}
+
 bool Input::next_line(std::string_view& line) {
   const std::string_view text = *bytes_;
   if (at_ >= text.size() || errors_ >= kMostErrors) return false;
@@ -58,7 +71,10 @@ bool Input::next_line(std::string_view& line) {
 
 SourceSpan Input::span(std::string_view part) const {
   const std::string_view text = *bytes_;
-  if (part.data() == nullptr) return {file_, 0, 0};
+  const std::less<> before;
+  if (part.data() == nullptr || before(part.data(), text.data()) ||
+      before(text.data() + text.size(), part.data()))
+    return {file_, 0, 0};
   const auto begin = static_cast<std::uint32_t>(part.data() - text.data());
   return {file_, begin, begin + static_cast<std::uint32_t>(part.size())};
 }
@@ -105,9 +121,7 @@ std::optional<Quat> unit_quaternion(const Quat& q, Input& input, std::string_vie
                     : std::string("the quaternion is not finite"));
     return std::nullopt;
   }
-  if (std::abs(length - 1) > kPrinted)
-    input.report(Code::W8006, at,
-                 fmt::format("the quaternion has length {:.6g} and is scaled to 1", length));
+  if (std::abs(length - 1) > kPrinted) input.report_scaled(length, at);
   return Quat(q.w / length, q.x / length, q.y / length, q.z / length);
 }
 

@@ -23,6 +23,10 @@ class Input {
  public:
   // Adds the text to the files of the log.
   Input(const Text& text, DiagnosticLog& log);
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+  // Reports the number of scaled quaternions after the first.
+  ~Input();
 
   const std::string& name() const { return name_; }
   std::string_view bytes() const { return *bytes_; }
@@ -40,6 +44,9 @@ class Input {
   bool more() const { return errors_ < kMostErrors; }
   SourceSpan span(std::string_view part) const;
 
+  // Reports W8006, the first time.
+  void report_scaled(double length, std::string_view at);
+
   // Parses a finite number; reports E8001 otherwise. Exponents may be D.
   std::optional<double> number(std::string_view word, std::string_view what);
 
@@ -51,6 +58,7 @@ class Input {
   FileId file_;
   std::size_t at_ = 0;
   std::size_t errors_ = 0;
+  std::size_t scaled_ = 0;
 };
 
 // Returns a quaternion of unit length. Reports W8006 where it is off by more than 1e-4; fails with

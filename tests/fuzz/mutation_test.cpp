@@ -13,6 +13,7 @@
 #include "importers/import.h"
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/targets_roundtrip.h"
+#include "tests/fuzz/targets_scenario.h"
 #include "tests/support/paths.h"
 
 namespace panwright::mutation_test {
@@ -170,6 +171,19 @@ TEST(Mutations, Mjcf) {
 TEST(Mutations, Step) {
   if (!importers::reads_step()) GTEST_SKIP() << "built without OpenCASCADE";
   damage(Source::step, {"importers/step/data/W6602.step"}, kStepMutations);
+}
+TEST(Mutations, Trajectories) {
+  std::vector<std::string> wholes;
+  for (const char* file : {"orbit.oem", "orbit.xml", "attitude.aem", "flight.fli", "table.csv",
+                           "basilisk.csv", "keys.json"}) {
+    wholes.push_back(bytes_of(std::string("fuzz/corpus/scenario/") + file));
+    EXPECT_GT(fuzz::scenario(as_bytes(wholes.back())), 0u) << file;
+  }
+  std::size_t read = 0;
+  for (std::uint64_t i = 0; i < 7 * kMutations; ++i)
+    read += fuzz::scenario(as_bytes(mutated(wholes[i / 5 % wholes.size()], i))) > 0 ? 1 : 0;
+  EXPECT_GT(read, 7 * kMutations / 10);
+  EXPECT_LT(read, 7 * kMutations);
 }
 TEST(Mutations, Pan) {
   for (std::uint64_t i = 0; i < kMutations; ++i) {

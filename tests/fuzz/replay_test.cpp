@@ -9,6 +9,7 @@
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/targets_gltf.h"
 #include "tests/fuzz/targets_roundtrip.h"
+#include "tests/fuzz/targets_scenario.h"
 #include "tests/support/paths.h"
 
 namespace panwright::replay_test {
@@ -44,6 +45,10 @@ TEST(Replay, VrmlCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/vrml"
 TEST(Replay, GltfCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/gltf", fuzz::gltf); }
 TEST(Replay, MeshCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/mesh", fuzz::mesh); }
 TEST(Replay, ImageCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/image", fuzz::image); }
+TEST(Replay, ScenarioCorpus) {
+  replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/scenario",
+         [](std::span<const std::byte> bytes) { fuzz::scenario(bytes); });
+}
 TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 
 }  // namespace

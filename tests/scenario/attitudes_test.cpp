@@ -116,6 +116,48 @@ TEST_F(Attitudes, Aem) {
             1e-15);
 }
 
+TEST_F(Attitudes, AemXml) {
+  const auto xml = [&](const std::string& type, const std::string& more, const std::string& state) {
+    const std::string text =
+        "<aem version=\"1.0\"><body><segment><metadata><OBJECT_NAME>A</OBJECT_NAME>"
+        "<OBJECT_ID>A</OBJECT_ID><REF_FRAME_A>EME2000</REF_FRAME_A>"
+        "<REF_FRAME_B>SC_BODY_1</REF_FRAME_B><ATTITUDE_DIR>A2B</ATTITUDE_DIR>"
+        "<TIME_SYSTEM>UTC</TIME_SYSTEM><START_TIME>2026-01-01T00:00:00</START_TIME>"
+        "<STOP_TIME>2026-01-01T00:01:00</STOP_TIME><ATTITUDE_TYPE>" +
+        type + "</ATTITUDE_TYPE>" + more + "</metadata><data><attitudeState>" + state +
+        "</attitudeState></data></segment></body></aem>";
+    DiagnosticLog log;
+    const auto source = read_aem(memory_text("a.xml", text), {"a", false}, log);
+    EXPECT_TRUE(source) << to_text(log);
+    return source ? miss(at(**source, 0).targets.at(0).placement.rotation, truth_) : 10;
+  };
+  const std::string q =
+      fmt::format("<QC>{:.17g}</QC><Q1>{:.17g}</Q1><Q2>{:.17g}</Q2><Q3>{:.17g}</Q3>", p_.q4, p_.q1,
+                  p_.q2, p_.q3);
+  const std::string epoch = "<EPOCH>2026-01-01T00:00:00</EPOCH>";
+  EXPECT_LT(
+      xml("QUATERNION", "<QUATERNION_TYPE>FIRST</QUATERNION_TYPE>",
+          "<quaternionState>" + epoch + "<quaternion>" + q + "</quaternion></quaternionState>"),
+      1e-15);
+  EXPECT_LT(xml("QUATERNION", "", "<quaternionEphemeris>" + epoch + q + "</quaternionEphemeris>"),
+            1e-15);
+  EXPECT_LT(xml("QUATERNION/DERIVATIVE", "<QUATERNION_TYPE>LAST</QUATERNION_TYPE>",
+                "<quaternionDerivative>" + epoch + "<quaternion>" + q +
+                    "</quaternion><quaternionRate><QC_DOT>1</QC_DOT></quaternionRate></"
+                    "quaternionDerivative>"),
+            1e-15);
+  const auto& m = truth_.m;
+  const double deg = 180 / M_PI;
+  EXPECT_LT(
+      xml("EULER_ANGLE", "<EULER_ROT_SEQ>312</EULER_ROT_SEQ>",
+          fmt::format("<eulerAngle>{}<rotationAngles><rotation1 units=\"deg\">{:.17g}</rotation1>"
+                      "<rotation2>{:.17g}</rotation2><rotation3>{:.17g}</rotation3>"
+                      "</rotationAngles></eulerAngle>",
+                      epoch, std::atan2(-m[0][1], m[1][1]) * deg, std::asin(m[2][1]) * deg,
+                      std::atan2(-m[2][0], m[2][2]) * deg)),
+      4e-15);
+}
+
 // Euler angles of a product of passive matrices, solved by hand for 3-1-2 and Z-X-Z.
 TEST_F(Attitudes, AemEulerAngles) {
   const auto& m = truth_.m;  // body_from_world is its transpose: c[i][k] = m[k][i]

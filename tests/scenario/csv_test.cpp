@@ -155,6 +155,8 @@ TEST(Csv, Quaternions) {
       "c.qw[world_from_model],c.qx[world_from_model],c.qy[world_from_model],"
       "c.qz[world_from_model]\n";
   EXPECT_EQ(problem(header + "1,0,0,0\n0.7,0.7,0,0\n"), "W8006:3");
+  EXPECT_EQ(problem(header + "0.7,0.7,0,0\n0.7,0.7,0,0\n0.7,0.7,0,0\n"),
+            "W8006 W8006:2");  // and 2 more
   EXPECT_EQ(problem(header + "0.70711,0.70711,0,0\n"), ":0");
   EXPECT_EQ(problem(header + "nan,0,0,0\n"), "E8001:2");
   EXPECT_EQ(problem(header + "0,0,0,0\n"), "E8005:2");

@@ -154,6 +154,14 @@ TEST(Oem, ToleratedTexts) {
   EXPECT_TRUE(
       read(replaced(good, "STOP_TIME = 2026-01-01T00:10:00", "STOP_TIME = 2026-01-01T00:02:00"),
            "W8012"));
+  // J2000 is EME2000
+  EXPECT_TRUE(read(good +
+                       replaced(replaced(kMeta, "EME2000", "J2000"), "START_TIME",
+                                "USEABLE_START_TIME = 2026-01-01T00:03:00\nSTART_TIME") +
+                       kMethod +
+                       "META_STOP\n2026-01-01T00:03:00 1 0 0 0 0 0\n"
+                       "2026-01-01T00:04:00 1 0 0 0 0 0\n",
+                   "W8012"));  // degree 7 of two records
   // two blocks that overlap: the first counts
   EXPECT_TRUE(read(good + kMeta + kMethod + kStates, "W8012"));
 }
@@ -202,6 +210,39 @@ TEST(Oem, WrongTexts) {
             "E8004:19");
   EXPECT_EQ(problem(good + kMeta + kMethod + kStates, true), "E8001:19");
   EXPECT_EQ(problem(replaced(good, "OBJECT_ID = 2026-001A\n", ""), true), "E8001:4");
+}
+
+const std::string kXml =
+    "<?xml version=\"1.0\"?>\n<oem id=\"CCSDS_OEM_VERS\" version=\"2.0\">\n"
+    "<header><ORIGINATOR>T</ORIGINATOR></header><body><segment>\n<metadata><COMMENT>x</COMMENT>"
+    "<OBJECT_NAME>A</OBJECT_NAME><OBJECT_ID>A</OBJECT_ID><CENTER_NAME>EARTH</CENTER_NAME>"
+    "<REF_FRAME>J2000</REF_FRAME>\n<TIME_SYSTEM>UTC</TIME_SYSTEM>"
+    "<START_TIME>2026-01-01T00:00:00</START_TIME><STOP_TIME>2026-01-01T00:01:00</STOP_TIME>"
+    "<INTERPOLATION>LINEAR</INTERPOLATION></metadata>\n<data>\n"
+    "<stateVector><EPOCH>\n 2026-01-01T00:00:00 </EPOCH><X units=\"km\">1</X><Y>2</Y><Z>3</Z>"
+    "<X_DOT>0</X_DOT><Y_DOT>0</Y_DOT><Z_DOT>0</Z_DOT></stateVector>\n"
+    "<stateVector><EPOCH>2026-01-01T00:01:00</EPOCH><X>3</X><Y>2</Y><Z>3</Z>"
+    "<X_DOT>0</X_DOT><Y_DOT>0</Y_DOT><Z_DOT>0</Z_DOT></stateVector>\n"
+    "</data></segment></body></oem>\n";
+
+TEST(Oem, Xml) {
+  const auto source = read(kXml);
+  ASSERT_TRUE(source);
+  EXPECT_EQ(source->info().frame, "EME2000");
+  EXPECT_EQ(position(*source, 30), Vec3(2000, 2000, 3000));
+  EXPECT_TRUE(read("<ndm>" + kXml.substr(kXml.find("<oem")) + "</ndm>"));
+  EXPECT_EQ(problem(replaced(kXml, "</Y>", "</Z>")), "E8001:8");
+  EXPECT_EQ(problem(replaced(kXml, "<oem", "<opm")).substr(0, 5), "E8001");
+  EXPECT_EQ(problem(replaced(kXml, "<oem id=\"CCSDS_OEM_VERS\" version=\"2.0\"", "<oem")),
+            "E8001:2");
+  EXPECT_EQ(problem(replaced(kXml, "units=\"km\"", "units=\"m\"")), "E8001:8");
+  EXPECT_EQ(problem(replaced(kXml, "<X>3</X>", "<X>three</X>")), "E8001:9");
+  EXPECT_EQ(problem(replaced(kXml, "<X>3</X>", "")), "E8001:9");
+  EXPECT_EQ(problem(replaced(kXml, "<X>3</X>", "<X>3</X><W>3</W>")), "E8001:9");
+  EXPECT_EQ(problem(replaced(kXml, "<REF_FRAME>J2000</REF_FRAME>", "<WRONG>1</WRONG>")), "E8001:4");
+  EXPECT_EQ(problem(replaced(kXml, "2026-01-01T00:01:00</EPOCH>", "2025-01-01T00:01:00</EPOCH>")),
+            "E8004:9");
+  EXPECT_EQ(problem("<oem version=\"1.0\"/>"), "E8001:1");
 }
 
 }  // namespace
