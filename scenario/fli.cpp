@@ -91,13 +91,14 @@ class FliSource final : public Source {
     frame.sun_distance = a->distance * (1 - s) + b->distance * s;
   }
 
-  void fill(double time, Frame& frame) const override {
+  const char* fill(double time, Frame& frame) const override {
     const std::vector<double>& times = info().times;
     const auto next = std::ranges::upper_bound(times, time);
     const auto index = static_cast<std::size_t>(next - times.begin()) - 1;
     const double s =
         next == times.end() ? 0 : (time - times[index]) / (times[index + 1] - times[index]);
     fill_between(index, s, frame);
+    return nullptr;
   }
   void fill_ordered(std::size_t index, Frame& frame) const override {
     fill_between(index, 0, frame);

@@ -95,7 +95,7 @@ class FixedSource final : public Source {
     if (from.position) to.position = from.position;
     if (from.rotation) to.rotation = from.rotation;
   }
-  void fill(double, Frame& frame) const override {
+  const char* fill(double, Frame& frame) const override {
     set(fixed_.camera, frame.camera);
     for (const TargetState& target : fixed_.targets) {
       set(target.placement, frame.target(target.name).placement);
@@ -104,9 +104,12 @@ class FixedSource final : public Source {
     if (fixed_.lens != Lens{}) frame.lens = fixed_.lens;
     if (fixed_.sun_direction) frame.sun_direction = fixed_.sun_direction;
     if (fixed_.sun_distance) frame.sun_distance = fixed_.sun_distance;
+    return nullptr;
   }
   Frame fixed_;
 };
+
+constexpr const char* kFilled = nullptr;
 
 // Source of one placement from a function of time.
 template <class Function>
@@ -116,8 +119,8 @@ class PlacementSource final : public Source {
       : Source(std::move(info)), target_(std::move(target)), function_(std::move(function)) {}
 
  private:
-  void fill(double time, Frame& frame) const override {
-    function_(time, target_.empty() ? frame.camera : frame.target(target_).placement);
+  const char* fill(double time, Frame& frame) const override {
+    return function_(time, target_.empty() ? frame.camera : frame.target(target_).placement);
   }
   std::string target_;
   Function function_;
@@ -224,6 +227,7 @@ SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState&
   return placement_source(named("Clohessy-Wiltshire motion"), target, Quantity::position,
                           [start, rate](double time, Placement& placement) {
                             placement.position = clohessy_wiltshire(start, rate, time).position;
+                            return kFilled;
                           });
 }
 
@@ -231,10 +235,10 @@ Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& s
                                   const TimeSpan& span, DiagnosticLog& log) {
   SourceInfo info = named("two-body motion");
   info.spans = {span};
-  // straight lines alone meet the centre; ends of the span show it but for bounces
-  const Vec3 momentum = cross(start.position, start.velocity);
-  const bool straight = glm::length(momentum) <= 1e-12 * glm::length(start.position) *
-                                                     std::max(glm::length(start.velocity), 1e-300);
+  // a straight line meets the centre, sooner or later
+  const double momentum = glm::length(cross(start.position, start.velocity));
+  const bool straight =
+      !(momentum > 1e-12 * glm::length(start.position) * glm::length(start.velocity));
   const bool finite = std::isfinite(span.begin) && std::isfinite(span.end);
   if (straight || !is_finite(start.position) || !is_finite(start.velocity) || !(mu > 0) ||
       (finite && (!two_body(start, mu, span.begin) || !two_body(start, mu, span.end)))) {
@@ -243,9 +247,11 @@ Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& s
     return failed;
   }
   return placement_source(std::move(info), target, Quantity::position,
-                          [start, mu](double time, Placement& placement) {
+                          [start, mu](double time, Placement& placement) -> const char* {
                             const auto state = two_body(start, mu, time);
-                            placement.position = state ? state->position : Vec3(0);
+                            if (!state) return "the motion has met its centre";
+                            placement.position = state->position;
+                            return kFilled;
                           });
 }
 
@@ -257,6 +263,7 @@ SourcePtr spin_source(const std::string& target, const Quat& start, const Vec3& 
                             const Vec3 axis = speed > 0 ? rate * (half.sin / speed) : Vec3(0);
                             placement.rotation =
                                 normalize(start * Quat(half.cos, axis.x, axis.y, axis.z));
+                            return kFilled;
                           });
 }
 
@@ -281,6 +288,7 @@ Result<SourcePtr> hold_point_source(const std::string& target, std::vector<HoldP
   return placement_source(std::move(info), target, Quantity::position,
                           [points = std::move(points)](double time, Placement& placement) {
                             placement.position = held_position(points, time);
+                            return kFilled;
                           });
 }
 

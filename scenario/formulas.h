@@ -26,8 +26,8 @@ struct OrbitState {
 //   seconds  after the start, of either sign
 OrbitState clohessy_wiltshire(const OrbitState& start, double rate, double seconds);
 
-// Returns the motion about a centre: ellipses, parabolas, hyperbolas and straight lines. Nothing
-// where it meets the centre, or the start is there.
+// Returns the motion about a centre: ellipses, parabolas, hyperbolas and straight lines, which turn
+// back at the centre. Nothing at the centre, or where the start is there.
 //
 //   mu  m³/s², > 0
 std::optional<OrbitState> two_body(const OrbitState& start, double mu, double seconds);
@@ -38,7 +38,7 @@ SourcePtr fixed_source(std::string name, const Frame& frame);
 // Position of a target (empty: of the camera) that starts at time 0, at all times.
 SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState& start,
                                     double rate);
-// Fails: E8003 where the orbit meets its centre within the span.
+// Fails: E8003 for a straight line, and for a start that is no state of an orbit.
 Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& start, double mu,
                                   const TimeSpan& span, DiagnosticLog& log);
 

@@ -52,7 +52,7 @@ class KeyframeSource final : public Source {
       : Source(std::move(info)), curves_(std::move(curves)) {}
 
  private:
-  void fill(double time, Frame& frame) const override {
+  const char* fill(double time, Frame& frame) const override {
     const auto placement = [&](const std::string& target) -> Placement& {
       return target.empty() ? frame.camera : frame.target(target).placement;
     };
@@ -69,7 +69,8 @@ class KeyframeSource final : public Source {
       DiagnosticLog ignored;
       const auto turn = world::looking_at(frame.camera.position.value_or(Vec3(0)),
                                           curve_at(curves_.look_at, time), std::nullopt, ignored);
-      if (turn) frame.camera.rotation = *turn;
+      if (!turn) return "the camera stands on the point that it looks at";
+      frame.camera.rotation = *turn;
     }
     if (!curves_.sun.samples.times.empty()) {
       const Vec3 direction = curve_at(curves_.sun, time);
@@ -80,10 +81,11 @@ class KeyframeSource final : public Source {
       frame.sun_distance = curve_at(curves_.sun_distance, time);
     if (!curves_.fov.samples.times.empty()) frame.lens.fov = curve_at(curves_.fov, time);
     const auto own = std::ranges::lower_bound(info().times, time);
-    if (own == info().times.end() || *own != time) return;
+    if (own == info().times.end() || *own != time) return nullptr;
     const auto index = static_cast<std::size_t>(own - info().times.begin());
     if (!curves_.names[index].empty()) frame.name = curves_.names[index];
     if (curves_.seeds[index]) frame.seed = curves_.seeds[index];
+    return nullptr;
   }
   Curves curves_;
 };

@@ -193,10 +193,11 @@ Result<Frame> Sequence::frame(std::size_t index, DiagnosticLog& log) const {
   Frame frame;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Shifted& part = parts_[i];
-    if (part.source->info().ordered > 0 || (!ordered() && i == leading_))
-      part.source->frame(index, frame);
-    else if (!part.source->at(ordered() ? 0 : own_time(part, info_.times[index]), frame, log))
-      return failed;
+    const bool own = part.source->info().ordered > 0 || (!ordered() && i == leading_);
+    const bool filled =
+        own ? part.source->frame(index, frame, log)
+            : part.source->at(ordered() ? 0 : own_time(part, info_.times[index]), frame, log);
+    if (!filled) return failed;
   }
   if (!ordered()) frame.time = info_.times[index];
   if (!finish(frame, log)) return failed;

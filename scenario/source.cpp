@@ -92,16 +92,22 @@ bool Source::at(double time, Frame& frame, DiagnosticLog& log) const {
         "no frame at " + time_text(info_, time) + "; it covers " + spans_text(info_, time));
     return false;
   }
-  fill(time, frame);
-  return true;
+  return filled(time, frame, log);
 }
 
-void Source::frame(std::size_t index, Frame& frame) const {
+bool Source::filled(double time, Frame& frame, DiagnosticLog& log) const {
+  const char* const problem = fill(time, frame);
+  if (problem == nullptr) return true;
+  log.report_file(Code::E8003, info_.name,
+                  "no frame at " + time_text(info_, time) + ": " + problem);
+  return false;
+}
+
+bool Source::frame(std::size_t index, Frame& frame, DiagnosticLog& log) const {
   assert(index < frames());
-  if (info_.ordered > 0)
-    fill_ordered(index, frame);
-  else
-    fill(info_.times[index], frame);
+  if (info_.ordered == 0) return filled(info_.times[index], frame, log);
+  fill_ordered(index, frame);
+  return true;
 }
 
 void Source::fill_ordered(std::size_t, Frame&) const {}

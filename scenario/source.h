@@ -72,19 +72,21 @@ class Source {
   // Writes its channels at a time into a frame; interpolates, and never beyond a span.
   //
   //   time  seconds since its epoch
-  // False: E8003 outside its spans, E8009 where its frames have no times.
+  // False: E8003 outside its spans, or where its formula has no value; E8009 where its frames have
+  // no times.
   bool at(double time, Frame& frame, DiagnosticLog& log) const;
-  // Writes its channels in one of its own frames. Expects: index < frames().
-  void frame(std::size_t index, Frame& frame) const;
+  // Writes its channels in one of its own frames. False: E8003. Expects: index < frames().
+  bool frame(std::size_t index, Frame& frame, DiagnosticLog& log) const;
 
  protected:
   explicit Source(SourceInfo info) : info_(std::move(info)) {}
-  // Expects: a time in a span.
-  virtual void fill(double time, Frame& frame) const = 0;
+  // Returns null, or the reason for which there is no frame. Expects: a time in a span.
+  virtual const char* fill(double time, Frame& frame) const = 0;
   // One of its own frames without times.
   virtual void fill_ordered(std::size_t index, Frame& frame) const;
 
  private:
+  bool filled(double time, Frame& frame, DiagnosticLog& log) const;
   SourceInfo info_;
 };
 

@@ -18,13 +18,14 @@ class SegmentSource final : public Source {
         pieces_(std::move(pieces)) {}
 
  private:
-  void fill(double time, Frame& frame) const override {
+  const char* fill(double time, Frame& frame) const override {
     const Value value = value_at(segments_[segment_at(pieces_, time)], time);
     Placement& placement = target_.empty() ? frame.camera : frame.target(target_).placement;
     if constexpr (std::is_same_v<Value, Vec3>)
       placement.position = value;
     else
       placement.rotation = value;
+    return nullptr;
   }
   std::string target_;
   std::vector<Samples<Value>> segments_;

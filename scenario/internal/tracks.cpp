@@ -80,11 +80,12 @@ class TrackSource final : public Source {
     if (!seeds_.empty()) frame.seed = seeds_[index];
   }
 
-  void fill(double time, Frame& frame) const override {
+  const char* fill(double time, Frame& frame) const override {
     fill_with([&](const auto& samples) { return value_at(samples, time); }, frame);
     const auto own = std::ranges::lower_bound(info().times, time);
     if (own != info().times.end() && *own == time)
       set_own(static_cast<std::size_t>(own - info().times.begin()), frame);
+    return nullptr;
   }
 
   void fill_ordered(std::size_t index, Frame& frame) const override {

@@ -215,7 +215,7 @@ TEST_F(Attitudes, HamiltonQuaternions) {
       log);
   ASSERT_TRUE(flight) << to_text(log);
   Frame frame;
-  (*flight)->frame(0, frame);
+  EXPECT_TRUE((*flight)->frame(0, frame, log));
   EXPECT_LT(miss(frame.camera.rotation, truth_), 1e-15);
   EXPECT_LT(miss(frame.targets.at(0).placement.rotation, truth_), 1e-15);
   std::string commas = q;
@@ -234,7 +234,7 @@ TEST_F(Attitudes, HamiltonQuaternions) {
   const auto table = read_csv(memory_text("t.csv", head + commas + "\n"), {}, log);
   ASSERT_TRUE(table) << to_text(log);
   Frame row;
-  (*table)->frame(0, row);
+  EXPECT_TRUE((*table)->frame(0, row, log));
   EXPECT_LT(miss(row.camera.rotation, truth_), 1e-15);
 }
 
@@ -259,7 +259,7 @@ TEST_F(Attitudes, AnglesOfFlights) {
   const auto flight = read_fli(memory_text("f.fli", "start 0 0 0 30 -50 20\n"), {}, log);
   ASSERT_TRUE(flight) << to_text(log);
   Frame frame;
-  (*flight)->frame(0, frame);
+  EXPECT_TRUE((*flight)->frame(0, frame, log));
   EXPECT_LT(miss(frame.camera.rotation, truth), 1e-15);
 }
 

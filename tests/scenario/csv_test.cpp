@@ -64,7 +64,8 @@ TEST(Csv, DirectionOfQuaternions) {
     const std::string q = "[" + direction + "]";
     const auto source = read("b.qw" + q + ",b.qx" + q + ",b.qy" + q + ",b.qz" + q + "\n" + numbers);
     Frame frame;
-    if (source) source->frame(0, frame);
+    DiagnosticLog log;
+    if (source) EXPECT_TRUE(source->frame(0, frame, log));
     return frame.targets.at(0).placement.rotation.value_or(Quat(1, 0, 0, 0));
   };
   const double s = std::sqrt(0.5);
@@ -96,9 +97,9 @@ TEST(Csv, OrderWithoutTimes) {
   const auto source = read("camera.x[m],camera.y[m],camera.z[m]\n1,2,3\n4,5,6\n");
   EXPECT_EQ(source->frames(), 2u);
   Frame frame;
-  source->frame(1, frame);
-  EXPECT_EQ(frame.camera.position, Vec3(4, 5, 6));
   DiagnosticLog log;
+  EXPECT_TRUE(source->frame(1, frame, log));
+  EXPECT_EQ(frame.camera.position, Vec3(4, 5, 6));
   EXPECT_FALSE(source->at(0, frame, log));
   EXPECT_EQ(codes(log), "E8009");
 }

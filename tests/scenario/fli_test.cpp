@@ -33,7 +33,8 @@ std::string problem(const std::string& text, bool strict = false) {
 
 Frame frame_of(const Source& source, std::size_t index) {
   Frame frame;
-  source.frame(index, frame);
+  DiagnosticLog log;
+  EXPECT_TRUE(source.frame(index, frame, log));
   return frame;
 }
 

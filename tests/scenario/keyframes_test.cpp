@@ -62,6 +62,18 @@ TEST(Keyframes, Members) {
   EXPECT_EQ(middle.name, "");
 }
 
+// Between keys the camera may meet the point that it looks at: no rotation is made up.
+TEST(Keyframes, CameraOnItsPoint) {
+  const auto source = read(
+      "{\"interpolation\": \"linear\", \"keyframes\": [{\"time\": 0, \"camera\": [0, -1, 0], "
+      "\"look_at\": [0, 0, 0]}, {\"time\": 2, \"camera\": [0, 1, 0]}]}");
+  Frame frame;
+  DiagnosticLog log;
+  EXPECT_TRUE(source->at(0.5, frame, log));
+  EXPECT_FALSE(source->at(1, frame, log));
+  EXPECT_EQ(codes(log), "E8003");
+}
+
 TEST(Keyframes, CubicAndLinear) {
   const std::string keys =
       "\"keyframes\": [{\"time\": 0, \"camera\": [0, 0, 0]}, {\"time\": 1, \"camera\": [1, 1, 0]}, "
