@@ -45,20 +45,21 @@ world::Sun sun_at(int frame) {
 }
 
 // One frame is the same as another where nothing moves; each is written to a file of its own name.
-std::vector<workspace::View> views_of(const Subject& subject, const Motion& motion, int frames,
-                                      std::uint32_t size, const std::filesystem::path& folder,
-                                      DiagnosticLog& log) {
-  std::vector<workspace::View> views;
+std::vector<workspace::Frame> frames_of(const Subject& subject, const Motion& motion, int frames,
+                                        std::uint32_t size, const std::filesystem::path& folder,
+                                        DiagnosticLog& log) {
+  std::vector<workspace::Frame> out;
   for (int i = 0; i < frames; ++i) {
-    workspace::View view;
-    view.camera = camera_at(motion.camera ? 0.005 * i : 0, subject, size, log);
-    view.sun = sun_at(motion.sun ? i : 0);
+    workspace::Frame frame;
+    frame.settings.samples = 1;
+    frame.instrument = camera_at(motion.camera ? 0.005 * i : 0, subject, size, log);
+    frame.sun = sun_at(motion.sun ? i : 0);
     if (motion.target)
-      view.poses.push_back({subject.name, {Vec3(0.002 * i, 0, 0), Quat(1, 0, 0, 0)}});
-    view.output = folder / fmt::format("{}.npy", i);
-    views.push_back(std::move(view));
+      frame.poses.push_back({subject.name, {Vec3(0.002 * i, 0, 0), Quat(1, 0, 0, 0)}});
+    frame.outputs = {folder / fmt::format("{}.npy", i)};
+    out.push_back(std::move(frame));
   }
-  return views;
+  return out;
 }
 
 world::World world_of(const std::vector<const Subject*>& subjects, DiagnosticLog& log) {
@@ -72,15 +73,15 @@ world::World world_of(const std::vector<const Subject*>& subjects, DiagnosticLog
 }
 
 // The largest difference between a run's last image and the same view drawn by itself.
-double largest_difference(const world::World& world, const workspace::View& view,
+double largest_difference(const world::World& world, const workspace::Frame& frame,
                           const std::shared_ptr<preview::Device>& device, const image::Image& image,
                           DiagnosticLog& log) {
   world::World own = world;
-  own.set_sun(*view.sun);
-  for (const workspace::TargetPose& pose : view.poses)
+  own.set_sun(*frame.sun);
+  for (const workspace::TargetPose& pose : frame.poses)
     own.set_pose(*own.find(pose.target), pose.pose);
   preview::Renderer renderer(device);
-  const auto alone = renderer.render(own, view.camera, {}, log);
+  const auto alone = renderer.render(own, frame.camera(), {}, log);
   if (!alone || alone->radiance.size() != image.radiance.size()) return INFINITY;
   double largest = 0;
   for (std::size_t i = 0; i < image.radiance.size(); ++i)
@@ -99,13 +100,13 @@ void time_runs(Context& context, const Subject& subject, DiagnosticLog& log) {
                             {"moving camera and Sun", true, true, false},
                             {"moving target", false, false, true}};
   std::vector<Variant> variants;
-  std::vector<std::vector<workspace::View>> views;
+  std::vector<std::vector<workspace::Frame>> views;
   std::vector<bool> complete(std::size(motions), true);
   for (const Motion& motion : motions)
-    views.push_back(views_of(subject, motion, frames, size, context.scratch(), log));
+    views.push_back(frames_of(subject, motion, frames, size, context.scratch(), log));
   for (std::size_t i = 0; i < views.size(); ++i)
     variants.push_back({motions[i].name, [&, i] {
-                          if (!workspace::run_views(world, views[i], options, log))
+                          if (!workspace::run_frames(world, views[i], options, log))
                             complete[i] = false;
                         }});
   const auto timings = interleaved(variants, 1);
@@ -116,12 +117,12 @@ void time_runs(Context& context, const Subject& subject, DiagnosticLog& log) {
     preview::Renderer renderer(*device);
     world::World moving = world;
     image::Image last;
-    for (const std::size_t frame : {std::size_t{0}, views[i].size() - 1}) {
-      const workspace::View& view = views[i][frame];
-      moving.set_sun(*view.sun);
-      for (const workspace::TargetPose& pose : view.poses)
+    for (const std::size_t each : {std::size_t{0}, views[i].size() - 1}) {
+      const workspace::Frame& frame = views[i][each];
+      moving.set_sun(*frame.sun);
+      for (const workspace::TargetPose& pose : frame.poses)
         moving.set_pose(*moving.find(pose.target), pose.pose);
-      static_cast<void>(renderer.submit(moving, view.camera, {}, log));
+      static_cast<void>(renderer.submit(moving, frame.camera(), {}, log));
     }
     while (renderer.in_flight() > 0)
       if (auto image = renderer.collect(log)) last = *std::move(image);

@@ -21,28 +21,30 @@ struct Scene {
 };
 
 // The servicer from 15 m; the client 200 m off, 64 pixels.
-std::vector<workspace::View> views_of(const Scene& scene, int frames,
-                                      const preview::RenderOptions& options,
-                                      const std::filesystem::path& folder, DiagnosticLog& log) {
-  std::vector<workspace::View> views;
+std::vector<workspace::Frame> frames_of(const Scene& scene, int frames, double flux_error,
+                                        const std::filesystem::path& folder, DiagnosticLog& log) {
+  std::vector<workspace::Frame> out;
   for (int i = 0; i < frames; ++i) {
-    workspace::View view;
-    world::set_field_of_view(view.camera, 1024, 1024, 45 * kDegree);
-    view.camera.position = {0.01 * i, -15 + 0.01 * i, 3};
-    const auto turn = world::looking_at(view.camera.position, Vec3(0), {}, log);
-    if (turn) view.camera.world_from_camera = *turn;
+    workspace::Frame frame;
+    world::Camera& camera = frame.camera();
+    world::set_field_of_view(camera, 1024, 1024, 45 * kDegree);
+    camera.position = {0.01 * i, -15 + 0.01 * i, 3};
+    const auto turn = world::looking_at(camera.position, Vec3(0), {}, log);
+    if (turn) camera.world_from_camera = *turn;
     world::Sun sun;
     sun.direction = {1, -0.7, 0.6};
-    view.sun = sun;
+    frame.sun = sun;
     const double angle = scene.turning ? 0.002 * i : 0;
     const Quat turned(std::cos(angle / 2), 0, 0, std::sin(angle / 2));
-    view.poses.push_back({"servicer", {Vec3(0), turned}});
-    view.poses.push_back({"client", {scene.client + Vec3(0.01 * i, 0, 0), turned}});
-    view.output = folder / fmt::format("{}.npy", i);
-    view.draw.emplace().gl = options;
-    views.push_back(std::move(view));
+    frame.poses.push_back({"servicer", {Vec3(0), turned}});
+    frame.poses.push_back({"client", {scene.client + Vec3(0.01 * i, 0, 0), turned}});
+    frame.outputs = {folder / fmt::format("{}.npy", i)};
+    frame.settings.samples = 1;
+    frame.settings.imposters = 100.0;
+    frame.settings.flux_error = flux_error;
+    out.push_back(std::move(frame));
   }
-  return views;
+  return out;
 }
 
 void run(Context& context) {
@@ -63,12 +65,8 @@ void run(Context& context) {
   for (const Scene& scene : scenes)
     for (const double flux_error : {5e-4, 2e-3, 5e-3}) {
       if (context.quick() && (flux_error < 5e-3 || scene.turning)) continue;
-      preview::RenderOptions options;
-      options.samples = 1;
-      options.imposter_pixels = 100;
-      options.flux_error = flux_error;
       const int frames = context.quick() ? 2 : 40;
-      const auto views = views_of(scene, frames, options, context.scratch(), log);
+      const auto views = frames_of(scene, frames, flux_error, context.scratch(), log);
       double worst = 0;
       int drawn = 0;
       workspace::RunOptions run;
@@ -78,7 +76,7 @@ void run(Context& context) {
         ++drawn;
       };
       const Timing timing =
-          timed([&] { static_cast<void>(workspace::run_views(world, views, run, log)); },
+          timed([&] { static_cast<void>(workspace::run_frames(world, views, run, log)); },
                 context.quick() ? 1 : 2);
       Row row{.case_name = "imposters_frames",
               .setting = fmt::format("{}, 1024 x 1024, shadows, 1 sample, imposter within {:g} %, "

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "studio/imgui_helpers.h"
+#include "workspace/frame.h"
 #include "world/evaluation.h"
 
 namespace panwright::studio {
@@ -287,14 +288,14 @@ void ImageView::draw_labels(const Vec2& at) const {
   if (!state_.result || !state_.models.world) return;
   const world::World& world = *state_.models.world;
   DiagnosticLog ignored;
-  const auto view = workspace::ViewMaker(world).view(state_.view_text(), ignored);
-  if (!view) return;
+  const auto frame = workspace::FrameMaker(world).frame(state_.settings(), ignored);
+  if (!frame) return;
   world::World posed = world;
-  workspace::show(*view, world, posed);
+  workspace::show(*frame, world, posed);
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const Vec2 size = state_.image_size;
   const auto label = [&](const Vec3& point, std::string_view name, ImU32 color) {
-    const auto pixel = world::project(view->camera, point);
+    const auto pixel = world::project(frame->camera(), point);
     if (!pixel || pixel->x < 0 || pixel->y < 0 || pixel->x > size.x || pixel->y > size.y) return;
     const ImVec2 place = to_imgui(at + *pixel);
     draw->AddCircle(place, 3, color);

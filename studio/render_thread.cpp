@@ -11,6 +11,7 @@
 #include "studio/edges.h"
 #include "workspace/drawer.h"
 #include "workspace/exposure.h"
+#include "workspace/frame.h"
 
 namespace panwright::studio {
 namespace {
@@ -209,14 +210,14 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
   const auto side = [&](std::uint32_t full) {
     return std::max(1u, static_cast<std::uint32_t>(std::lround(full * effort.scale)));
   };
-  const workspace::ViewText text =
-      view_text(request.view, side(request.width), side(request.height));
+  const workspace::Settings settings =
+      settings_of(request.view, side(request.width), side(request.height));
   resources.update(request);
-  const auto view = workspace::ViewMaker(*request.world).view(text, log);
-  auto options = workspace::draw_options(text, context_, log);
-  if (!view || !options) return std::nullopt;
+  const auto frame = workspace::FrameMaker(*request.world).frame(settings, log);
+  if (!frame) return std::nullopt;
+  workspace::DrawOptions options = workspace::draw_options(frame->settings, context_);
   if (!resources.drawer) {
-    auto made = workspace::Drawer::create(*options, log);
+    auto made = workspace::Drawer::create(options, log);
     if (made) resources.drawer.emplace(*std::move(made));
     const std::lock_guard lock(mutex_);
     if (resources.drawer)
@@ -226,18 +227,18 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
     if (!resources.drawer) return std::nullopt;
   }
   if (!exact) {
-    options->samples = 1;
-    options->gl.shadows = preview::Shadows::hard;
-    options->gl.imposters = preview::Imposters::off;
-    options->gl.shadow_side =
-        std::min(options->gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
-    options->gl.level_pixel =
+    options.samples = 1;
+    options.gl.shadows = preview::Shadows::hard;
+    options.gl.imposters = preview::Imposters::off;
+    options.gl.shadow_side =
+        std::min(options.gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
+    options.gl.level_pixel =
         effort.level_scale * steady_footprint(request.view.camera, side(request.width));
   }
-  resources.drawer->set_options(*options);
-  resources.camera = view->camera;
-  workspace::show(*view, *request.world, resources.world);
-  auto drawn = resources.drawer->draw(resources.world, view->camera, exact, log, job);
+  resources.drawer->set_options(options);
+  resources.camera = frame->camera();
+  workspace::show(*frame, *request.world, resources.world);
+  auto drawn = resources.drawer->draw(resources.world, frame->camera(), exact, log, job);
   if (!drawn) return std::nullopt;
   return *std::move(drawn);
 }
@@ -321,13 +322,13 @@ void RenderThread::trace(Resources& resources, const RenderRequest& request, con
   if (!resources.exact || resources.exact->failed) return;
   const auto start = RenderClock::now();
   DiagnosticLog log;
-  const auto view = workspace::ViewMaker(*request.world)
-                        .view(view_text(request.view, request.width, request.height), log);
-  if (!view) return;
+  const auto frame = workspace::FrameMaker(*request.world)
+                         .frame(settings_of(request.view, request.width, request.height), log);
+  if (!frame) return;
   preview::ReferenceOptions options;
   options.samples = kPasses[traced_];
   options.bounces = *request.reference_bounces;
-  auto image = resources.reference.render(resources.world, view->camera, options, log, job);
+  auto image = resources.reference.render(resources.world, frame->camera(), options, log, job);
   if (job.cancelled()) return;
   auto result = std::make_shared<RenderResult>(*resources.exact);
   if (!image) {

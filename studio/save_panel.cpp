@@ -49,22 +49,21 @@ std::string SavePanel::command() const {
 
 void SavePanel::save() {
   const std::filesystem::path path = state_.output_path(output_);
-  workspace::ViewText text = state_.view_text();
-  text.output = path.string();
+  workspace::Settings settings = state_.settings();
+  settings.outputs = {path.string()};
   std::vector<std::string> files;
   for (const std::string& each : state_.project.files())
     files.push_back(workspace::target_file(each).file.string());
   saving_ = std::async(std::launch::async,
-                       [text, world = state_.models.world, path, files = std::move(files),
+                       [settings, world = state_.models.world, path, files = std::move(files),
                         inputs = state_.project.inputs(), open = state_.options.open,
                         context = state_.options.context]() -> std::string {
                          DiagnosticLog log;
                          log.set_files(inputs);
-                         const auto view = workspace::ViewMaker(*world).view(text, log);
-                         const auto draw = workspace::draw_options(text, context, log);
-                         if (view && draw) {
-                           workspace::RunOptions options{*draw, {}, {files, open}};
-                           if (workspace::run_views(*world, std::span(&*view, 1), options, log))
+                         const auto frame = workspace::FrameMaker(*world).frame(settings, log);
+                         if (frame) {
+                           workspace::RunOptions options{context, {}, {files, open}};
+                           if (workspace::run_frames(*world, std::span(&*frame, 1), options, log))
                              return "saved " + path.string();
                          }
                          for (const Message& each : messages_of(log))

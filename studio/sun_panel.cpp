@@ -1,8 +1,12 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cfloat>
-#include <iterator>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "studio/panels.h"
 
@@ -47,12 +51,18 @@ void SunPanel::exposure() {
 }
 
 void SunPanel::shadows() {
-  static constexpr const char* kShadows[] = {"auto", "off", "hard", "soft"};
-  static constexpr const char* kImposters[] = {"auto", "off", "always"};
+  const auto choice = [&](const char* name, auto& value, std::span<const std::string_view> words) {
+    std::vector<const char*> names;
+    for (const std::string_view word : words) names.push_back(word.data());
+    std::string chosen = names[static_cast<std::size_t>(value)];
+    if (state_.widgets.choice(name, chosen, names.data(), names.size()))
+      value = static_cast<std::decay_t<decltype(value)>>(std::ranges::find(words, chosen) -
+                                                         words.begin());
+  };
   ImGui::TextUnformatted("Shadows of the exact image");
-  state_.widgets.choice("shadows", state_.view.shadows, kShadows, std::size(kShadows));
+  choice("shadows", state_.view.shadows, workspace::kShadowsWords);
   ImGui::TextUnformatted("Imposters of the exact image");
-  state_.widgets.choice("imposters", state_.view.imposters, kImposters, std::size(kImposters));
+  choice("imposters", state_.view.imposters, workspace::kImpostersWords);
   if (!state_.result || !state_.result->exact) return;
   const preview::SamplingReport& report = state_.result->sampling;
   ImGui::TextDisabled("pixel error %.2g %%, flux error %.2g %%", 100 * report.rmse,

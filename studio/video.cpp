@@ -130,29 +130,24 @@ void Video::start(VideoRequest request) {
 bool Video::draw(const VideoRequest& request, const std::vector<fs::path>& frames, const Job& job) {
   DiagnosticLog log;
   log.set_files(request.files);
-  workspace::ViewMaker maker(*request.world);
-  std::vector<workspace::View> views;
-  std::optional<workspace::DrawOptions> options;
+  workspace::FrameMaker maker(*request.world);
+  std::vector<workspace::Frame> made;
   for (std::size_t i = 0; i < request.views.size(); ++i) {
-    workspace::ViewText text = view_text(request.views[i], request.width, request.height);
-    text.output = frames[i].string();
-    auto view = maker.view(text, log);
-    if (!options) {
-      auto made = workspace::draw_options(text, request.context, log);
-      if (made) options = *std::move(made);
-    }
-    if (!view || !options) break;
-    views.push_back(*std::move(view));
+    workspace::Settings settings = settings_of(request.views[i], request.width, request.height);
+    settings.outputs = {frames[i].string()};
+    if (request.settings.frame != kVideoFrames[0]) settings.samples = 1;
+    auto frame = maker.frame(settings, log);
+    if (!frame) break;
+    made.push_back(*std::move(frame));
   }
-  bool good = views.size() == request.views.size();
+  bool good = made.size() == request.views.size();
   if (good) {
-    if (request.settings.frame != kVideoFrames[0]) options->samples = 1;
-    workspace::RunOptions run{*options, {}, {}};
+    workspace::RunOptions run{request.context, {}, {}};
     run.listener.written = [&](const workspace::Written&) {
       const std::lock_guard lock(mutex_);
       ++status_.done;
     };
-    good = static_cast<bool>(workspace::run_views(*request.world, views, run, log, job));
+    good = static_cast<bool>(workspace::run_frames(*request.world, made, run, log, job));
   }
   if (good) return true;
   if (job.cancelled()) return set_message("cancelled"), false;

@@ -10,10 +10,20 @@
 namespace panwright::studio {
 namespace {
 
-// Few enough digits to be typed; the image is drawn from these.
-std::string option_text(double value) { return fmt::format("{:.9g}", value); }
-std::string option_text(const Vec3& v) {
-  return fmt::format("{} {} {}", option_text(v.x), option_text(v.y), option_text(v.z));
+// The nearest number of so many digits, which may be typed; the image is drawn from it.
+double rounded(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const int exponent = digits - 1 - static_cast<int>(std::floor(std::log10(std::fabs(value))));
+  // powers of ten are exact, so that quotient and product are the nearest to the decimal
+  const double scale = std::pow(10.0, std::abs(exponent));
+  return exponent < 0 ? std::round(value / scale) * scale : std::round(value * scale) / scale;
+}
+double typed(double value) { return rounded(value, 9); }
+Vec3 typed(const Vec3& v) { return {typed(v.x), typed(v.y), typed(v.z)}; }
+// Twelve digits.
+Quat typed(const Quat& q) {
+  const Quat out(rounded(q.w, 12), rounded(q.x, 12), rounded(q.y, 12), rounded(q.z, 12));
+  return workspace::unit_quaternion(out).value_or(q);
 }
 
 std::string shell_quoted(const std::string& word) {
@@ -50,52 +60,44 @@ void ViewState::turn_sun(double right, double down) {
   sun_elevation = std::clamp(sun_elevation - down * 180, -90.0, 90.0);
 }
 
-workspace::ViewText view_text(const ViewState& view, std::uint32_t width, std::uint32_t height) {
-  workspace::ViewText text;
+workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height) {
+  workspace::Settings out;
   if (view.camera.frame.empty()) {
-    text.camera = option_text(view.camera.position());
-    text.look_at = option_text(view.camera.centre);
+    out.camera = typed(view.camera.position());
+    out.look_at = typed(view.camera.centre);
   } else {
-    text.camera_frame = view.camera.frame;
+    out.camera_frame = view.camera.frame;
   }
-  text.fov = option_text(view.camera.fov);
-  text.sun = option_text(view.sun());
-  if (view.sun_distance != 1) text.sun_distance = option_text(view.sun_distance);
-  text.size = fmt::format("{}x{}", width, height);
-  text.ev = view.auto_ev ? "auto" : option_text(view.ev);
-  if (view.shadows != "auto") text.shadows = view.shadows;
-  if (view.imposters != "auto") text.imposters = view.imposters;
-  for (const auto& [target, pose] : view.poses) {
-    const Quat q = pose.rotation();
-    text.poses.push_back({target, fmt::format("{} {:.12g} {:.12g} {:.12g} {:.12g}",
-                                              option_text(pose.position), q.w, q.x, q.y, q.z)});
-  }
-  for (const auto& [joint, value] : view.joints) text.joints.push_back({joint, value});
-  return text;
+  out.fov = typed(view.camera.fov) * kDegree;
+  out.sun = typed(view.sun());
+  if (view.sun_distance != 1) out.sun_distance = typed(view.sun_distance);
+  out.size = {width, height};
+  if (view.auto_ev)
+    out.ev = workspace::Settings::Ev::automatic;
+  else
+    out.ev = typed(view.ev);
+  if (view.shadows != workspace::Settings::Shadows::automatic) out.shadows = view.shadows;
+  if (view.imposters != workspace::Settings::Imposters::automatic) out.imposters = view.imposters;
+  std::vector<workspace::PoseSetting> poses;
+  for (const auto& [target, pose] : view.poses)
+    poses.push_back({target, {typed(pose.position), typed(pose.rotation())}});
+  if (!poses.empty()) out.pose = std::move(poses);
+  std::vector<workspace::JointText> joints;
+  for (const auto& [joint, value] : view.joints) joints.push_back({joint, value});
+  if (!joints.empty()) out.joint = std::move(joints);
+  return out;
 }
 
 std::string command_line(const ViewState& view, std::uint32_t width, std::uint32_t height,
                          const std::vector<std::string>& files, const std::string& output) {
-  const workspace::ViewText text = view_text(view, width, height);
+  using workspace::SettingId;
+  const workspace::Settings settings = settings_of(view, width, height);
   std::string out = "panwright render";
   for (const std::string& file : files) out += " " + shell_quoted(file);
-  const auto add = [&](const char* option, const std::optional<std::string>& value) {
-    if (value) out += fmt::format(" {} {}", option, shell_quoted(*value));
-  };
-  add("-o", output);
-  add("--camera", text.camera);
-  add("--look-at", text.look_at);
-  add("--camera-frame", text.camera_frame);
-  add("--fov", text.fov);
-  add("--sun", text.sun);
-  add("--sun-distance", text.sun_distance);
-  add("--size", text.size);
-  add("--ev", text.ev);
-  add("--shadows", text.shadows);
-  add("--imposters", text.imposters);
-  for (const workspace::PoseText& pose : text.poses) add("--pose", pose.target + "=" + pose.value);
-  for (const workspace::JointText& joint : text.joints)
-    add("--joint", joint.joint + "=" + joint.value);
+  out += " -o " + shell_quoted(output);
+  for (const SettingId id : workspace::kCommandOrder)
+    for (const std::string& value : workspace::setting_texts(id, settings))
+      out += fmt::format(" {} {}", workspace::info_of(id).option, shell_quoted(value));
   return out;
 }
 

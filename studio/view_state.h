@@ -8,7 +8,7 @@
 
 #include "base/math.h"
 #include "studio/orbit_camera.h"
-#include "workspace/views.h"
+#include "workspace/settings.h"
 
 namespace panwright::studio {
 
@@ -25,11 +25,12 @@ struct ViewState {
   OrbitCamera camera;
   double sun_azimuth = -20;
   double sun_elevation = 30;
-  double sun_distance = 1;                    // AU
-  double ev = 0;                              // stops
-  bool auto_ev = true;                        // exposure is found from the exact image
-  std::string shadows = "auto";               // as --shadows
-  std::string imposters = "auto";             // as --imposters
+  double sun_distance = 1;  // AU
+  double ev = 0;            // stops
+  bool auto_ev = true;      // exposure is found from the exact image
+  // as of Settings
+  workspace::Settings::Shadows shadows = workspace::Settings::Shadows::automatic;
+  workspace::Settings::Imposters imposters = workspace::Settings::Imposters::automatic;
   std::map<std::string, TargetPose> poses;    // of targets by name; others are at the origin
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
 
@@ -40,8 +41,8 @@ struct ViewState {
   bool operator==(const ViewState&) const = default;
 };
 
-// The options of `panwright render` that make the same image.
-workspace::ViewText view_text(const ViewState& view, std::uint32_t width, std::uint32_t height);
+// The settings that make the same image, with few enough digits to be typed.
+workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height);
 
 // `panwright render …`, quoted for a shell. files: NAME=FILE
 std::string command_line(const ViewState& view, std::uint32_t width, std::uint32_t height,

@@ -31,9 +31,9 @@ std::filesystem::path WindowState::output_path(const std::string& file) const {
   return options.scripted ? options.script_folder / file : std::filesystem::path(file);
 }
 
-workspace::ViewText WindowState::view_text() const {
-  return studio::view_text(view, static_cast<std::uint32_t>(image_size.x),
-                           static_cast<std::uint32_t>(image_size.y));
+workspace::Settings WindowState::settings() const {
+  return settings_of(view, static_cast<std::uint32_t>(image_size.x),
+                     static_cast<std::uint32_t>(image_size.y));
 }
 
 }  // namespace panwright::studio

@@ -71,7 +71,7 @@ struct WindowState {
   void frame_all();
   // `file`, relative to the script where there is one.
   std::filesystem::path output_path(const std::string& file) const;
-  workspace::ViewText view_text() const;
+  workspace::Settings settings() const;
 };
 
 }  // namespace panwright::studio

@@ -13,7 +13,7 @@
 #include "base/math.h"
 #include "base/text.h"
 #include "tools/words.h"
-#include "workspace/views.h"
+#include "workspace/quantities.h"
 
 namespace panwright::tools {
 
@@ -89,6 +89,10 @@ Argument& Argument::numbers() {
 }
 Argument& Argument::excludes(const Argument& other) {
   option_.excluded.push_back(&other.option_);
+  return *this;
+}
+Argument& Argument::some_of(std::span<const std::string_view> values) {
+  option_.choices.assign(values.begin(), values.end());
   return *this;
 }
 Argument& Argument::one_of(std::initializer_list<const char*> values) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,8 +58,9 @@ class Argument {
   // Sets the value of the option alone. A following word is its value unless it looks like a file:
   // has a dot or a slash.
   Argument& bare_value(const char* value);
-  // Sets values to show, complete and suggest; accepts, as of Option::Check, decides.
+  // Sets values to complete and suggest; accepts, as of Option::Check, decides, or who takes them.
   Argument& some_of(std::initializer_list<const char*> values, Option::Check accepts);
+  Argument& some_of(std::span<const std::string_view> values);
 
   Argument& one_of(std::initializer_list<const char*> values);
   Argument& range(double least, double most);

@@ -25,7 +25,7 @@
 #include "workspace/drawer.h"
 #include "workspace/material_scene.h"
 #include "workspace/open.h"
-#include "workspace/views.h"
+#include "workspace/quantities.h"
 
 namespace panwright::tools {
 namespace command_material {

@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "tools/print.h"
-#include "workspace/views.h"
+#include "workspace/quantities.h"
 
 namespace panwright::tools {
 namespace {

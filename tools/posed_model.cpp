@@ -4,8 +4,8 @@
 
 #include "base/text.h"
 #include "workspace/joints.h"
+#include "workspace/quantities.h"
 #include "workspace/targets.h"
-#include "workspace/views.h"
 
 namespace panwright::tools {
 

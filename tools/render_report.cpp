@@ -29,9 +29,7 @@ const char* unit_of_flux(const Written& image) {
 }
 
 std::string outputs_of(const Written& image) {
-  std::string text = image.output;
-  for (const std::string& output : image.more_outputs) text += ", " + output;
-  return text;
+  return fmt::format("{}", fmt::join(image.outputs, ", "));
 }
 
 bool is_png(const std::string& output) {
@@ -85,8 +83,7 @@ std::string line_of(const Written& image) {
         flux.y, flux.z, error.x, error.y, error.z, unit_of_flux(image),
         1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
   }
-  const bool png = is_png(image.output) ||
-                   std::any_of(image.more_outputs.begin(), image.more_outputs.end(), is_png);
+  const bool png = std::any_of(image.outputs.begin(), image.outputs.end(), is_png);
   if (png) line += fmt::format(", EV {}", image.ev);
   return line + ", " + milliseconds(image.seconds);
 }
@@ -184,8 +181,9 @@ workspace::RunListener RenderReport::listener() {
 void RenderReport::image(const Written& image) {
   ++images_;
   if (context_.options().json) {
-    Json entry = {{"output", image.output}};
-    if (!image.more_outputs.empty()) entry["more_outputs"] = image.more_outputs;
+    Json entry = {{"output", image.outputs[0]}};
+    if (image.outputs.size() > 1)
+      entry["more_outputs"] = std::vector(image.outputs.begin() + 1, image.outputs.end());
     describe_image(image, entry);
     context_.result()["images"].push_back(std::move(entry));
   } else if (!context_.options().quiet) {

@@ -35,7 +35,7 @@ void describe_image(const workspace::Written& image, nlohmann::ordered_json& ent
 //
 //   defaults  values of omitted members
 //   returns   the exit code: 0, or that of the worst answer
-int serve_views(workspace::ViewSession& session, const workspace::ViewText& defaults,
+int serve_views(workspace::ViewSession& session, const workspace::Settings& defaults,
                 const workspace::RunListener& listener, CommandContext& context);
 
 }  // namespace panwright::tools

@@ -84,15 +84,14 @@ class Answer {
 
   void take(const workspace::Written& image) { image_ = image; }
 
-  void print_line(const workspace::ViewText& view, const DiagnosticLog& log) const {
+  void print_line(const workspace::View& view, const DiagnosticLog& log) const {
     Json reply;
     reply["index"] = index_;
-    if (!view.name.empty()) reply["name"] = view.name;
+    if (view.settings.name) reply["name"] = *view.settings.name;
     reply["ok"] = image_.has_value() && !log.has_errors();
     reply["outputs"] = Json::array();
     if (image_) {
-      reply["outputs"].push_back(image_->output);
-      for (const std::string& output : image_->more_outputs) reply["outputs"].push_back(output);
+      reply["outputs"] = image_->outputs;
       describe_image(*image_, reply);
       reply["settings"] = Json::parse(image_->record)["view"];
     }
@@ -120,11 +119,11 @@ class Answer {
 
 }  // namespace
 
-int serve_views(workspace::ViewSession& session, const workspace::ViewText& defaults,
+int serve_views(workspace::ViewSession& session, const workspace::Settings& defaults,
                 const workspace::RunListener& listener, CommandContext& context) {
   const Job& job = context.job();
   // a model that cannot be opened is known before the first line
-  if (!defaults.targets.empty() && session.world(defaults, listener, context.log(), job) == nullptr)
+  if (defaults.targets && session.world(defaults, listener, context.log(), job) == nullptr)
     return 0;
   Lines lines(job);
   std::string line;
@@ -143,7 +142,7 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
     // an output may be that of an earlier line, but no input
     files = files->next_run();
     log.set_files(files);
-    workspace::ViewText view;
+    workspace::View view;
     bool good = false;
     if (next == Lines::Next::too_long) {
       workspace::parse_view("{}", index, defaults, view, log);
@@ -158,8 +157,9 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
       log.report(Code::E0203, {}, view.label + ": " + message);
       good = false;
     };
-    require(view.output.has_value(), "no output, expected a file name, as \"output\": \"a.png\"");
-    require(!view.targets.empty(), "no targets, and none are given on the command line");
+    require(bool(view.settings.outputs),
+            "no output, expected a file name, as \"output\": \"a.png\"");
+    require(bool(view.settings.targets), "no targets, and none are given on the command line");
     workspace::RunListener own = listener;
     own.step = {};  // a process may answer for as long as it likes: nothing is kept
     own.written = [&](const workspace::Written& image) { answer.take(image); };

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "base/text.h"
@@ -193,76 +194,33 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .group(kGroup);
 }
 
-void declare(Arguments& arguments, ViewOptions& options) {
-  workspace::ViewText& view = options.text;
-  constexpr const char* kGroup = "Camera and Sun";
-  const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
-                       const char* help) {
-    return arguments.add(name, value, help).type(type).group(kGroup);
-  };
-  add("--camera", view.camera, "\"X Y Z\"",
-      "Camera position, metres, world axes (default: in front of the targets); blanks or commas "
-      "between numbers")
-      .numbers();
-  add("--look-at", view.look_at, "\"X Y Z\"", "Point on the boresight (default: the origin)")
-      .numbers();
-  add("--up", view.up, "\"X Y Z\"", "Up direction of the image (default 0 0 1)").numbers();
-  add("--quat", view.quat, "\"QW QX QY QZ\"",
-      "Attitude world_from_camera instead of --look-at; x right, y down, z boresight")
-      .numbers();
-  add("--camera-frame", view.camera_frame, "[NAME/]FRAME",
-      "Place the camera in a frame of a target");
-  arguments
-      .add("--pose", options.poses,
-           "Position and attitude world_from_model of a target, the quaternion as of --quat (NAME= "
-           "is "
-           "optional for a single one); may be repeated")
-      .type("[NAME=]\"X Y Z QW QX QY QZ\"")
-      .one_value()
-      .numbers()
-      .group(kGroup);
-  declare(arguments, options.joints);
-  add("--sun", view.sun, "\"X Y Z\"",
-      "Direction to the Sun, world axes (default: from behind the camera's left shoulder)")
-      .numbers();
-  add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
-  add("--sun-irradiance", view.sun_irradiance, "E|\"R G B\"",
-      "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit "
-      "irradiance, 1/sr)")
-      .numbers();
-  add("--white", view.white, "E0|\"R G B\"",
-      "Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (default 1; with "
-      "--sun-irradiance \"158.6 186.2 191.4\" W/m²: the Sun at 1 AU in bands of 100 nm)")
-      .numbers();
-  add("--fov", view.fov, "DEG",
-      "Full horizontal field of view, degrees (default: fits the targets)");
-  add("--ifov", view.ifov, "ANGLE",
-      "Angle of the pixel on the axis, as 0.2mrad; a bare number is degrees");
-  add("--intrinsics", view.intrinsics, "\"FX FY CX CY\"", "Pinhole intrinsics in pixels").numbers();
-  add("--ortho", view.ortho, "METRES", "Width of an orthographic image");
-  add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)").numbers();
-  add("--ev", view.ev, "STOPS|auto",
-      "Exposure of PNG output: 2^EV (default 0); auto: 99 of 100 lit pixels lie below 0.8 of "
-      "white");
-  add("--tone", view.tone, "linear|photo",
-      "Tone curve of PNG output: linear (default), clipped at white; photo: compressed highlights "
-      "that keep their hue");
+void declare(Arguments& arguments, ViewOptions& options, workspace::SettingId id) {
+  const workspace::SettingInfo& info = workspace::info_of(id);
+  const auto at = static_cast<std::size_t>(id);
+  if (*info.option == '\0') return;
+  if (id == workspace::SettingId::joint) return declare(arguments, options.joints);
+  if (*info.metavar == '\0') {
+    arguments.flag(info.option, options.flags[at], info.help).group(info.section);
+    return;
+  }
+  const bool poses = id == workspace::SettingId::pose;
+  Argument argument = poses ? arguments.add(info.option, options.poses, info.help).one_value()
+                            : arguments.add(info.option, options.texts[at], info.help);
+  argument.type(info.metavar).group(info.section).some_of(info.words);
+  if ((info.flags & workspace::kSeveral) != 0) argument.numbers();
 }
 
 void declare(Arguments& arguments, JointOptions& options) {
-  constexpr const char* kGroup = "Joints";
-  arguments
-      .add("--joint", options.values,
-           "Value of a joint, as wing=30deg or boom=0.4m; @sun, @camera, @TARGET or \"@X Y Z\" aim "
-           "it; may be repeated")
-      .type("[TARGET/]JOINT=VALUE")
+  const workspace::SettingInfo& info = workspace::info_of(workspace::SettingId::joint);
+  arguments.add(info.option, options.values, info.help)
+      .type(info.metavar)
       .one_value()
-      .group(kGroup);
+      .group(info.section);
   arguments
       .add("--joints", options.file,
            "JSON object of joint values by name, as {\"wing\": \"30deg\"}")
       .type("FILE.json")
-      .group(kGroup);
+      .group(info.section);
 }
 
 Result<std::vector<workspace::JointText>> JointOptions::texts(DiagnosticLog& log) const {
@@ -283,21 +241,29 @@ Result<std::vector<workspace::JointText>> JointOptions::texts(DiagnosticLog& log
   return out;
 }
 
-Result<workspace::ViewText> ViewOptions::typed(DiagnosticLog& log) const {
-  workspace::ViewText out = text;
-  auto given = joints.texts(log);
-  if (!given) return failed;
-  out.joints = *std::move(given);
+Result<workspace::Settings> ViewOptions::settings(DiagnosticLog& log) const {
+  using workspace::SettingId;
+  workspace::Settings out;
+  auto given_joints = joints.texts(log);
+  bool good = given_joints.ok();
+  if (good && !given_joints->empty()) out.joint = *std::move(given_joints);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto id = static_cast<SettingId>(i);
+    if (texts[i]) good = workspace::read_setting(id, *texts[i], out, log) && good;
+    if (flags[i]) good = workspace::read_setting(id, "true", out, log) && good;
+  }
   std::set<std::string> targets;
   for (const std::string& pose : poses) {
-    out.poses.push_back(workspace::pose_text(pose));
-    const std::string& target = out.poses.back().target;
+    good = workspace::read_setting(SettingId::pose, pose, out, log) && good;
+    const std::string target = pose.substr(0, pose.find('=') + 1);  // npos + 1 is 0
     if (targets.insert(target).second) continue;
     log.report(Code::E0201, {},
                target.empty() ? "--pose is given twice without the name of a target"
-                              : fmt::format("--pose is given twice for {}", in_quotes(target)));
+                              : fmt::format("--pose is given twice for {}",
+                                            in_quotes(target.substr(0, target.size() - 1))));
     return failed;
   }
+  if (!good) return failed;
   return out;
 }
 

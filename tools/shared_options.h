@@ -1,9 +1,12 @@
 // Options shared by several commands.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +14,7 @@
 #include "base/result.h"
 #include "tools/arguments.h"
 #include "workspace/open.h"
-#include "workspace/views.h"
+#include "workspace/settings.h"
 
 namespace panwright::tools {
 
@@ -66,15 +69,21 @@ struct JointOptions {
 };
 void declare(Arguments& arguments, JointOptions& options);
 
-// Camera, Sun and poses of one view.
+// Settings of views, as typed.
 struct ViewOptions {
-  workspace::ViewText text;        // except the poses
-  std::vector<std::string> poses;  // "NAME=x y z qw qx qy qz", or without a name
+  std::array<std::optional<std::string>, std::size(workspace::kSettings)> texts;  // by SettingId
+  std::array<bool, std::size(workspace::kSettings)> flags{};
+  std::vector<std::string> poses;
   JointOptions joints;
 
-  // Returns all of it. Fails: E0201 for two poses of one target.
-  Result<workspace::ViewText> typed(DiagnosticLog& log) const;
+  // Returns all of them. Fails: E0201, as workspace::read_setting(), and for two poses of one
+  // target.
+  Result<workspace::Settings> settings(DiagnosticLog& log) const;
+  bool given(workspace::SettingId id) const {
+    return texts[static_cast<std::size_t>(id)].has_value();
+  }
 };
-void declare(Arguments& arguments, ViewOptions& options);
+// Declares one of them; with that of joints, those of JointOptions.
+void declare(Arguments& arguments, ViewOptions& options, workspace::SettingId id);
 
 }  // namespace panwright::tools

@@ -15,14 +15,13 @@
 #include "preview/context.h"
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
+#include "workspace/settings.h"
 #include "world/world.h"
 
 namespace panwright::workspace {
 
-enum class Engine {
-  gl,         // the preview: OpenGL
-  reference,  // the path tracer: no OpenGL, slow, with error bars
-};
+// gl: the preview, OpenGL. reference: the path tracer, without OpenGL, slow, with error bars.
+using Engine = Settings::Engine;
 
 struct DrawOptions {
   Engine engine = Engine::gl;
@@ -35,6 +34,9 @@ struct DrawOptions {
   bool photo = false;        // tone curve of PNGs: image::PngExposure
   image::FileOptions files;  // of the image's .exr and .npz
 };
+
+// Returns the options of both engines for sound settings (check()), presets included.
+DrawOptions draw_options(const Settings& settings, preview::ContextKind context);
 
 // Engine in use.
 struct EngineInfo {

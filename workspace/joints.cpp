@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "workspace/internal/json_text.h"
-#include "workspace/views.h"
+#include "workspace/quantities.h"
 #include "world/aim.h"
 
 namespace panwright::workspace {

@@ -23,6 +23,7 @@ namespace panwright::workspace {
 struct JointText {
   std::string joint;  // "JOINT" of the only target with it, or "TARGET/JOINT"
   std::string value;
+  bool operator==(const JointText&) const = default;
 };
 
 // Parses "JOINT=VALUE".

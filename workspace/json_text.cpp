@@ -131,4 +131,11 @@ Result<JsonText> parse_json(std::string_view text, JsonProblem& problem) {
   return out;
 }
 
+const char* json_type(const nlohmann::json& value) {
+  if (value.is_array()) return value.empty() ? "an empty list" : "a list";
+  if (value.is_object()) return "an object";
+  if (value.is_string()) return "text";
+  return value.is_null() ? "null" : value.is_boolean() ? "a truth value" : "a number";
+}
+
 }  // namespace panwright::workspace

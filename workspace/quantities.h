@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
+
+#include "workspace/setting.h"
 
 namespace panwright::workspace {
 
@@ -24,5 +27,11 @@ std::optional<double> parse_length(std::string_view text);
 
 // Parses a share: "0.1%" or "0.001".
 std::optional<double> parse_share(std::string_view text);
+
+// Parses the size of an image, as "640x480" or "512": each side 1 to 16384.
+std::optional<ImageSize> image_size(std::string_view size);
+
+// Parses bytes: "2GB", "1.5 GiB", "4096"; units are powers of 1024.
+std::optional<std::uint64_t> parse_bytes(std::string_view text);
 
 }  // namespace panwright::workspace

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "image/image.h"
 #include "workspace/internal/json_text.h"
+#include "workspace/internal/setting_json.h"
 #include "workspace/joints.h"
 #include "world/evaluation.h"
 
@@ -23,8 +24,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
 constexpr std::size_t kMaxRecordBytes = 64u << 20;
-
-Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 // Names of files may hold any bytes, JSON texts only UTF-8.
 Json as_written(const std::string& name) {
@@ -91,123 +90,91 @@ Json reading(const OpenOptions& open) {
   return given;
 }
 
-// Focal lengths as an option gives them, so that reading them makes the same doubles.
-void add_lens(const world::Camera& camera, Json& view) {
-  if (camera.projection == world::Projection::perspective) {
-    view["intrinsics"] = {camera.focal.x, camera.focal.y, camera.principal.x, camera.principal.y};
-    return;
-  }
+// Width of an orthographic image that an option gives, so that reading it makes the same double.
+double ortho_of(const world::Camera& camera) {
   // focal = pixels / width: one of the few doubles around the quotient gives it back
-  double width = camera.width / camera.focal.x;
+  const double width = camera.width / camera.focal.x;
   double candidate = width;
   for (int i = 0; i < 3; ++i) candidate = std::nextafter(candidate, 0.0);
   for (int i = 0; i < 7; ++i) {
     world::Camera other = camera;
     world::set_orthographic(other, camera.width, camera.height, candidate);
-    if (other.focal.x == camera.focal.x) {
-      width = candidate;
-      break;
-    }
+    if (other.focal.x == camera.focal.x) return candidate;
     candidate = std::nextafter(candidate, std::numeric_limits<double>::infinity());
   }
-  view["ortho"] = width;
+  return width;
 }
 
-void add_files(const image::FileOptions& files, Json& view) {
-  if (files.layers != image::FileOptions().layers)
-    for (std::size_t i = 0; i < std::size(image::kLayerNames); ++i)
-      if (files.has(static_cast<image::FileLayer>(i)))
-        view["layers"].push_back(std::string(image::kLayerNames[i]));
-  if (files.compress) view["compress"] = true;
-}
-
-void add_engine(const DrawOptions& draw, Json& view) {
-  const bool traced = draw.engine == Engine::reference;
-  view["engine"] = traced ? "reference" : "gl";
-  if (!traced) {
-    const unsigned samples = draw.samples > 0 ? draw.samples : draw.gl.samples;
-    if (samples > 0)
-      view["samples"] = samples;
-    else
-      view["samples"] = "auto";
-    if (samples == 0 && draw.gl.work > 0)
-      view["quality"] = "standard";
-    else if (samples == 0)
-      view["pixel-error"] = draw.gl.pixel_error;
-    if (draw.gl.adaptive && samples > 0) view["adaptive"] = true;
-    if (draw.gl.flat) view["flat"] = true;
-    if (!draw.gl.specular_filter) view["specular-filter"] = "off";
-    const bool shadows = draw.gl.shadow_side != 0u;
-    if (!shadows)
-      view["shadows"] = "off";
-    else if (draw.gl.shadow_side)
-      view["shadow-side"] = *draw.gl.shadow_side;
-    if (shadows && draw.gl.shadows != preview::Shadows::automatic)
-      view["shadows"] = draw.gl.shadows == preview::Shadows::hard ? "hard" : "soft";
-    if (shadows && draw.gl.shadows != preview::Shadows::hard)
-      view["sun-points"] = draw.gl.sun_points;
-    if (!draw.gl.levels)
-      view["levels"] = "off";
-    else if (draw.gl.level_pixel)
-      view["levels"] = *draw.gl.level_pixel;
-    if (draw.gl.imposters != preview::Imposters::automatic)
-      view["imposters"] = draw.gl.imposters == preview::Imposters::off ? "off" : "always";
-    else if (draw.gl.imposter_pixels)
-      view["imposters"] = *draw.gl.imposter_pixels;
-    if (draw.gl.imposters != preview::Imposters::off) view["flux-error"] = draw.gl.flux_error;
-    if (draw.gl.psf_sigma > 0) view["psf"] = draw.gl.psf_sigma;
-    return;
-  }
-  const preview::ReferenceOptions& reference = draw.reference;
-  view["samples"] =
-      draw.samples > 0
-          ? draw.samples
-          : static_cast<unsigned>(std::lround(std::sqrt(static_cast<double>(reference.samples))));
-  if (reference.until_error > 0) {
-    view["until-error"] = reference.until_error;
-    view["max-samples"] = reference.max_samples;
-  }
-  view["bounces"] = reference.bounces;
-  view["seed"] = reference.seed;
-  if (reference.psf_sigma > 0) view["psf"] = reference.psf_sigma;
-  if (!reference.sun_disc) view["no-sun-disc"] = true;
-  if (reference.flat) view["flat"] = true;
-}
-
-Json view_of(const world::World& world, const world::Camera& camera, std::optional<double> ev,
-             const DrawOptions& draw, const RecordSource& source) {
-  Json view;
-  view["size"] = fmt::format("{}x{}", camera.width, camera.height);
-  if (ev)
-    view["ev"] = *ev;
+// Settings of a frame with all that was left to defaults of the camera and the world.
+Settings made_settings(const world::World& world, const Frame& frame) {
+  Settings made = with_presets(frame.settings);
+  const world::Camera& camera = frame.camera();
+  made.size = {camera.width, camera.height};
+  made.camera = camera.position;
+  made.quat = camera.world_from_camera;
+  const Settings none;
+  made.look_at = none.look_at;
+  made.up = none.up;
+  made.camera_frame = none.camera_frame;
+  made.fov = none.fov;
+  made.ifov = none.ifov;
+  made.intrinsics = none.intrinsics;
+  made.ortho = none.ortho;
+  if (camera.projection == world::Projection::perspective)
+    made.intrinsics = {camera.focal.x, camera.focal.y, camera.principal.x, camera.principal.y};
   else
-    view["ev"] = "auto";
-  if (draw.photo) view["tone"] = "photo";
-  add_files(draw.files, view);
-  view["camera"] = numbers(camera.position);
-  const Quat& q = camera.world_from_camera;
-  view["quat"] = {q.w, q.x, q.y, q.z};
-  add_lens(camera, view);
-  for (const world::Instance& target : world.instances()) {
-    const Vec3& at = target.pose().translation;
-    const Quat& turn = target.pose().rotation;
-    view["pose"][target.name()] = {at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z};
-  }
-  for (const world::Instance& target : world.instances())
-    for (const world::JointState& state : target.joint_states()) {
-      const auto kind =
-          static_cast<geometry::JointKind>(target.model()->joints()[state.joint].kind);
-      view["joint"][target.name() + "/" + std::string(target.model()->joint_name(state.joint))] =
-          exact_value(kind, state.values);
-    }
-  for (const auto& [name, value] : source.open.parameters) view["define"][name] = value;
+    made.ortho = ortho_of(camera);
   const world::Sun& sun = world.sun();
-  view["sun"] = numbers(sun.direction);
-  view["sun-distance"] = sun.distance;
-  if (sun.irradiance) view["sun-irradiance"] = numbers(*sun.irradiance);
-  if (world.given_white()) view["white"] = numbers(*world.given_white());
-  if (sun.limb_darkening > 0) view["limb-darkening"] = sun.limb_darkening;
-  add_engine(draw, view);
+  made.sun = sun.direction;
+  made.sun_distance = sun.distance;
+  made.sun_irradiance = none.sun_irradiance;
+  if (sun.irradiance) made.sun_irradiance = *sun.irradiance;
+  made.white = none.white;
+  if (world.given_white()) made.white = *world.given_white();
+  made.limb_darkening = sun.limb_darkening;
+  made.quality = none.quality;
+  if (!made.pixel_error && !made.samples->number) made.quality = Settings::Quality::standard;
+  return made;
+}
+
+bool is_recorded(SettingId id, const Settings& settings) {
+  switch (info_of(id).record) {
+    case Recorded::never:
+      return false;
+    case Recorded::always:
+      return is_effective(id, settings);
+    case Recorded::given:
+      return has_value(id, settings) && is_effective(id, settings);
+    case Recorded::changed:
+      return is_changed(id, settings) && is_effective(id, settings);
+  }
+  return false;
+}
+
+Json view_of(const world::World& world, const Frame& frame, const RecordSource& source) {
+  const Settings settings = made_settings(world, frame);
+  Json view;
+  for (const SettingId id : kRecordOrder) {
+    if (id == SettingId::pose) {
+      for (const world::Instance& target : world.instances()) {
+        const Vec3& at = target.pose().translation;
+        const Quat& turn = target.pose().rotation;
+        view["pose"][target.name()] = {at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z};
+      }
+    } else if (id == SettingId::joint) {
+      for (const world::Instance& target : world.instances())
+        for (const world::JointState& state : target.joint_states()) {
+          const auto kind =
+              static_cast<geometry::JointKind>(target.model()->joints()[state.joint].kind);
+          const std::string name(target.model()->joint_name(state.joint));
+          view["joint"][target.name() + "/" + name] = exact_value(kind, state.values);
+        }
+    } else if (id == SettingId::define) {
+      for (const auto& [name, value] : source.open.parameters) view["define"][name] = value;
+    } else if (is_recorded(id, settings)) {
+      view[std::string(info_of(id).name)] = setting_json(id, settings);
+    }
+  }
   return view;
 }
 
@@ -301,9 +268,8 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
 
 std::string recorded_program() { return "panwright " PANWRIGHT_VERSION; }
 
-std::string record_text(const world::World& world, const world::Camera& camera,
-                        std::optional<double> ev, const DrawOptions& draw,
-                        const RecordSource& source, bool field_of_view) {
+std::string record_text(const world::World& world, const Frame& frame, const RecordSource& source,
+                        preview::ContextKind context) {
   Json record;
   record["schema"] = kSchema;
   record["program"] = recorded_program();
@@ -317,13 +283,14 @@ std::string record_text(const world::World& world, const world::Camera& camera,
     moved = moved || !world[i].node_states().empty() || !world[i].visible();
   }
   if (moved) record["nodes_moved"] = true;
-  if (field_of_view && camera.projection == world::Projection::perspective)
+  const auto& instrument = std::get<CameraInstrument>(frame.instrument);
+  if (instrument.field_of_view && frame.camera().projection == world::Projection::perspective)
     record["field_of_view"] = true;
   if (const Json options = reading(source.open); !options.empty()) record["reading"] = options;
-  if (draw.engine == Engine::gl && draw.context != preview::ContextKind::automatic)
-    record["context"] = draw.context == preview::ContextKind::egl ? "egl" : "osmesa";
-  record["view"] = view_of(world, camera, ev, draw, source);
-  if (Json keypoints = keypoints_of(world, camera); !keypoints.empty())
+  if (*frame.settings.engine == Settings::Engine::gl && context != preview::ContextKind::automatic)
+    record["context"] = context == preview::ContextKind::egl ? "egl" : "osmesa";
+  record["view"] = view_of(world, frame, source);
+  if (Json keypoints = keypoints_of(world, frame.camera()); !keypoints.empty())
     record["keypoints"] = std::move(keypoints);
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
@@ -378,13 +345,11 @@ Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& lo
   return failed;
 }
 
-void keep_field_of_view(ViewText& view, std::string_view size) {
-  const auto before = image_size(view.size.value_or("")), now = image_size(size);
-  const auto lens = parse_numbers(view.intrinsics.value_or(""), 4);
-  if (!before || !now || !lens || *before == *now) return;
-  const double times = static_cast<double>(now->first) / before->first;
-  view.intrinsics = fmt::format("{} {} {} {}", times * (*lens)[0], times * (*lens)[1],
-                                now->first / 2.0, now->second / 2.0);
+void keep_field_of_view(Settings& settings, const ImageSize& size) {
+  if (!settings.intrinsics || *settings.size == size) return;
+  const double times = static_cast<double>(size.width) / settings.size->width;
+  settings.intrinsics = {times * settings.intrinsics->x, times * settings.intrinsics->y,
+                         size.width / 2.0, size.height / 2.0};
 }
 
 std::filesystem::path find_recorded(const std::string& file, const std::filesystem::path& image) {

@@ -9,6 +9,8 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 #include "image/image.h"
+#include "preview/context.h"
+#include "workspace/frame.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
 #include "world/world.h"
@@ -26,10 +28,10 @@ struct RecordSource {
 // Keypoints are in it with their pixels and depths. No output, time or machine-specific path: files
 // are as in `source`; those that are not UTF-8 are {"bytes": "…"}, hexadecimal.
 //
-//   field_of_view  the lens was given as one: with another size it stays
-std::string record_text(const world::World& world, const world::Camera& camera,
-                        std::optional<double> ev, const DrawOptions& draw,
-                        const RecordSource& source, bool field_of_view = false);
+//   world  as shown
+// Expects: a camera.
+std::string record_text(const world::World& world, const Frame& frame, const RecordSource& source,
+                        preview::ContextKind context = preview::ContextKind::automatic);
 
 // Adds to a record the names of an image's ids: paths of nodes and names of materials by target,
 // each by its number in the layer. Only those that the image has; nothing without ground truth.
@@ -45,7 +47,7 @@ struct Record {
   std::string program;  // "panwright 1.0"
   std::vector<RecordedTarget> targets;
   OpenOptions open;
-  ViewText view;             // without output and targets
+  View view;                 // without output and targets
   std::string context;       // "auto", "egl" or "osmesa"
   bool nodes_moved = false;  // by a program; options cannot
 };
@@ -58,8 +60,8 @@ std::string recorded_program();
 // Fails: E0101, E0102, E0202; E0207 without one that this program can read.
 Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& log);
 
-// Fits the intrinsics that stand for a field of view to another image size, as "640x480".
-void keep_field_of_view(ViewText& view, std::string_view size);
+// Fits the intrinsics that stand for a field of view to another image size.
+void keep_field_of_view(Settings& settings, const ImageSize& size);
 
 // Finds the file of a recorded target: as recorded, from the working directory, else from the
 // folder of the image or the nearest folder around it that has it. If not found: as recorded.

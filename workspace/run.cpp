@@ -78,48 +78,37 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add(image::kRecordName, std::move(record));
 }
 
-// All files of a view.
-std::vector<std::string> outputs_of(const View& view) {
-  std::vector<std::string> outputs{view.output};
-  outputs.insert(outputs.end(), view.more_outputs.begin(), view.more_outputs.end());
-  return outputs;
-}
-
-bool stores_ground_truth(const View& view, const DrawOptions& draw) {
-  const std::vector<std::string> outputs = outputs_of(view);
-  return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
+bool stores_ground_truth(const Frame& frame, const DrawOptions& draw) {
+  return std::any_of(frame.outputs.begin(), frame.outputs.end(), [&](const std::string& output) {
     return image::stores_ground_truth(*image::image_format(output), draw.files);
   });
 }
 
-const DrawOptions& options_of(const View& view, const RunOptions& options) {
-  return view.draw ? *view.draw : options.draw;
-}
-
-// Checks of the views that need no drawing.
-bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
+// Checks of the frames that need no drawing.
+bool are_sound(const world::World& world, std::span<const Frame> frames, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   FileUses own;  // where the run's host watches none
   FileUses& files = log.files() ? *log.files() : own;
   if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
-  for (const View& view : views) {
+  for (const Frame& frame : frames) {
     DiagnosticLog apart = log.apart();
-    for (const std::string& output : outputs_of(view)) {
+    for (const std::string& output : frame.outputs) {
       if (!image::image_format(output))
         apart.report(Code::E0202, {},
                      fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
                                  in_quotes(output)));
       files.will_write(output, "the output", apart);
     }
-    for (const TargetPose& pose : view.poses) (void)world.require(pose.target, apart);
-    forward(apart, view.label, {}, log);
+    for (const TargetPose& pose : frame.poses) (void)world.require(pose.target, apart);
+    (void)check(frame.settings, apart);
+    forward(apart, frame.label, {}, log);
   }
   return log.errors() == errors;
 }
 
 // A view that is being drawn.
 struct Drawing {
-  std::size_t view = 0;  // its index
+  std::size_t frame = 0;  // its index
   Drawer* drawer = nullptr;
   double ev = 0;
   double shown_ev = 0;  // as --ev has it
@@ -149,8 +138,8 @@ void write(const image::PngExposure& exposure, Writing& writing) {
     return image::write_image(output, writing.image, exposure, writing.log, &writing.sync,
                               writing.files);
   };
-  writing.ok = write_one(writing.what.output);
-  for (const std::string& output : writing.what.more_outputs)
+  writing.ok = true;
+  for (const std::string& output : writing.what.outputs)
     writing.ok = writing.ok && write_one(output);
   writing.seconds = seconds_since(start);
 }
@@ -170,10 +159,10 @@ namespace {
 
 class Run {
  public:
-  Run(const world::World& world, std::span<const View> views, const RunOptions& options,
+  Run(const world::World& world, std::span<const Frame> frames, const RunOptions& options,
       Runner::Drawers& drawers, DiagnosticLog& log, const Job& job)
       : world_(world),
-        views_(views),
+        frames_(frames),
         options_(options),
         drawers_(drawers),
         log_(log),
@@ -183,36 +172,40 @@ class Run {
   // An image that does not fit into memory. False: another lack of it.
   bool report_memory() {
     constexpr std::uint64_t kSmall = std::uint64_t{1} << 24;  // pixels
-    const std::uint64_t pixels =
-        current_view_ ? std::uint64_t{current_view_->camera.width} * current_view_->camera.height
-                      : 0;
+    const std::uint64_t pixels = current_frame_ ? std::uint64_t{current_frame_->camera().width} *
+                                                      current_frame_->camera().height
+                                                : 0;
     if (pixels < kSmall) return false;
     log_.report_file(
         Code::E5003, {},
-        fmt::format("{}{}there is not enough memory for an image of {} by {} pixels, which takes "
-                    "{:.3g} GB and as much again while it is drawn",
-                    current_view_->label, current_view_->label.empty() ? "" : ": ",
-                    current_view_->camera.width, current_view_->camera.height,
-                    1e-9 * static_cast<double>(
-                               pixels * (stores_ground_truth(*current_view_,
-                                                             options_of(*current_view_, options_))
-                                             ? 48
-                                             : 16))),
+        fmt::format(
+            "{}{}there is not enough memory for an image of {} by {} pixels, which takes "
+            "{:.3g} GB and as much again while it is drawn",
+            current_frame_->label, current_frame_->label.empty() ? "" : ": ",
+            current_frame_->camera().width, current_frame_->camera().height,
+            1e-9 * static_cast<double>(
+                       pixels * (stores_ground_truth(
+                                     *current_frame_,
+                                     draws_[static_cast<std::size_t>(current_frame_ - &frames_[0])])
+                                     ? 48
+                                     : 16))),
         "a smaller --size; PNG and NPY take a third of EXR");
     return true;
   }
 
   Result<std::size_t> run() {
-    if (!are_sound(world_, views_, log_)) return failed;
-    if (views_.empty()) return std::size_t{0};
-    if (!prepare(options_of(views_[0], options_))) return failed;
+    if (!are_sound(world_, frames_, log_)) return failed;
+    if (frames_.empty()) return std::size_t{0};
+    for (const Frame& frame : frames_)
+      draws_.push_back(draw_options(frame.settings, options_.context));
+    if (!prepare(draws_[0])) return failed;
     find_work();
-    Phase phase(job_, "rendering", views_.size());
+    Phase phase(job_, "rendering", frames_.size());
     try {
       // while one view is drawn, the one before is copied and the one before that is written
       bool good = true;
       std::size_t begun = 0;
-      while (good && begun < views_.size() && begin(begun, phase)) {
+      while (good && begun < frames_.size() && begin(begun, phase)) {
         ++begun;
         job_.poll();
         if (drawing_.size() == depth()) good = end(phase);
@@ -232,7 +225,7 @@ class Run {
     const bool last = retire();
     warn_of_places();
     warn_of_imposters();
-    if (!last || done_ < views_.size()) return failed;
+    if (!last || done_ < frames_.size()) return failed;
     return done_;
   }
 
@@ -244,9 +237,9 @@ class Run {
     double sum = 0;
     work_.clear();
     evaluation_.update(world_);  // once: boxes change little as joints turn
-    for (const View& view : views_) {
-      show(view, world_, current_);
-      const double pixels = static_cast<double>(view.camera.width) * view.camera.height;
+    for (const Frame& frame : frames_) {
+      show(frame, world_, current_);
+      const double pixels = static_cast<double>(frame.camera().width) * frame.camera().height;
       double covered = 0;
       for (std::size_t i = 0; i < current_.size(); ++i) {
         const std::optional<AxisBox>& box = evaluation_[i].bounds;
@@ -254,10 +247,10 @@ class Run {
         const world::Pose& pose = current_[i].pose();
         const double radius = 0.5 * glm::length(box->high - box->low);
         const Vec3 centre = pose.translation + pose.rotation * (0.5 * (box->low + box->high));
-        const bool flat = view.camera.projection == world::Projection::orthographic;
-        const double distance = glm::length(centre - view.camera.position);
+        const bool flat = frame.camera().projection == world::Projection::orthographic;
+        const double distance = glm::length(centre - frame.camera().position);
         const double side =
-            2 * radius * view.camera.focal.x / (flat ? 1 : std::max(distance, radius));
+            2 * radius * frame.camera().focal.x / (flat ? 1 : std::max(distance, radius));
         covered += std::min(side * side, pixels);
       }
       sum += pixels + kTarget * std::min(covered, pixels);
@@ -300,9 +293,9 @@ class Run {
   // Begins to draw a view. False: stop.
   bool begin(std::size_t index, Phase& phase) {
     job_.poll();
-    const View& view = views_[index];
-    current_view_ = &view;
-    const DrawOptions& draw = options_of(view, options_);
+    const Frame& frame = frames_[index];
+    current_frame_ = &frame;
+    const DrawOptions& draw = draws_[index];
     if (auto& wanted = drawers_.of(draw); !wanted || &*wanted != drawer_) {
       // images of two engines end in their order, too
       while (!drawing_.empty())
@@ -310,24 +303,21 @@ class Run {
       if (!prepare(draw)) return false;
     }
     drawer_->set_options(draw);
-    show(view, world_, current_);
-    const bool ground_truth = stores_ground_truth(view, draw);
+    show(frame, world_, current_);
+    const bool ground_truth = stores_ground_truth(frame, draw);
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
-    warn_of_inside(view);
-    const bool good = drawer_->submit(current_, view.camera, ground_truth, apart, job_);
-    tell(apart, view.label);
+    warn_of_inside(frame);
+    const bool good = drawer_->submit(current_, frame.camera(), ground_truth, apart, job_);
+    tell(apart, frame.label);
     if (!good) return false;
     Drawing drawing;
-    drawing.view = index;
+    drawing.frame = index;
     drawing.drawer = drawer_;
-    drawing.ev = view.ev - stops_of_sun(current_);
+    drawing.ev = frame.settings.ev->number.value_or(0) - stops_of_sun(current_);
     drawing.photo = draw.photo;
-    describe(
-        current_, view.camera, draw,
-        record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev),
-                    draw, options_.source, view.field_of_view),
-        drawing.metadata);
+    describe(current_, frame.camera(), draw,
+             record_text(current_, frame, options_.source, options_.context), drawing.metadata);
     drawing.seconds = seconds_since(start);
     drawing_.push_back(std::move(drawing));
     return true;
@@ -337,42 +327,42 @@ class Run {
   bool end(Phase& phase) {
     Drawing drawing = std::move(drawing_.front());
     drawing_.pop_front();
-    const View& view = views_[drawing.view];
-    current_view_ = &view;
+    const Frame& frame = frames_[drawing.frame];
+    current_frame_ = &frame;
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
     auto drawn = drawing.drawer->collect(apart, job_);
-    tell(apart, view.label);
+    tell(apart, frame.label);
     const double seconds = drawing.seconds + seconds_since(start);
-    if (drawn) tell({"render " + view.output, seconds});
+    if (drawn) tell({"render " + frame.outputs[0], seconds});
     if (!retire() || !drawn) return false;
     if (drawn->sampling) {
-      warn_of_error(view, *drawn->sampling);
-      note_imposters(view, *drawn->sampling);
+      warn_of_error(frame, draws_[drawing.frame], *drawn->sampling);
+      note_imposters(frame, draws_[drawing.frame], *drawn->sampling);
     }
-    phase.advance(1, work_[drawing.view]);
+    phase.advance(1, work_[drawing.frame]);
     image::Image& image = drawn->image;
-    drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
-    if (view.auto_ev) drawing.ev += drawing.shown_ev;
+    const std::optional<double>& stops = frame.settings.ev->number;
+    drawing.shown_ev = stops ? *stops : auto_exposure(image, -drawing.ev);
+    if (!stops) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
     std::string record = image.metadata.back().second;
     add_names(world_, image, record);
-    const DrawOptions& draw = options_of(view, options_);
+    const DrawOptions& draw = draws_[drawing.frame];
     writing_ = std::make_unique<Writing>();
     writing_->files = draw.files;
     writing_->record = image.metadata.back().second;
     writing_->log = log_.apart();
     Written& what = writing_->what;
-    what.view = drawing.view;
-    what.output = view.output;
-    what.more_outputs = view.more_outputs;
+    what.frame = drawing.frame;
+    what.outputs = frame.outputs;
     what.width = image.width;
     what.height = image.height;
     what.unit = image.unit;
     what.engine = draw.engine;
     what.samples = draw.samples;
     what.ev = drawing.shown_ev;
-    what.orthographic = view.camera.projection == world::Projection::orthographic;
+    what.orthographic = frame.camera().projection == world::Projection::orthographic;
     what.seconds = seconds;
     for (const world::Instance& target : world_.instances()) what.targets.push_back(target.name());
     what.record = std::move(record);
@@ -380,7 +370,7 @@ class Run {
     what.sampling = drawn->sampling;
     writing_->image = std::move(image);
     writing_->drawer = drawing.drawer;
-    if (drawing.view + 1 == views_.size() || job_.threads() == 1) {
+    if (drawing.frame + 1 == frames_.size() || job_.threads() == 1) {
       write({drawing.ev, drawing.photo}, *writing_);
       return retire();
     }
@@ -395,32 +385,32 @@ class Run {
 
   // Waits for the image that is being written. False: it could not be.
   bool retire() {
-    if (writing_) current_view_ = &views_[writing_->what.view];
+    if (writing_) current_frame_ = &frames_[writing_->what.frame];
     if (pending_.valid()) pending_.get();
     const std::unique_ptr<Writing> writing = std::move(writing_);
     if (writing == nullptr) return true;
-    forward(writing->log, views_[writing->what.view].label, {}, log_);
+    forward(writing->log, frames_[writing->what.frame].label, {}, log_);
     writing->drawer->recycle(std::move(writing->image));
     if (!writing->ok) return false;
     ++done_;
-    tell({"write " + writing->what.output, writing->seconds});
+    tell({"write " + writing->what.outputs[0], writing->seconds});
     tell({"sync to disk", writing->sync});
     if (options_.listener.written) options_.listener.written(writing->what);
     return true;
   }
 
   // Surfaces of closed parts are drawn from outside only.
-  void warn_of_inside(const View& view) {
-    if (view.camera.projection != world::Projection::perspective) return;
+  void warn_of_inside(const Frame& frame) {
+    if (frame.camera().projection != world::Projection::perspective) return;
     evaluation_.update(current_);
-    const auto part = world::closed_part_around(current_, evaluation_, view.camera.position);
+    const auto part = world::closed_part_around(current_, evaluation_, frame.camera().position);
     if (!part) return;
     const world::Instance& target = current_[part->target];
     const std::string name = target.name() + "/" + target.model()->node_path(part->node);
     misplaced_[{Code::W5016, fmt::format("the camera is inside {}, whose surface is visible from "
                                          "outside only",
                                          in_quotes(name))}]
-        .push_back(view.label);
+        .push_back(frame.label);
   }
 
   // Diagnostics of a view; those of the camera's place are reported of all such views at the end.
@@ -449,16 +439,17 @@ class Run {
   }
 
   // Imposters whose flux is far from what was asked: dark but for a few glints, mostly.
-  void note_imposters(const View& view, const preview::SamplingReport& report) {
+  void note_imposters(const Frame& frame, const DrawOptions& draw,
+                      const preview::SamplingReport& report) {
     constexpr double kFar = 0.01, kTimes = 4;
     double worst = 0;
     for (const preview::ImposterReport& one : report.imposters)
       worst = std::max(worst, one.flux_error);
-    const double asked = options_of(view, options_).gl.flux_error;
+    const double asked = draw.gl.flux_error;
     if (worst <= std::max(kFar, kTimes * asked)) return;
     ++uncertain_.views;
     if (worst <= uncertain_.flux_error) return;
-    uncertain_ = {uncertain_.views, worst, asked, view.label, view.output};
+    uncertain_ = {uncertain_.views, worst, asked, frame.label, frame.outputs[0]};
   }
 
   // One warning for all views.
@@ -476,8 +467,8 @@ class Run {
     uncertain_ = {};
   }
 
-  void warn_of_error(const View& view, const preview::SamplingReport& report) const {
-    const DrawOptions& draw = options_of(view, options_);
+  void warn_of_error(const Frame& frame, const DrawOptions& draw,
+                     const preview::SamplingReport& report) const {
     const double asked = draw.gl.pixel_error;
     const double reached = std::max(report.rmse, report.flux);
     // the line of the image states what is less
@@ -485,9 +476,9 @@ class Run {
     const double silent = report.limited ? std::max(asked, kLimited) : asked;
     if (draw.samples > 0 || draw.gl.samples > 0 || reached <= silent) return;
     log_.report_file(
-        Code::W5008, view.output,
+        Code::W5008, frame.outputs[0],
         fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",
-                    view.label.empty() ? "" : view.label + ": ", 100 * reached, 100 * asked),
+                    frame.label.empty() ? "" : frame.label + ": ", 100 * reached, 100 * asked),
         report.limited ? "--quality standard limits the time of an image; --pixel-error does not"
                        : "");
   }
@@ -497,14 +488,15 @@ class Run {
   }
 
   const world::World& world_;
-  const std::span<const View> views_;
+  const std::span<const Frame> frames_;
+  std::vector<DrawOptions> draws_;  // of frames
   const RunOptions& options_;
   Runner::Drawers& drawers_;
   DiagnosticLog& log_;
   const Job& job_;
   world::World current_;
-  Drawer* drawer_ = nullptr;            // in use
-  const View* current_view_ = nullptr;  // that the work is on
+  Drawer* drawer_ = nullptr;              // in use
+  const Frame* current_frame_ = nullptr;  // that the work is on
   std::size_t done_ = 0;
   // labels of views, by W5006's and W5016's reasons
   std::map<std::pair<Code, std::string>, std::vector<std::string>> misplaced_;
@@ -522,15 +514,15 @@ class Run {
 
 }  // namespace
 
-Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
-                              const RunOptions& options, DiagnosticLog& log, const Job& job) {
-  return Runner().run(world, views, options, log, job);
+Result<std::size_t> run_frames(const world::World& world, std::span<const Frame> frames,
+                               const RunOptions& options, DiagnosticLog& log, const Job& job) {
+  return Runner().run(world, frames, options, log, job);
 }
 
 Runner::Runner() : drawers_(std::make_unique<Drawers>()) {}
 Runner::~Runner() = default;
 
-Result<std::size_t> Runner::run(const world::World& world, std::span<const View> views,
+Result<std::size_t> Runner::run(const world::World& world, std::span<const Frame> frames,
                                 const RunOptions& options, DiagnosticLog& log, const Job& job) {
   bool whole = true;
   const auto drop_drawers = [&] {
@@ -540,7 +532,7 @@ Result<std::size_t> Runner::run(const world::World& world, std::span<const View>
   };
   try {
     auto done = run_job(job, log, [&]() -> Result<std::size_t> {
-      Run run(world, views, options, *drawers_, log, job);
+      Run run(world, frames, options, *drawers_, log, job);
       try {
         return run.run();
       } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// Rendering of views into image files.
+// Rendering of frames into files of their products.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,20 @@
 #include "base/job.h"
 #include "base/result.h"
 #include "workspace/drawer.h"
+#include "workspace/frame.h"
 #include "workspace/open.h"
 #include "workspace/record.h"
-#include "workspace/views.h"
 #include "world/world.h"
 
 namespace panwright::workspace {
 
 // Written image.
 struct Written {
-  std::size_t view = 0;  // its index
-  std::string output;
-  std::uint32_t width = 0;  // pixels
+  std::size_t frame = 0;             // its index
+  std::vector<std::string> outputs;  // files of one image
+  std::uint32_t width = 0;           // pixels
   std::uint32_t height = 0;
-  std::string unit;                       // of radiance: "1/sr" or "W/(m^2 sr)"
-  std::vector<std::string> more_outputs;  // further files of it
+  std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
   Engine engine = Engine::gl;
   unsigned samples = 0;              // requested N×N; 0: auto
   double ev = 0;                     // stops, of a PNG
@@ -41,7 +40,7 @@ struct Written {
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
 };
 
-// Called one at a time, on the thread that called run_views; each may be empty.
+// Called one at a time, on the thread that called run_frames; each may be empty.
 struct RunListener {
   std::function<void(const EngineInfo&)> ready;  // before the first image
   std::function<void(const Written&)> written;
@@ -49,25 +48,25 @@ struct RunListener {
 };
 
 struct RunOptions {
-  DrawOptions draw;  // for views without their own
+  preview::ContextKind context = preview::ContextKind::automatic;
   RunListener listener;
   RecordSource source;
 };
 
-// Renders views of a world and writes them, in order, each atomically. Models are uploaded once;
-// unchanged state is reused between views. Drawing of one image overlaps copying and writing of the
-// two before.
+// Renders frames of a world and writes them, in order, each atomically. Models are uploaded once;
+// unchanged state is reused between frames. Drawing of one image overlaps copying and writing of
+// the two before.
 //
 //   returns  the number of written images: all of them
-// Expects: cameras, Suns and options as the engines require; targets of unit rotation.
-// Fails, before anything is drawn: E0202 for an output of another kind, E0206 for one that is an
-// input or that of another view; E5011 for a pose of no target; E5030 for a world without targets,
-// E5001 and E5007 without OpenGL. Then: E0001, E0103, E5003; earlier outputs stay.
-// Reports: W5006, W5008, W5012, W5016, N5002.
-Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
-                              const RunOptions& options, DiagnosticLog& log, const Job& job = {});
+// Expects: cameras, Suns as the engines require; targets of unit rotation.
+// Fails, before anything is drawn: E0201 for contradictory settings, E0202 for an output of another
+// kind, E0206 for one that is an input or that of another frame; E5011 for a pose of no target;
+// E5030 for a world without targets, E5001 and E5007 without OpenGL. Then: E0001, E0103, E5003;
+// earlier outputs stay. Reports: W5006, W5008, W5012, W5016, N5002.
+Result<std::size_t> run_frames(const world::World& world, std::span<const Frame> frames,
+                               const RunOptions& options, DiagnosticLog& log, const Job& job = {});
 
-// Runs of views that share contexts and uploaded models, one run after the other.
+// Runs of frames that share contexts and uploaded models, one run after the other.
 class Runner {
  public:
   Runner();
@@ -75,8 +74,8 @@ class Runner {
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  // Runs as run_views(); may be called again after a failure.
-  Result<std::size_t> run(const world::World& world, std::span<const View> views,
+  // Runs as run_frames(); may be called again after a failure.
+  Result<std::size_t> run(const world::World& world, std::span<const Frame> frames,
                           const RunOptions& options, DiagnosticLog& log, const Job& job = {});
 
   struct Drawers;

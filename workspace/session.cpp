@@ -11,14 +11,14 @@ namespace {
 constexpr std::size_t kMostWorlds = 4;
 
 // Equal for views of one world.
-std::string key_of(const ViewText& view) {
+std::string key_of(const Settings& view) {
   std::string key;
   const auto add = [&](const std::string& text) {
     key += std::to_string(text.size()) + ":" + text;
   };
-  for (const std::string& target : view.targets) add(target);
+  for (const std::string& target : *view.targets) add(target);
   key += ";";
-  auto defines = view.defines;
+  auto defines = *view.define;
   std::sort(defines.begin(), defines.end());
   for (const auto& [name, value] : defines) {
     add(name);
@@ -29,9 +29,9 @@ std::string key_of(const ViewText& view) {
 
 }  // namespace
 
-ViewSession::Opened* ViewSession::opened(const ViewText& view, const RunListener& listener,
+ViewSession::Opened* ViewSession::opened(const View& view, const RunListener& listener,
                                          DiagnosticLog& log, const Job& job) {
-  const std::string key = key_of(view);
+  const std::string key = key_of(view.settings);
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const Opened& each) { return each.key == key; });
   if (known != worlds_.end()) {
@@ -41,8 +41,8 @@ ViewSession::Opened* ViewSession::opened(const ViewText& view, const RunListener
   std::vector<TargetFile> targets;
   RecordSource source;
   source.open = open_;
-  source.open.parameters = view.defines;
-  for (const std::string& text : view.targets) {
+  source.open.parameters = *view.settings.define;
+  for (const std::string& text : *view.settings.targets) {
     targets.push_back(target_file(text));
     source.files.push_back(targets.back().file.string());
   }
@@ -58,50 +58,43 @@ ViewSession::Opened* ViewSession::opened(const ViewText& view, const RunListener
   }
   while (worlds_.size() >= kMostWorlds) worlds_.pop_back();
   worlds_.push_front({key, *std::move(world), std::move(source), nullptr});
-  worlds_.front().maker = std::make_unique<ViewMaker>(worlds_.front().world);
+  worlds_.front().maker = std::make_unique<FrameMaker>(worlds_.front().world);
   return &worlds_.front();
 }
 
-const world::World* ViewSession::world(const ViewText& view, const RunListener& listener,
+const world::World* ViewSession::world(const View& view, const RunListener& listener,
                                        DiagnosticLog& log, const Job& job) {
   const Opened* found = opened(view, listener, log, job);
   return found == nullptr ? nullptr : &found->world;
 }
 
-Result<std::size_t> ViewSession::run(std::span<const ViewText> views, const RunListener& listener,
+Result<std::size_t> ViewSession::run(std::span<const View> views, const RunListener& listener,
                                      DiagnosticLog& log, const Job& job) {
-  std::vector<DrawOptions> draw;
   bool good = true;
-  const std::size_t errors = log.errors();
-  for (const ViewText& view : views) check_values(view, log);
-  if (log.errors() != errors) return failed;
-  for (const ViewText& view : views) {
-    const auto options = draw_options(view, context_, log);
-    good = good && options;
-    draw.push_back(options ? *options : DrawOptions{});
-  }
+  for (const View& view : views) good = check(view, log) && good;
+  if (!good) return failed;
   for (std::size_t first = 0; first < views.size();) {
     std::size_t end = first + 1;
-    while (end < views.size() && key_of(views[end]) == key_of(views[first])) ++end;
+    while (end < views.size() && key_of(views[end].settings) == key_of(views[first].settings))
+      ++end;
     Opened* const open = opened(views[first], listener, log, job);
     if (open == nullptr) return failed;
-    std::vector<View> made;
+    std::vector<Frame> frames;
     for (std::size_t i = first; i < end; ++i) {
-      auto view = open->maker->view(views[i], log);
-      good = good && view;
-      if (!view) continue;
-      view->draw = draw[i];
-      made.push_back(*std::move(view));
+      auto frame = open->maker->frame(views[i], log);
+      good = good && frame;
+      if (frame) frames.push_back(*std::move(frame));
     }
     if (!good) return failed;
     RunOptions options;
+    options.context = context_;
     options.source = open->source;
     options.listener = listener;
     options.listener.written = [&](Written written) {
-      written.view += first;
+      written.frame += first;
       if (listener.written) listener.written(written);
     };
-    if (!runner_.run(open->world, made, options, log, job)) return failed;
+    if (!runner_.run(open->world, frames, options, log, job)) return failed;
     first = end;
   }
   return views.size();

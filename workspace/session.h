@@ -1,4 +1,4 @@
-// Session of rendering views given as text, one call after the other, as in `render --views`.
+// Session of rendering views, one call after the other, as in `render --views`.
 #pragma once
 
 #include <list>
@@ -25,18 +25,18 @@ class ViewSession {
   // Renders views, in order. First checks all views as far as possible without their models, then
   // those of one model after the other.
   //
-  //   listener  Written::view is the index in `views`
+  //   listener  Written::frame is the index in `views`
   //   returns   the number of images: all of them
   // Expects: targets and an output in each view.
-  // Fails: E0201, E0203; as open_world(), ViewMaker and run_views().
-  Result<std::size_t> run(std::span<const ViewText> views, const RunListener& listener,
+  // Fails: E0201, E0203; as open_world(), FrameMaker and run_frames().
+  Result<std::size_t> run(std::span<const View> views, const RunListener& listener,
                           DiagnosticLog& log, const Job& job = {});
 
   // Sets the files to record, if they differ from the opened ones.
   void set_recorded_files(std::vector<std::string> files) { recorded_ = std::move(files); }
 
   // Returns the world of a view: opened, or cached. Null: failed, and reported.
-  const world::World* world(const ViewText& view, const RunListener& listener, DiagnosticLog& log,
+  const world::World* world(const View& view, const RunListener& listener, DiagnosticLog& log,
                             const Job& job = {});
 
  private:
@@ -44,10 +44,9 @@ class ViewSession {
     std::string key;
     world::World world;
     RecordSource source;
-    std::unique_ptr<ViewMaker> maker;  // of world
+    std::unique_ptr<FrameMaker> maker;  // of world
   };
-  Opened* opened(const ViewText& view, const RunListener& listener, DiagnosticLog& log,
-                 const Job& job);
+  Opened* opened(const View& view, const RunListener& listener, DiagnosticLog& log, const Job& job);
 
   OpenOptions open_;
   preview::ContextKind context_;

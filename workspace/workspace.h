@@ -4,14 +4,18 @@
 //   auto model = workspace::open("cubesat.pxn", {}, log);        // any file as a model
 //   world::World world;                                          // any number of targets
 //   world.add("cubesat", *model, log);
-//   workspace::View view{camera, sun, {{"cubesat", pose}}, "image.exr"};
-//   workspace::run_views(world, {&view, 1}, {}, log);            // images in files
+//   workspace::Frame frame;                                      // one moment
+//   frame.instrument = camera;
+//   frame.poses = {{"cubesat", pose}};
+//   frame.outputs = {"image.exr"};
+//   workspace::run_frames(world, {&frame, 1}, {}, log);          // images in files
 //
 // docs/using-the-library.md has a whole program.
 #pragma once
 
 #include "workspace/budget.h"
 #include "workspace/drawer.h"
+#include "workspace/frame.h"
 #include "workspace/joints.h"
 #include "workspace/open.h"
 #include "workspace/record.h"

@@ -17,7 +17,6 @@ EXCEPTIONS = {
     "tests/importers/urdf/urdf_bad_test.cpp:UrdfBad": "a list of bad files",
     "tests/pxn/dimensions_test.cpp:Kinds": "a list of expressions",
     "tests/pxn/expression_test.cpp:Expression": "a list of expressions",
-    "workspace/views_file.cpp:field_of": "a switch over all options",
 }
 NOT_FUNCTION = re.compile(r'(inline\s+)?namespace\b|extern\s*""|(typedef\s+)?(struct|class|union|enum)\b')
 ACCESS = re.compile(r"^((public|private|protected)\s*:\s*)+")

@@ -85,14 +85,13 @@ TEST(ViewState, CommandLineIsTheView) {
   view.camera.elevation = 0;
   view.camera.range = 9;
   view.joints["a b/wing"] = "10deg";
-  view.shadows = "soft";
+  view.shadows = workspace::Settings::Shadows::soft;
   view.auto_ev = false;
   view.ev = -1.5;
-  EXPECT_EQ(
-      command_line(view, 640, 480, {"it's.pan"}, "out.png"),
-      "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' --fov 30 "
-      "--sun '0.813797681 -0.296198133 0.5' --size 640x480 --ev -1.5 --shadows soft "
-      "--joint 'a b/wing=10deg'");
+  EXPECT_EQ(command_line(view, 640, 480, {"it's.pan"}, "out.png"),
+            "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' "
+            "--joint 'a b/wing=10deg' --sun '0.813797681 -0.296198133 0.5' --fov 30 --size 640x480 "
+            "--ev -1.5 --shadows soft");
 }
 
 // Roll, then pitch, then yaw, about the world's axes.
@@ -108,9 +107,10 @@ TEST(ViewState, PosesOfTargets) {
   const std::string command = command_line(view, 64, 48, {"a.pan", "client=b.pan"}, "out.png");
   const auto option = command.find(" --pose 'client=1 -2.5 0 ");
   ASSERT_NE(option, std::string::npos) << command;
-  const workspace::ViewText text = view_text(view, 64, 48);
-  ASSERT_EQ(text.poses.size(), 1u);
-  EXPECT_NE(command.find("'client=" + text.poses[0].value + "'"), std::string::npos) << command;
+  const auto poses =
+      workspace::setting_texts(workspace::SettingId::pose, settings_of(view, 64, 48));
+  ASSERT_EQ(poses.size(), 1u);
+  EXPECT_NE(command.find("'" + poses[0] + "'"), std::string::npos) << command;
 }
 
 }  // namespace

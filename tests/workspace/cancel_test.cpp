@@ -111,20 +111,20 @@ TEST(Cancel, ViewsAreWholeOrNotThere) {
   const TargetFile file{"figure8", kExamples + "paper/figure8.pxn"};
   const auto world = open_world({&file, 1}, {}, log);
   ASSERT_TRUE(world) << to_text(log);
-  std::vector<View> views;
-  ViewMaker maker(*world);
+  std::vector<Frame> views;
+  FrameMaker maker(*world);
   for (int i = 0; i < 6; ++i) {
-    ViewText text;
-    text.size = "64x64";
-    text.camera = std::to_string(i) + " -6 1";
-    text.output = folder / (std::to_string(i) + ".exr");
-    const auto view = maker.view(text, log);
+    Settings settings;
+    settings.size = ImageSize{64, 64};
+    settings.camera = Vec3(i, -6, 1);
+    settings.outputs = {folder / (std::to_string(i) + ".exr")};
+    settings.engine = Engine::reference;
+    settings.samples = 6;
+    const auto view = maker.frame(settings, log);
     ASSERT_TRUE(view);
     views.push_back(*view);
   }
   RunOptions options;
-  options.draw.engine = Engine::reference;
-  options.draw.reference.samples = 32;
   std::vector<std::string> whole;
   std::set<std::string> names;
   const auto clear = [&] {
@@ -132,9 +132,9 @@ TEST(Cancel, ViewsAreWholeOrNotThere) {
   };
   cancel_everywhere(
       [&](DiagnosticLog& said, const Job& job) {
-        if (!run_views(*world, views, options, said, job)) return false;
+        if (!run_frames(*world, views, options, said, job)) return false;
         if (whole.empty())
-          for (const View& view : views) whole.push_back(support::contents(view.output));
+          for (const Frame& view : views) whole.push_back(support::contents(view.outputs[0]));
         names = files_in(folder.path());
         EXPECT_EQ(names.size(), views.size());
         clear();
@@ -142,8 +142,8 @@ TEST(Cancel, ViewsAreWholeOrNotThere) {
       },
       [&] {
         for (std::size_t i = 0; i < views.size(); ++i)
-          if (fs::exists(views[i].output)) {
-            EXPECT_TRUE(support::contents(views[i].output) == whole[i]);
+          if (fs::exists(views[i].outputs[0])) {
+            EXPECT_TRUE(support::contents(views[i].outputs[0]) == whole[i]);
           }
         for (const std::string& name : files_in(folder.path())) EXPECT_TRUE(names.contains(name));
         clear();

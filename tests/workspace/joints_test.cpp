@@ -8,7 +8,6 @@
 
 #include "compiler/compile.h"
 #include "workspace/record.h"
-#include "workspace/views.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace::joints_test {
@@ -129,14 +128,15 @@ TEST(JointTexts, WhatIsWrongSaysWhatWouldBeRight) {
 // A camera on a boom that is out, looking at a wing that points at it: all from one text.
 TEST(JointTexts, ViewsMoveFramesAndAims) {
   DiagnosticLog log;
-  ViewText text;
-  text.camera_frame = "eye";
-  text.size = "16x16";
-  text.fov = "20";
-  text.joints = {{"boom", "0.5m"}, {"wing", "@camera"}};
-  const auto view = ViewMaker(world_of({"a"})).view(text, log);
+  Settings settings;
+  settings.camera_frame = "eye";
+  settings.size = ImageSize{16, 16};
+  settings.fov = 20 * kDegree;
+  settings.joint = {{"boom", "0.5m"}, {"wing", "@camera"}};
+  const world::World world = world_of({"a"});
+  const auto view = FrameMaker(world).frame(settings, log);
   ASSERT_TRUE(view) << to_text(log);
-  EXPECT_NEAR(glm::length(view->camera.position - Vec3(0, 0, 1.5)), 0, 1e-12);
+  EXPECT_NEAR(glm::length(view->camera().position - Vec3(0, 0, 1.5)), 0, 1e-12);
   ASSERT_EQ(view->joints.size(), 2u);
   EXPECT_EQ(view->joints[0].target, "a");
   EXPECT_NEAR(view->joints[0].values[0], 0, 1e-12);
@@ -151,16 +151,17 @@ TEST(JointTexts, RecordsKeepEveryBit) {
   for (std::size_t i = 0; i < 9; ++i) mount[i] = std::sqrt(2.0 + static_cast<double>(i)) / 3;
   world.set_joint(0, 0, wing);
   world.set_joint(1, 3, mount);
-  const std::string record = record_text(world, {}, 0.0, {}, {});
+  const std::string record = record_text(world, {}, {});
   EXPECT_THAT(record, HasSubstr("a/wing"));
-  ViewText text;
+  View view;
   DiagnosticLog log;
   const std::size_t at = record.find("\"joint\":");
   const std::string joints = record.substr(at, record.find('}', at) + 1 - at);
-  ASSERT_TRUE(parse_view("{" + joints + "}", 0, {}, text, log)) << joints << to_text(log);
+  ASSERT_TRUE(parse_view("{" + joints + "}", 0, {}, view, log)) << joints << to_text(log);
   world::World again = world_of({"a", "b/c"});
   JointSetter setter(again);
-  for (const JointText& joint : text.joints) EXPECT_TRUE(setter.set(joint, log)) << to_text(log);
+  for (const JointText& joint : *view.settings.joint)
+    EXPECT_TRUE(setter.set(joint, log)) << to_text(log);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(again[i].joint_values(), world[i].joint_values());
 }
 

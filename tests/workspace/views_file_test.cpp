@@ -4,13 +4,14 @@
 #include <algorithm>
 
 #include "tests/support/process.h"
+#include "workspace/drawer.h"
 #include "workspace/views.h"
 
 namespace panwright::workspace::views_file_test {
 namespace {
 
-Result<std::vector<ViewText>> read(const std::string& text, DiagnosticLog& log,
-                                   const ViewText& defaults = {}) {
+Result<std::vector<View>> read(const std::string& text, DiagnosticLog& log,
+                               const Settings& defaults = {}) {
   const support::TemporaryFolder folder;
   return read_views(folder.write("v.json", text), defaults, log);
 }
@@ -23,53 +24,55 @@ TEST(ReadViews, TakesTextNumbersAndLists) {
            log);
   ASSERT_TRUE(views) << to_text(log);
   ASSERT_EQ(views->size(), 2u);
-  EXPECT_EQ((*views)[0].camera, "0 -5 1.5");
-  EXPECT_EQ((*views)[0].fov, "20");
-  EXPECT_EQ((*views)[1].look_at, "0 0 1");
+  EXPECT_EQ(*(*views)[0].settings.camera, Vec3(0, -5, 1.5));
+  EXPECT_EQ(*(*views)[0].settings.fov, 20 * kDegree);
+  EXPECT_EQ(*(*views)[1].settings.look_at, Vec3(0, 0, 1));
 }
 
 TEST(ReadViews, DefaultsFillInWithoutContradicting) {
-  ViewText defaults;
-  defaults.fov = "20";
-  defaults.look_at = "1 1 1";
-  defaults.size = "10x10";
-  defaults.camera = "5 5 5";
+  Settings defaults;
+  defaults.fov = 20 * kDegree;
+  defaults.look_at = Vec3(1, 1, 1);
+  defaults.size = ImageSize{10, 10};
+  defaults.camera = Vec3(5, 5, 5);
   DiagnosticLog log;
   const auto views = read(R"([{"ortho": 3, "quat": [1, 0, 0, 0], "output": "a.png"},
                               {"camera_frame": "f", "output": "b.png"}])",
                           log, defaults);
   ASSERT_TRUE(views);
-  EXPECT_FALSE((*views)[0].fov);
-  EXPECT_FALSE((*views)[0].look_at);
-  EXPECT_EQ((*views)[0].size, "10x10");
-  EXPECT_EQ((*views)[0].camera, "5 5 5");
-  EXPECT_FALSE((*views)[1].camera);
-  EXPECT_FALSE((*views)[1].look_at);
-  EXPECT_EQ((*views)[1].fov, "20");
+  const Settings &first = (*views)[0].settings, &second = (*views)[1].settings;
+  EXPECT_FALSE(first.fov);
+  EXPECT_FALSE(first.look_at);
+  EXPECT_EQ(*first.size, (ImageSize{10, 10}));
+  EXPECT_EQ(*first.camera, Vec3(5, 5, 5));
+  EXPECT_FALSE(second.camera);
+  EXPECT_FALSE(second.look_at);
+  EXPECT_EQ(*second.fov, 20 * kDegree);
 }
 
-std::vector<std::string> poses_of(const ViewText& view) {
-  std::vector<std::string> out;
-  for (const PoseText& pose : view.poses) out.push_back(pose.target + "=" + pose.value);
-  return out;
+std::vector<std::string> poses_of(const View& view) {
+  return setting_texts(SettingId::pose, view.settings);
 }
 
 TEST(ReadViews, PosesAreTextsListsOrObjectsOfTargets) {
-  ViewText defaults;
-  defaults.poses = {{"a", "9"}, {"b", "8"}};
+  Settings defaults;
+  const Quat none(1, 0, 0, 0);
+  defaults.pose = {{"a", {{9, 0, 0}, none}}, {"b", {{8, 0, 0}, none}}};
   DiagnosticLog log;
   const auto views = read(R"([{"pose": [1, 2, 3, 1, 0, 0, 0], "output": "a.png"},
-                              {"pose": "1 2 3", "output": "b.png"},
-                              {"pose": {"b": "0 0 1", "c": [2]}, "output": "c.png"},
+                              {"pose": "1 2 3km 0 1 0 0", "output": "b.png"},
+                              {"pose": {"b": "0 0 1 1 0 0 0", "c": [2, 0, 0, 0, 0, 0, 1]},
+                               "output": "c.png"},
                               {"output": "d.png"}])",
                           log, defaults);
   ASSERT_TRUE(views) << to_text(log);
   using testing::ElementsAre;
+  const std::string a = "a=9 0 0 1 0 0 0", b = "b=8 0 0 1 0 0 0";
   // the view's own come last, so that they are what counts
-  EXPECT_THAT(poses_of((*views)[0]), ElementsAre("a=9", "b=8", "=1 2 3 1 0 0 0"));
-  EXPECT_THAT(poses_of((*views)[1]), ElementsAre("a=9", "b=8", "=1 2 3"));
-  EXPECT_THAT(poses_of((*views)[2]), ElementsAre("a=9", "b=8", "b=0 0 1", "c=2"));
-  EXPECT_THAT(poses_of((*views)[3]), ElementsAre("a=9", "b=8"));
+  EXPECT_THAT(poses_of((*views)[0]), ElementsAre(a, b, "1 2 3 1 0 0 0"));
+  EXPECT_THAT(poses_of((*views)[1]), ElementsAre(a, b, "1 2 3000 0 1 0 0"));
+  EXPECT_THAT(poses_of((*views)[2]), ElementsAre(a, b, "b=0 0 1 1 0 0 0", "c=2 0 0 0 0 0 1"));
+  EXPECT_THAT(poses_of((*views)[3]), ElementsAre(a, b));
 }
 
 TEST(ReadViews, SaysWhatIsWrong) {
@@ -135,7 +138,7 @@ TEST(ReadViews, QualitiesArePresets) {
   DiagnosticLog log;
   const auto read_one = [&](const std::string& options) {
     const auto views = read(R"([{"output": "a.png", )" + options + "}]", log);
-    return views ? draw_options((*views)[0], preview::ContextKind::automatic, log)
+    return views ? Result<DrawOptions>(draw_options((*views)[0].settings, {}))
                  : Result<DrawOptions>(failed);
   };
   const auto draft = read_one(R"("quality": "draft")");
@@ -178,46 +181,43 @@ TEST(ReadViews, TakesEveryOption) {
      {"output": "e.exr", "engine": "reference", "psf": "0.7"}])",
                           log);
   ASSERT_TRUE(views) << to_text(log);
-  const ViewText& far = (*views)[0];
+  const View& far = (*views)[0];
   EXPECT_EQ(far.label, "view 0 ('far')");
-  EXPECT_EQ(far.output, "a.png");
-  EXPECT_THAT(far.more_outputs, testing::ElementsAre("a.npz"));
-  EXPECT_EQ(far.size, "640x480");
+  EXPECT_THAT(*far.settings.outputs, testing::ElementsAre("a.png", "a.npz"));
+  EXPECT_EQ(*far.settings.size, (ImageSize{640, 480}));
   using Pair = std::pair<std::string, std::string>;
-  EXPECT_THAT(far.defines, testing::UnorderedElementsAre(Pair("span", "2m"), Pair("n", "3")));
-  EXPECT_THAT(far.targets, testing::ElementsAre("b=b.pan"));
-  const auto gl = draw_options(far, preview::ContextKind::automatic, log);
-  ASSERT_TRUE(gl) << to_text(log);
-  EXPECT_EQ(gl->samples, 4u);
-  EXPECT_TRUE(gl->gl.adaptive);
-  EXPECT_FALSE(gl->gl.flat);
-  EXPECT_EQ(gl->gl.shadow_side, 512u);
-  EXPECT_EQ(gl->gl.max_bytes, 2ull << 30);
-  const auto traced = draw_options((*views)[1], preview::ContextKind::automatic, log);
-  ASSERT_TRUE(traced) << to_text(log);
-  EXPECT_EQ(traced->engine, Engine::reference);
-  EXPECT_EQ(traced->reference.seed, ~std::uint64_t{0});
-  EXPECT_EQ(traced->reference.bounces, 0u);
-  EXPECT_EQ(traced->reference.max_samples, 64u);
-  EXPECT_EQ(traced->reference.until_error, 0.01);
-  EXPECT_FALSE(traced->reference.sun_disc);
-  EXPECT_EQ(gl->gl.imposters, preview::Imposters::automatic);
-  EXPECT_EQ(gl->gl.imposter_pixels, 32);
-  EXPECT_EQ(gl->gl.flux_error, 1e-3);
-  EXPECT_EQ(gl->gl.psf_sigma, 0.5);
-  const auto none = draw_options((*views)[2], preview::ContextKind::automatic, log);
-  const auto all = draw_options((*views)[3], preview::ContextKind::automatic, log);
-  const auto blurred = draw_options((*views)[4], preview::ContextKind::automatic, log);
-  ASSERT_TRUE(none && all && blurred) << to_text(log);
-  EXPECT_EQ(none->gl.imposters, preview::Imposters::off);
-  EXPECT_EQ(all->gl.imposters, preview::Imposters::always);
-  EXPECT_EQ(gl->gl.shadows, preview::Shadows::automatic);
-  EXPECT_EQ(none->gl.shadows, preview::Shadows::soft);
-  EXPECT_EQ(none->gl.sun_points, 128u);
-  EXPECT_FALSE(none->gl.specular_filter);
-  EXPECT_TRUE(all->gl.specular_filter);
-  EXPECT_EQ(all->gl.shadow_side, 0u);
-  EXPECT_EQ(blurred->reference.psf_sigma, 0.7);
+  EXPECT_THAT(*far.settings.define,
+              testing::UnorderedElementsAre(Pair("span", "2m"), Pair("n", "3")));
+  EXPECT_THAT(*far.settings.targets, testing::ElementsAre("b=b.pan"));
+  const auto gl = draw_options(far.settings, {});
+  EXPECT_EQ(gl.samples, 4u);
+  EXPECT_TRUE(gl.gl.adaptive);
+  EXPECT_FALSE(gl.gl.flat);
+  EXPECT_EQ(gl.gl.shadow_side, 512u);
+  EXPECT_EQ(gl.gl.max_bytes, 2ull << 30);
+  const auto traced = draw_options((*views)[1].settings, {});
+  EXPECT_EQ(traced.engine, Engine::reference);
+  EXPECT_EQ(traced.reference.seed, ~std::uint64_t{0});
+  EXPECT_EQ(traced.reference.bounces, 0u);
+  EXPECT_EQ(traced.reference.max_samples, 64u);
+  EXPECT_EQ(traced.reference.until_error, 0.01);
+  EXPECT_FALSE(traced.reference.sun_disc);
+  EXPECT_EQ(gl.gl.imposters, preview::Imposters::automatic);
+  EXPECT_EQ(gl.gl.imposter_pixels, 32);
+  EXPECT_EQ(gl.gl.flux_error, 1e-3);
+  EXPECT_EQ(gl.gl.psf_sigma, 0.5);
+  const auto none = draw_options((*views)[2].settings, {});
+  const auto all = draw_options((*views)[3].settings, {});
+  const auto blurred = draw_options((*views)[4].settings, {});
+  EXPECT_EQ(none.gl.imposters, preview::Imposters::off);
+  EXPECT_EQ(all.gl.imposters, preview::Imposters::always);
+  EXPECT_EQ(gl.gl.shadows, preview::Shadows::automatic);
+  EXPECT_EQ(none.gl.shadows, preview::Shadows::soft);
+  EXPECT_EQ(none.gl.sun_points, 128u);
+  EXPECT_FALSE(none.gl.specular_filter);
+  EXPECT_TRUE(all.gl.specular_filter);
+  EXPECT_EQ(all.gl.shadow_side, 0u);
+  EXPECT_EQ(blurred.reference.psf_sigma, 0.7);
 }
 
 TEST(ReadViews, NamesTheViewOfAWrongValue) {
@@ -243,51 +243,47 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
   };
   for (const auto& [members, words] : cases) {
     DiagnosticLog log;
-    const auto views = read(
-        std::string(R"([{"output": "a"}, {"name": "x", "output": "b", )") + members + "}]", log);
-    ASSERT_TRUE(views) << members;
-    EXPECT_TRUE(draw_options((*views)[0], preview::ContextKind::automatic, log));
-    EXPECT_FALSE(draw_options((*views)[1], preview::ContextKind::automatic, log)) << members;
-    ASSERT_EQ(log.entries().size(), 1u);
+    EXPECT_FALSE(read(
+        std::string(R"([{"output": "a.png"}, {"name": "x", "output": "b.png", )") + members + "}]",
+        log))
+        << members;
+    ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
     EXPECT_EQ(log.entries()[0].code, Code::E0203);
     EXPECT_THAT(log.entries()[0].message, testing::HasSubstr(words));
   }
 }
 
 TEST(ReadViews, AViewReplacesTheEngineOfTheDefaults) {
-  ViewText defaults;
-  defaults.engine = "reference";
-  defaults.bounces = "2";
-  defaults.seed = "3";
-  defaults.defines = {{"a", "1"}, {"b", "2"}};
+  Settings defaults;
+  defaults.engine = Settings::Engine::reference;
+  defaults.bounces = 2;
+  defaults.seed = 3;
+  defaults.define = {{"a", "1"}, {"b", "2"}};
   DiagnosticLog log;
   const auto views = read(R"([{"engine": "gl", "define": {"a": 5}, "output": "a.png"},
                               {"samples": 3, "output": "b.png"}])",
                           log, defaults);
   ASSERT_TRUE(views);
-  EXPECT_FALSE((*views)[0].bounces);
-  EXPECT_FALSE((*views)[0].seed);
+  EXPECT_FALSE((*views)[0].settings.bounces);
+  EXPECT_FALSE((*views)[0].settings.seed);
   using Pair = std::pair<std::string, std::string>;
-  EXPECT_THAT((*views)[0].defines, testing::UnorderedElementsAre(Pair("a", "5"), Pair("b", "2")));
-  EXPECT_EQ((*views)[1].bounces, "2");
-  EXPECT_EQ((*views)[1].seed, "3");
-  EXPECT_TRUE(draw_options((*views)[0], preview::ContextKind::automatic, log)) << to_text(log);
-  EXPECT_TRUE(draw_options((*views)[1], preview::ContextKind::automatic, log)) << to_text(log);
+  EXPECT_THAT(*(*views)[0].settings.define,
+              testing::UnorderedElementsAre(Pair("a", "5"), Pair("b", "2")));
+  EXPECT_EQ(*(*views)[1].settings.bounces, 2u);
+  EXPECT_EQ(*(*views)[1].settings.seed, 3u);
 }
 
 TEST(ReadViews, AViewReplacesShadowsThatAreOff) {
-  ViewText defaults;
-  defaults.shadows = "off";
+  Settings defaults;
+  defaults.shadows = Settings::Shadows::off;
   DiagnosticLog log;
   const auto views = read(R"([{"shadow-side": 64, "output": "a.png"},
                               {"sun-points": 3, "output": "b.png"}, {"output": "c.png"}])",
                           log, defaults);
   ASSERT_TRUE(views) << to_text(log);
-  for (const ViewText& view : *views)
-    EXPECT_TRUE(draw_options(view, preview::ContextKind::automatic, log)) << to_text(log);
-  EXPECT_FALSE((*views)[0].shadows);
-  EXPECT_FALSE((*views)[1].shadows);
-  EXPECT_EQ((*views)[2].shadows, "off");
+  EXPECT_FALSE((*views)[0].settings.shadows);
+  EXPECT_FALSE((*views)[1].settings.shadows);
+  EXPECT_EQ(*(*views)[2].settings.shadows, Settings::Shadows::off);
 }
 
 // Every mutation is accepted, or refused with exit code 2 and a message of our own.
@@ -330,10 +326,6 @@ TEST(ReadViews, MutationsAreRefusedInOurOwnWords) {
     }
     DiagnosticLog log;
     const auto views = parse_views(text, "v.json", {}, log);
-    if (views) {
-      for (const ViewText& view : *views)
-        (void)draw_options(view, preview::ContextKind::automatic, log);
-    }
     if (!log.has_errors()) {
       EXPECT_TRUE(views) << text;
       continue;

@@ -1,4 +1,4 @@
-#include "workspace/views.h"
+#include "workspace/frame.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include "compiler/compile.h"
 #include "image/image.h"
 #include "tests/support/process.h"
+#include "workspace/quantities.h"
 #include "workspace/record.h"
 #include "world/evaluation.h"
 
@@ -41,30 +42,46 @@ world::World world_of(const std::vector<std::string>& names) {
   return world;
 }
 
-View view_of(const ViewText& text, const world::World& world = world_of({"m"})) {
+Frame frame_of(const Settings& settings, const world::World& world = world_of({"m"})) {
   DiagnosticLog log;
-  const auto view = ViewMaker(world).view(text, log);
-  EXPECT_TRUE(view) << to_text(log);
-  return view ? *view : View{};
+  const auto frame = FrameMaker(world).frame(settings, log);
+  EXPECT_TRUE(frame) << to_text(log);
+  return frame ? *frame : Frame{};
 }
 
-Code error_of(const ViewText& text, const world::World& world = world_of({"m"})) {
+Code error_of(const Settings& settings, const world::World& world = world_of({"m"})) {
   DiagnosticLog log;
-  EXPECT_FALSE(ViewMaker(world).view(text, log));
+  EXPECT_FALSE(FrameMaker(world).frame(settings, log));
+  return log.entries().empty() ? Code::E0101 : log.entries()[0].code;
+}
+
+// As typed.
+Settings typed(SettingId id, const std::string& value) {
+  DiagnosticLog log;
+  Settings settings;
+  EXPECT_TRUE(read_setting(id, value, settings, log)) << to_text(log);
+  return settings;
+}
+
+Code refusal_of(SettingId id, const std::string& value) {
+  DiagnosticLog log;
+  Settings settings;
+  EXPECT_FALSE(read_setting(id, value, settings, log)) << value;
+  EXPECT_EQ(settings, Settings());
   return log.entries().empty() ? Code::E0101 : log.entries()[0].code;
 }
 
 // Whether every point of the ball of a target, posed, falls onto the image.
-void expect_in_view(const View& view, const world::Pose& pose) {
+void expect_in_view(const Frame& view, const world::Pose& pose) {
   for (int i = 0; i < 200; ++i) {  // a spiral over the sphere
     const double z = -1 + (i + 0.5) / 100, r = std::sqrt(1 - z * z);
     const Vec3 p = Vec3(10, 20, 30) + 2.0 * Vec3(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
-    const auto pixel = world::project(view.camera, Vec3(pose.matrix() * Vec4(p, 1)));
+    const auto pixel = world::project(view.camera(), Vec3(pose.matrix() * Vec4(p, 1)));
     ASSERT_TRUE(pixel);
     EXPECT_GE(pixel->x, 0);
     EXPECT_GE(pixel->y, 0);
-    EXPECT_LE(pixel->x, view.camera.width);
-    EXPECT_LE(pixel->y, view.camera.height);
+    EXPECT_LE(pixel->x, view.camera().width);
+    EXPECT_LE(pixel->y, view.camera().height);
   }
 }
 
@@ -89,25 +106,25 @@ TEST(ParseAngle, BareNumbersAreDegrees) {
 }
 
 TEST(MakeView, TheDefaultSeesTheWholeModel) {
-  ViewText wide, tall;
-  wide.size = "800x300";
-  tall.size = "300x800";
-  for (const ViewText& options : {ViewText{}, wide, tall}) expect_in_view(view_of(options), {});
+  Settings wide, tall;
+  wide.size = ImageSize{800, 300};
+  tall.size = ImageSize{300, 800};
+  for (const Settings& options : {Settings{}, wide, tall}) expect_in_view(frame_of(options), {});
 }
 
 TEST(MakeView, TheDefaultSeesAllVisibleTargets) {
   world::World world = world_of({"a", "b", "far"});
   world.set_visible(2, false);
   const world::Pose near{{30, -5, 2}, {0, 0, 0, 1}};
-  ViewText text;
-  text.poses = {{"b", "30 -5 2 0 0 0 1"}, {"far", "1000 0 0 1 0 0 0"}};
-  const View view = view_of(text, world);
+  Settings text;
+  text.pose = {{"b", near}, {"far", {{1000, 0, 0}, {1, 0, 0, 0}}}};
+  const Frame view = frame_of(text, world);
   expect_in_view(view, {});
   expect_in_view(view, near);
   // what is not visible has no say
-  EXPECT_LT(glm::length(view.camera.position), 300);
+  EXPECT_LT(glm::length(view.camera().position), 300);
   world.set_visible(2, true);
-  EXPECT_GT(glm::length(view_of(text, world).camera.position), 1000);
+  EXPECT_GT(glm::length(frame_of(text, world).camera().position), 1000);
 }
 
 // Of a default camera the outline of what is seen lies in the middle and is 85 % of the side
@@ -118,21 +135,21 @@ TEST(MakeView, TheDefaultFitsTheOutline) {
   two.set_pose(1, {{60, -30, 5}, Quat(1, 0, 0, 0)});
   for (const world::World& world : {world_of({"m"}), two})
     for (const char* size : {"300x300", "400x200", "200x400"}) {
-      ViewText text;
-      text.size = size;
-      const View view = view_of(text, world);
+      Settings text = typed(SettingId::size, size);
+      const Frame view = frame_of(text, world);
       Vec2 low(1e9), high(-1e9);
       for (const world::Instance& target : world.instances())
         for (int i = 0; i < 4000; ++i) {
           const double z = -1 + (i + 0.5) / 2000, r = std::sqrt(1 - z * z);
           const Vec3 p =
               Vec3(10, 20, 30) + 2.0 * Vec3(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
-          const auto pixel = world::project(view.camera, Vec3(target.pose().matrix() * Vec4(p, 1)));
+          const auto pixel =
+              world::project(view.camera(), Vec3(target.pose().matrix() * Vec4(p, 1)));
           ASSERT_TRUE(pixel);
           low = glm::min(low, Vec2(*pixel));
           high = glm::max(high, Vec2(*pixel));
         }
-      const Vec2 image(view.camera.width, view.camera.height);
+      const Vec2 image(view.camera().width, view.camera().height);
       const Vec2 filled = (high - low) / image, off = 0.5 * (low + high) / image - 0.5;
       // the mesh of 16 by 16 lies up to 2 % within the ball
       EXPECT_NEAR(std::max(filled.x, filled.y), 0.85, 0.025) << size;
@@ -142,63 +159,56 @@ TEST(MakeView, TheDefaultFitsTheOutline) {
 }
 
 TEST(MakeView, FieldOfViewIsHorizontalAndFull) {
-  ViewText options;
-  options.fov = "40";
-  options.size = "640x480";
-  const View view = view_of(options);
-  EXPECT_DOUBLE_EQ(view.camera.focal.x, 320 / std::tan(20 * kDegree));
-  EXPECT_EQ(view.camera.principal, Vec2(320, 240));
-  options.fov.reset();
-  options.ifov = "0.5mrad";
-  EXPECT_DOUBLE_EQ(view_of(options).camera.focal.x, 2000);
-  options.ifov.reset();
-  options.intrinsics = "1000,1100,300,200";
-  EXPECT_EQ(view_of(options).camera.focal, Vec2(1000, 1100));
+  Settings options;
+  options.fov = 40 * kDegree;
+  options.size = ImageSize{640, 480};
+  const Frame view = frame_of(options);
+  EXPECT_DOUBLE_EQ(view.camera().focal.x, 320 / std::tan(20 * kDegree));
+  EXPECT_EQ(view.camera().principal, Vec2(320, 240));
+  EXPECT_DOUBLE_EQ(frame_of(typed(SettingId::ifov, "0.5mrad")).camera().focal.x, 2000);
+  const Frame pinhole = frame_of(typed(SettingId::intrinsics, "1000,1100,300,200"));
+  EXPECT_EQ(pinhole.camera().focal, Vec2(1000, 1100));
 }
 
 // Of a line of pixels the model takes a share that can be seen.
 TEST(MakeView, LinesOfPixelsShowTheModel) {
   for (const char* size : {"16384x1", "1x16384"}) {
-    ViewText text;
-    text.size = size;
-    const View view = view_of(text);
-    const double distance = glm::length(view.camera.position - Vec3(10, 20, 30));
+    Settings text = typed(SettingId::size, size);
+    const Frame view = frame_of(text);
+    const double distance = glm::length(view.camera().position - Vec3(10, 20, 30));
     // across, of a ball of radius 2
-    const double pixels = 2 * view.camera.focal.x * std::tan(std::asin(2 / distance));
+    const double pixels = 2 * view.camera().focal.x * std::tan(std::asin(2 / distance));
     // 85 % of a fourth of them; its mesh lies up to 2 % within it
     EXPECT_NEAR(pixels, 0.85 * 16384 / 4, 100) << size;
   }
 }
 
 TEST(MakeView, LensesHaveAFiniteFocalLength) {
-  const auto with = [](auto member, const char* value) {
-    ViewText text;
-    text.*member = value;
-    return text;
-  };
-  EXPECT_EQ(error_of(with(&ViewText::fov, "1e-300")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::ifov, "1e-300")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::ortho, "1e-300")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::intrinsics, "1e300,1,1,1")), Code::E0201);
-  EXPECT_GT(view_of(with(&ViewText::fov, "1e-11rad")).camera.focal.x, 1e14);
+  EXPECT_EQ(error_of(typed(SettingId::fov, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(typed(SettingId::ifov, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(typed(SettingId::ortho, "1e-300")), Code::E0201);
+  EXPECT_EQ(error_of(typed(SettingId::intrinsics, "1e300,1,1,1")), Code::E0201);
+  EXPECT_GT(frame_of(typed(SettingId::fov, "1e-11rad")).camera().focal.x, 1e14);
 }
 
 // A recorded field of view stays one; what a record says of it and of names that are not UTF-8
 // comes back.
 TEST(Record, KeepsFieldsOfViewAndNamesOfAnyBytes) {
   const world::World world = world_of({"m"});
-  ViewText text;
-  text.size = "640x480";
-  text.fov = "20";
-  const View view = view_of(text, world);
-  EXPECT_TRUE(view.field_of_view);
+  const auto keeps = [](const Frame& frame) {
+    return std::get<CameraInstrument>(frame.instrument).field_of_view;
+  };
+  Settings text;
+  text.size = ImageSize{640, 480};
+  text.fov = 20 * kDegree;
+  const Frame view = frame_of(text, world);
+  EXPECT_TRUE(keeps(view));
   const std::string name = "odd\xff\xfe.pxn";
   image::Image image;
   image.width = image.height = 1;
   image.radiance = {0, 0, 0};
   image.coverage = {0};
-  image.metadata = {{image::kRecordName,
-                     record_text(world, view.camera, 0.0, {}, {{name}, {}}, view.field_of_view)}};
+  image.metadata = {{image::kRecordName, record_text(world, view, {{name}, {}})}};
   const support::TemporaryFolder folder;
   DiagnosticLog log;
   ASSERT_TRUE(image::write_image(folder / "a.png", image, 0, log));
@@ -206,35 +216,34 @@ TEST(Record, KeepsFieldsOfViewAndNamesOfAnyBytes) {
   ASSERT_TRUE(record) << to_text(log);
   EXPECT_EQ(record->targets[0].file, name);
   ASSERT_TRUE(record->view.field_of_view);
-  keep_field_of_view(record->view, "1280x96");
-  record->view.size = "1280x96";
-  record->view.ev.reset();
-  text.size = "1280x96";
-  EXPECT_EQ(view_of(record->view, world).camera.focal, view_of(text, world).camera.focal);
-  EXPECT_EQ(view_of(record->view, world).camera.principal, Vec2(640, 48));
-  text.fov.reset();
-  text.intrinsics = "500,500,320,240";
-  EXPECT_FALSE(view_of(text, world).field_of_view);
+  Settings& settings = record->view.settings;
+  const ImageSize other{1280, 96};
+  keep_field_of_view(settings, other);
+  settings.size = other;
+  text.size = other;
+  EXPECT_EQ(frame_of(settings, world).camera().focal, frame_of(text, world).camera().focal);
+  EXPECT_EQ(frame_of(settings, world).camera().principal, Vec2(640, 48));
+  EXPECT_FALSE(keeps(frame_of(typed(SettingId::intrinsics, "500,500,320,240"), world)));
 }
 
 TEST(MakeView, LooksAtTheOriginAndSeesTheSunOverTheLeftShoulder) {
-  ViewText options;
-  options.camera = "0 -100 0";
-  const View view = view_of(options);
-  const Vec3 boresight = view.camera.world_from_camera * Vec3(0, 0, 1);
+  Settings options;
+  options.camera = Vec3(0, -100, 0);
+  const Frame view = frame_of(options);
+  const Vec3 boresight = view.camera().world_from_camera * Vec3(0, 0, 1);
   EXPECT_NEAR(boresight.y, 1, 1e-15);
-  const Vec3 right = view.camera.world_from_camera * Vec3(1, 0, 0);
+  const Vec3 right = view.camera().world_from_camera * Vec3(1, 0, 0);
   EXPECT_LT(glm::dot(view.sun->direction, right), 0);
   EXPECT_LT(glm::dot(view.sun->direction, boresight), 0);
   EXPECT_GT(view.sun->direction.z, 0);
 }
 
 TEST(MakeView, ACameraCanSitInAFrame) {
-  ViewText options;
+  Settings options;
   options.camera_frame = "camera";
-  EXPECT_EQ(view_of(options).camera.position, Vec3(10, 20, 32));
+  EXPECT_EQ(frame_of(options).camera().position, Vec3(10, 20, 32));
   options.camera_frame = "m/camera";
-  EXPECT_EQ(view_of(options).camera.position, Vec3(10, 20, 32));
+  EXPECT_EQ(frame_of(options).camera().position, Vec3(10, 20, 32));
   options.camera_frame = "camra";
   EXPECT_EQ(error_of(options), Code::E5005);
   options.camera_frame = "m/camra";
@@ -243,10 +252,9 @@ TEST(MakeView, ACameraCanSitInAFrame) {
 
 TEST(MakeView, AFrameOfOneOfSeveralTargetsIsNamedWithIt) {
   const world::World world = world_of({"chaser", "client"});
-  ViewText options;
-  options.poses = {{"client", "1 2 3 1 0 0 0"}};
+  Settings options = typed(SettingId::pose, "client=1 2 3 1 0 0 0");
   options.camera_frame = "client/camera";
-  EXPECT_EQ(view_of(options, world).camera.position, Vec3(11, 22, 35));
+  EXPECT_EQ(frame_of(options, world).camera().position, Vec3(11, 22, 35));
   options.camera_frame = "camera";  // of which?
   EXPECT_EQ(error_of(options, world), Code::E5005);
   options.camera_frame = "clien/camera";
@@ -254,12 +262,12 @@ TEST(MakeView, AFrameOfOneOfSeveralTargetsIsNamedWithIt) {
 }
 
 TEST(MakeView, ThePoseMovesTheModelNotTheCamera) {
-  ViewText options;
-  options.camera = "0 -5 0";
+  Settings options;
+  options.camera = Vec3(0, -5, 0);
   for (const char* name : {"", "m"}) {
-    options.poses = {{name, "1 2 3 0 0 0 1"}};
-    const View view = view_of(options);
-    EXPECT_EQ(view.camera.position, Vec3(0, -5, 0));
+    options.pose = {{name, {{1, 2, 3}, {0, 0, 0, 1}}}};
+    const Frame view = frame_of(options);
+    EXPECT_EQ(view.camera().position, Vec3(0, -5, 0));
     ASSERT_EQ(view.poses.size(), 1u);
     EXPECT_EQ(view.poses[0].target, "m");
     const world::Pose& pose = view.poses[0].pose;
@@ -273,50 +281,43 @@ TEST(MakeView, ThePoseMovesTheModelNotTheCamera) {
 TEST(MakeView, PosesAreOfTargetsThatAreThere) {
   const world::World world = world_of({"chaser", "client"});
   const auto with = [](const char* name) {
-    ViewText text;
-    text.poses = {{name, "1 2 3 1 0 0 0"}};
-    return text;
+    Settings settings;
+    settings.pose = {{name, {{1, 2, 3}, {1, 0, 0, 0}}}};
+    return settings;
   };
-  EXPECT_EQ(view_of(with("client"), world).poses[0].target, "client");
+  EXPECT_EQ(frame_of(with("client"), world).poses[0].target, "client");
   EXPECT_EQ(error_of(with("clients"), world), Code::E5011);
   EXPECT_EQ(error_of(with(""), world), Code::E0201) << "of which target?";
   EXPECT_EQ(error_of(with("n")), Code::E5011);
-  EXPECT_EQ(pose_text("client=1 2 3 1 0 0 0").target, "client");
-  EXPECT_EQ(pose_text("client=1 2 3 1 0 0 0").value, "1 2 3 1 0 0 0");
-  EXPECT_EQ(pose_text("1 2 3 1 0 0 0").target, "");
+  EXPECT_EQ((*typed(SettingId::pose, "client=1 2 3 1 0 0 0").pose)[0].target, "client");
+  EXPECT_EQ((*typed(SettingId::pose, "1 2 3 1 0 0 0").pose)[0].target, "");
 }
 
 TEST(MakeView, RefusesWhatCannotBe) {
-  const auto with = [](std::optional<std::string> ViewText::*member, const char* value) {
-    ViewText options;
-    options.*member = value;
-    return options;
-  };
-  EXPECT_EQ(error_of(with(&ViewText::camera, "0 0")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::sun, "0 0 0")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::fov, "0")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::fov, "180")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::size, "0x10")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::size, "99999x1")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::quat, "2 0 0 0")), Code::E0201);
-  ViewText posed;
-  posed.poses = {{"", "1 2 3"}};
-  EXPECT_EQ(error_of(posed), Code::E0201);
-  posed.poses = {{"m", "1 2 3 2 0 0 0"}};
-  EXPECT_EQ(error_of(posed), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::ev, "bright")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::output, "a.gif")), Code::E0202);
-  EXPECT_EQ(error_of(with(&ViewText::ortho, "-1")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::sun_irradiance, "-1")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::white, "1 -1 0")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::white, "bright")), Code::E0201);
-  EXPECT_EQ(error_of(with(&ViewText::sun_distance, "0")), Code::E0201);
-  ViewText both = with(&ViewText::fov, "10");
-  both.ortho = "3";
+  const std::pair<SettingId, const char*> wrong[] = {{SettingId::camera, "0 0"},
+                                                     {SettingId::sun, "0 0 0"},
+                                                     {SettingId::fov, "0"},
+                                                     {SettingId::fov, "180"},
+                                                     {SettingId::size, "0x10"},
+                                                     {SettingId::size, "99999x1"},
+                                                     {SettingId::quat, "2 0 0 0"},
+                                                     {SettingId::pose, "1 2 3"},
+                                                     {SettingId::pose, "m=1 2 3 2 0 0 0"},
+                                                     {SettingId::ev, "bright"},
+                                                     {SettingId::ortho, "-1"},
+                                                     {SettingId::sun_irradiance, "-1"},
+                                                     {SettingId::white, "1 -1 0"},
+                                                     {SettingId::white, "bright"},
+                                                     {SettingId::sun_distance, "0"}};
+  for (const auto& [id, value] : wrong) EXPECT_EQ(refusal_of(id, value), Code::E0201) << value;
+  EXPECT_EQ(error_of(typed(SettingId::output, "a.gif")), Code::E0202);
+  Settings both;
+  both.fov = 10 * kDegree;
+  both.ortho = 3;
   EXPECT_EQ(error_of(both), Code::E0201);
-  ViewText here;
-  here.camera = "1 2 3";
-  here.look_at = "1 2 3";
+  Settings here;
+  here.camera = Vec3(1, 2, 3);
+  here.look_at = Vec3(1, 2, 3);
   EXPECT_EQ(error_of(here), Code::E0201);
 }
 

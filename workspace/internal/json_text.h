@@ -34,4 +34,7 @@ struct JsonProblem {
 // Fails: without a report; `problem` has the reason.
 Result<JsonText> parse_json(std::string_view text, JsonProblem& problem);
 
+// Returns "a list", "text" and so on.
+const char* json_type(const nlohmann::json& value);
+
 }  // namespace panwright::workspace

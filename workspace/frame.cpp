@@ -1,0 +1,292 @@
+#include "workspace/frame.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "base/text.h"
+#include "image/image.h"
+#include "workspace/internal/forward.h"
+#include "workspace/internal/setting_bounds.h"
+#include "world/evaluation.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+constexpr double kDefaultFieldOfView = 30 * kDegree;
+constexpr double kMargin = 1.1;        // of the targets' radius, around it in the image
+constexpr double kFilled = 0.85;       // of the image, by targets before a default camera
+constexpr double kWidestDefault = 90;  // degrees
+// of focal lengths, pixels; orthographic: pixels per metre
+constexpr double kLeastFocal = 1e-30;
+constexpr double kMostFocal = 1e15;
+constexpr double kLargestModel = 1e30;  // metres, as coordinates of models
+
+// Focal lengths and principal point, where they are given.
+bool set_lens(const Settings& settings, world::Camera& camera) {
+  std::tie(camera.width, camera.height) = std::pair(settings.size->width, settings.size->height);
+  if (settings.fov) {
+    world::set_field_of_view(camera, camera.width, camera.height, *settings.fov);
+  } else if (settings.ifov) {
+    world::set_pixel_angle(camera, camera.width, camera.height, *settings.ifov);
+  } else if (settings.intrinsics) {
+    camera.projection = world::Projection::perspective;
+    camera.focal = Vec2(settings.intrinsics->x, settings.intrinsics->y);
+    camera.principal = Vec2(settings.intrinsics->z, settings.intrinsics->w);
+  } else if (settings.ortho) {
+    world::set_orthographic(camera, camera.width, camera.height, *settings.ortho);
+  } else {
+    world::set_field_of_view(camera, camera.width, camera.height, kDefaultFieldOfView);
+    return false;
+  }
+  return true;
+}
+
+bool check_lens(const Settings& settings, DiagnosticLog& log) {
+  world::Camera camera;
+  if (!set_lens(settings, camera)) return true;
+  for (int k = 0; k < 2; ++k) {
+    if (camera.focal[k] >= kLeastFocal && camera.focal[k] <= kMostFocal) continue;
+    const SettingId id = settings.fov     ? SettingId::fov
+                         : settings.ifov  ? SettingId::ifov
+                         : settings.ortho ? SettingId::ortho
+                                          : SettingId::intrinsics;
+    log.report(Code::E0201, {},
+               fmt::format("--{} is {}, expected {}", info_of(id).name,
+                           in_quotes(setting_text(id, settings)),
+                           settings.ortho ? "a width with pixels of 1e-15 to 1e30 m"
+                                          : "a focal length of at most 1e15 pixels"));
+    return false;
+  }
+  return true;
+}
+
+void check_outputs(const Settings& settings, DiagnosticLog& log) {
+  for (const std::string& output : *settings.outputs)
+    if (!image::image_format(output))
+      log.report(Code::E0202, {},
+                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                             in_quotes(output)));
+}
+
+bool is_sound(const Settings& settings, DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  if (check(settings, log)) (void)check_lens(settings, log);
+  check_outputs(settings, log);
+  return log.errors() == errors;
+}
+
+// The sphere fills the image, less a margin.
+void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
+  const double distance = glm::length(sphere.centre - camera.position);
+  const double sine = std::min(1.0, kMargin * sphere.radius / std::max(distance, 1e-300));
+  const double widest = 0.5 * kWidestDefault * kDegree;
+  const double half = std::min(widest, std::asin(sine));
+  // the shorter side decides, or a fourth of the longer one: in a line of pixels the targets would
+  // be a dot
+  const double shorter = std::max(double(std::min(camera.width, camera.height)),
+                                  0.25 * std::max(camera.width, camera.height));
+  const double aspect = camera.width / shorter;
+  const double fov = std::min(2 * std::atan(aspect * std::tan(half)), 0.99 * kPi);
+  world::set_field_of_view(camera, camera.width, camera.height, fov);
+}
+
+// Turns a default camera to the middle of what is visible, which then fills
+// kFilled of the image. Returns false where nothing has an outline.
+bool fit_outline(const world::World& world, world::Camera& camera) {
+  auto seen = outline(world, camera);
+  for (int turn = 0; seen && turn < 2; ++turn) {
+    const Vec2 middle = 0.5 * (seen->low + seen->high);
+    const Quat& q = camera.world_from_camera;
+    DiagnosticLog ignored;
+    const auto aimed = world::looking_at(camera.position, camera.position + q * Vec3(middle, 1),
+                                         q * Vec3(0, -1, 0), ignored);
+    if (!aimed) break;
+    camera.world_from_camera = *aimed;
+    seen = outline(world, camera);
+  }
+  if (!seen) return false;
+  const Vec2 half = glm::max(glm::abs(seen->low), glm::abs(seen->high));
+  // in a line of pixels the targets would be a dot
+  const double least = 0.25 * std::max(camera.width, camera.height);
+  const Vec2 image(std::max<double>(camera.width, least), std::max<double>(camera.height, least));
+  const double focal = 0.5 * kFilled * std::min(image.x / half.x, image.y / half.y);
+  if (!(focal >= kLeastFocal && focal <= kMostFocal)) return false;
+  world::set_field_of_view(camera, camera.width, camera.height,
+                           2 * std::atan(0.5 * camera.width / focal));
+  return true;
+}
+
+// A pose of the world's targets, into the frame and into the world as it is shown.
+bool set_pose(const PoseSetting& given, world::World& world, Frame& frame, DiagnosticLog& log) {
+  std::size_t target = 0;
+  if (!given.target.empty()) {
+    const auto found = world.require(given.target, log);
+    if (!found) return false;
+    target = *found;
+  } else if (world.size() != 1) {
+    const auto& [at, q] = given.pose;
+    log.report(Code::E0201, {},
+               fmt::format("--pose is '{} {} {} {} {} {} {}', expected the name of one of several "
+                           "targets, as NAME=\"X Y Z QW QX QY QZ\"",
+                           at.x, at.y, at.z, q.w, q.x, q.y, q.z));
+    return false;
+  }
+  const auto rotation = unit_quaternion(given.pose.rotation);
+  if (!rotation) {
+    log.report(Code::E0201, {}, "--pose has another quaternion than a unit one w x y z");
+    return false;
+  }
+  const world::Pose pose{given.pose.translation, *rotation};
+  world.set_pose(target, pose);
+  frame.poses.push_back({world[target].name(), pose});
+  return true;
+}
+
+// Position and attitude; `sphere` returns what is around the targets.
+template <class Sphere>
+bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera& camera,
+                  DiagnosticLog& log) {
+  if (settings.camera) {
+    camera.position = *settings.camera;
+  } else {
+    const BoundingSphere around = sphere();
+    if (!(around.radius <= kLargestModel)) {
+      log.report(Code::E0201, {},
+                 fmt::format("the targets reach further than {} m, where a --camera must be given",
+                             kLargestModel));
+      return false;
+    }
+    const double distance = kMargin * around.radius / std::sin(0.5 * kDefaultFieldOfView);
+    camera.position = around.centre + distance * glm::normalize(Vec3(-0.5, -1, 0.4));
+  }
+  if (settings.quat) {
+    camera.world_from_camera = *unit_quaternion(*settings.quat);
+    return true;
+  }
+  const Vec3 aim = settings.look_at  ? *settings.look_at
+                   : settings.camera ? Vec3(0)
+                                     : sphere().centre;
+  const auto attitude = world::looking_at(
+      camera.position, aim, settings.up ? scaled_direction(*settings.up) : std::nullopt, log);
+  if (attitude) camera.world_from_camera = *attitude;
+  return bool(attitude);
+}
+
+// "TARGET/FRAME", or "FRAME" of the one target that has it.
+bool place_in_frame(const std::string& text, const world::World& world, world::Camera& camera,
+                    DiagnosticLog& log) {
+  // a frame may have a slash in its name, and so may a target
+  for (std::size_t at = text.find('/'); at != text.npos; at = text.find('/', at + 1))
+    if (const auto target = world.find(std::string_view(text).substr(0, at)))
+      return world::place_in_frame(camera, world, *target, std::string_view(text).substr(at + 1),
+                                   log);
+  if (world.size() == 1) return world::place_in_frame(camera, world, 0, text, log);
+  std::vector<std::size_t> having;
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (world[i].model()->find_frame(text)) having.push_back(i);
+  if (having.size() == 1) return world::place_in_frame(camera, world, having[0], text, log);
+  std::string names;
+  for (const std::size_t i : having)
+    names += (names.empty() ? "" : ", ") + in_quotes(world[i].name() + "/" + text);
+  log.report(Code::E5005, {},
+             having.empty()
+                 ? fmt::format("unknown frame {}, expected TARGET/FRAME", in_quotes(text))
+                 : fmt::format("{} targets have a frame {}", having.size(), in_quotes(text)),
+             having.empty() ? std::string() : "name one of " + names);
+  return false;
+}
+
+void set_sun(const Settings& settings, const Quat& world_from_camera, Frame& frame) {
+  world::Sun sun;
+  // behind the camera, over its left shoulder: camera axes are x right, y down
+  const Vec3 shoulder = world_from_camera * glm::normalize(Vec3(-0.6, -0.6, -1));
+  sun.direction = *scaled_direction(settings.sun ? *settings.sun : shoulder);
+  sun.distance = *settings.sun_distance;
+  sun.limb_darkening = *settings.limb_darkening;
+  if (settings.sun_irradiance) sun.irradiance = *settings.sun_irradiance;
+  if (settings.white) frame.white = *settings.white;
+  frame.sun = sun;
+}
+
+}  // namespace
+
+bool check(const View& view, DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  const bool good = is_sound(view.settings, apart);
+  forward(apart, view.label, view.file, log);
+  return good;
+}
+
+Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  auto frame = made(view, apart);
+  forward(apart, view.label, view.file, log);
+  return frame;
+}
+
+Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
+  const Settings& settings = view.settings;
+  bool good = is_sound(settings, log);
+  const std::size_t errors = log.errors();
+  Frame frame;
+  frame.label = view.label;
+  frame.settings = with_presets(settings);
+  frame.outputs = *settings.outputs;
+  world::World posed = world_;
+  for (const PoseSetting& pose : *settings.pose) good = set_pose(pose, posed, frame, log) && good;
+  JointSetter joints(posed);
+  for (const JointText& joint : *settings.joint) good = joints.set(joint, log) && good;
+  if (!good) return failed;
+  world::Camera camera;
+  const bool lens = set_lens(settings, camera);
+  const auto sphere = [&] { return spheres_.of(posed); };
+  good = settings.camera_frame ? place_in_frame(*settings.camera_frame, posed, camera, log)
+                               : place_camera(settings, sphere, camera, log);
+  if (!good) return failed;
+  const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
+  if (!lens && !settings.camera_frame && (placed || !fit_outline(posed, camera)))
+    fit_lens(sphere(), camera);
+  set_sun(settings, camera.world_from_camera, frame);
+  posed.set_sun(*frame.sun);
+  joints.set_aims(camera.position, log);
+  if (log.errors() != errors) return failed;
+  for (const world::Instance& target : posed.instances())
+    for (const world::JointState& state : target.joint_states())
+      frame.joints.push_back({target.name(), state.joint, state.values});
+  frame.instrument = CameraInstrument(
+      camera, view.field_of_view || !(settings.ifov || settings.intrinsics || settings.ortho));
+  return frame;
+}
+
+namespace {
+
+// Those of the frame; all others as in the world.
+void place_joints(const Frame& frame, const world::Instance& target, std::size_t index,
+                  world::World& shown) {
+  const std::size_t count = target.model()->joints().size();
+  if (count == 0) return;
+  std::vector<std::optional<geometry::JointValues>> values(count);
+  for (const world::JointState& state : target.joint_states()) values[state.joint] = state.values;
+  for (const TargetJoint& each : frame.joints)
+    if (each.target == target.name()) values[each.joint] = each.values;
+  for (std::size_t j = 0; j < count; ++j)
+    shown.set_joint(index, static_cast<std::uint32_t>(j), values[j]);
+}
+
+}  // namespace
+
+void show(const Frame& frame, const world::World& world, world::World& shown) {
+  std::vector<world::Pose> poses;
+  for (const world::Instance& target : world.instances()) poses.push_back(target.pose());
+  for (const TargetPose& each : frame.poses) poses[*world.find(each.target)] = each.pose;
+  for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
+  for (std::size_t i = 0; i < world.size(); ++i) place_joints(frame, world[i], i, shown);
+  shown.set_sun(frame.sun.value_or(world.sun()));
+  shown.set_white(frame.white ? frame.white : world.given_white());
+}
+
+}  // namespace panwright::workspace

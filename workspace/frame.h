@@ -1,0 +1,74 @@
+// Frames: moments to be measured by an instrument. Syntax of views: docs/conventions.md 2–7.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "workspace/instrument.h"
+#include "workspace/settings.h"
+#include "workspace/targets.h"
+#include "workspace/views.h"
+#include "world/world.h"
+
+namespace panwright::workspace {
+
+struct TargetPose {
+  std::string target;  // its name
+  world::Pose pose;    // world_from_model
+};
+
+struct TargetJoint {
+  std::string target;  // its name
+  std::uint32_t joint = 0;
+  geometry::JointValues values{};
+};
+
+// State of a world at one time, and what measures it.
+struct Frame {
+  std::string label;                // name in diagnostics, as "view 3 ('far')"; empty: none
+  double time = 0;                  // seconds, of the sequence
+  std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
+  std::vector<TargetJoint> joints;  // different from the world, aims resolved
+  std::optional<world::Sun> sun;    // none: the world's
+  std::optional<Vec3> white;        // none: the world's
+  Instrument instrument;
+  Settings settings;                 // of drawing and files, and the seed
+  std::vector<std::string> outputs;  // files of one product
+
+  // The camera. Expects: one.
+  world::Camera& camera() { return std::get<CameraInstrument>(instrument).camera; }
+  const world::Camera& camera() const { return std::get<CameraInstrument>(instrument).camera; }
+};
+
+// Sets the state of a frame in a shown world: its poses, joints and Sun, all else as in `world`.
+// Unchanged parts keep their stamps, and all state derived from them.
+//
+// Expects: `shown` was copied from `world`; targets and joints of the world.
+void show(const Frame& frame, const world::World& world, world::World& shown);
+
+// Maker of frames of one world from views. Without a lens, the visible targets fill the image,
+// by their outline if the camera is not given either, else by their sphere.
+// Without a position, the camera is in front of them; without a direction, it looks at the origin
+// if a position is given, else at their centre; without a Sun, it shines from behind the camera's
+// left shoulder.
+class FrameMaker {
+ public:
+  // Expects: world outlives the maker.
+  explicit FrameMaker(const world::World& world) : world_(world) {}
+
+  // Reports: N5004, W5015. Fails: E0201 (of a view with a label: E0203), E0202, E5005, E5011,
+  // E5013, E5014.
+  Result<Frame> frame(const View& view, DiagnosticLog& log);
+
+ private:
+  Result<Frame> made(const View& view, DiagnosticLog& log);
+  const world::World& world_;
+  BoundingSpheres spheres_;
+};
+
+}  // namespace panwright::workspace
