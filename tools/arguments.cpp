@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -32,24 +31,6 @@ bool take_integer(const std::string& text, Integer& value) {
     return false;
   value = static_cast<Integer>(*number);
   return true;
-}
-
-// "512MB" as a number of bytes; the prefixes are powers of 1024.
-std::optional<std::uint64_t> bytes_of(std::string_view text) {
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc()) return std::nullopt;
-  std::string unit(end, text.data() + text.size());
-  std::transform(unit.begin(), unit.end(), unit.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (!unit.empty() && unit.back() == 'b') unit.pop_back();
-  if (unit.size() == 2 && unit[1] == 'i') unit.pop_back();
-  constexpr std::string_view kPrefixes = "kmgtpe";
-  if (unit.size() > 1) return std::nullopt;
-  const std::size_t power = unit.empty() ? 0 : kPrefixes.find(unit[0]) + 1;
-  if (!unit.empty() && power == 0) return std::nullopt;
-  if (number > (UINT64_MAX >> (10 * power))) return std::nullopt;
-  return number << (10 * power);
 }
 
 }  // namespace
@@ -131,7 +112,7 @@ Argument& Argument::not_negative() {
 }
 Argument& Argument::bytes() {
   option_.checks.push_back([](std::string& text) -> std::string {
-    const auto bytes = bytes_of(text);
+    const auto bytes = workspace::parse_bytes(text);
     if (!bytes) return "a number of bytes, as 512MB";
     text = std::to_string(*bytes);
     return {};

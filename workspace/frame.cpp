@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "base/text.h"
-#include "image/image.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/setting_bounds.h"
 #include "world/evaluation.h"
@@ -64,18 +63,10 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
   return true;
 }
 
-void check_outputs(const Settings& settings, DiagnosticLog& log) {
-  for (const std::string& output : *settings.outputs)
-    if (!image::image_format(output))
-      log.report(Code::E0202, {},
-                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
-                             in_quotes(output)));
-}
-
 bool is_sound(const Settings& settings, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   if (check(settings, log)) (void)check_lens(settings, log);
-  check_outputs(settings, log);
+  for (const std::string& output : *settings.outputs) check_output(CameraInstrument(), output, log);
   return log.errors() == errors;
 }
 

@@ -53,6 +53,8 @@ struct RunOptions {
   RecordSource source;
 };
 
+struct Drawers;  // kept by a Runner
+
 // Renders frames of a world and writes them, in order, each atomically. Models are uploaded once;
 // unchanged state is reused between frames. Drawing of one image overlaps copying and writing of
 // the two before.
@@ -77,8 +79,6 @@ class Runner {
   // Runs as run_frames(); may be called again after a failure.
   Result<std::size_t> run(const world::World& world, std::span<const Frame> frames,
                           const RunOptions& options, DiagnosticLog& log, const Job& job = {});
-
-  struct Drawers;
 
  private:
   std::unique_ptr<Drawers> drawers_;
