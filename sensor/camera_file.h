@@ -61,4 +61,11 @@ Result<CameraFile> read_camera(std::string_view text, const std::string& name, D
 // Fails: E0220 for a lens that the format cannot hold.
 Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log);
 
+// Returns a distortion as a model and its numbers, as "brown -0.2 0.1 0 0", which reads back to the
+// same bits; empty: none. Numbers: those of Brown up to its last; 4 of fisheye; 1 of division; 5 of
+// powers; of cahvore the axis, r, e and linearity.
+std::string distortion_text(const Distortion& distortion);
+// Reads it; nothing: a text of another form.
+std::optional<Distortion> parse_distortion(std::string_view text);
+
 }  // namespace panwright::sensor

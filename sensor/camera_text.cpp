@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "base/text.h"
@@ -161,6 +162,72 @@ std::string speed_text(const CameraFile& camera, const Plain& lens) {
 }
 
 }  // namespace
+
+namespace {
+
+struct Named {
+  const char* name;
+  std::vector<double> numbers;
+};
+
+Named named(const Distortion& distortion) {
+  const auto list = [](const auto& k) { return std::vector<double>(k.begin(), k.end()); };
+  if (const auto* brown = std::get_if<Brown>(&distortion)) return {"brown", brown_terms(*brown)};
+  if (const auto* fisheye = std::get_if<Fisheye>(&distortion)) return {"fisheye", list(fisheye->k)};
+  if (const auto* powers = std::get_if<RadialPowers>(&distortion))
+    return {"powers", list(powers->k)};
+  if (const auto* division = std::get_if<Division>(&distortion)) return {"division", {division->k}};
+  if (const auto* c = std::get_if<Cahvore>(&distortion))
+    return {"cahvore",
+            {c->axis.x, c->axis.y, c->axis.z, c->r[0], c->r[1], c->r[2], c->e[0], c->e[1], c->e[2],
+             c->linearity}};
+  return {"", {}};
+}
+
+}  // namespace
+
+std::string distortion_text(const Distortion& distortion) {
+  const auto [name, numbers] = named(distortion);
+  std::string out = name;
+  for (const double number : numbers) out += " " + format_double(number);
+  return out;
+}
+
+std::optional<Distortion> parse_distortion(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t,";
+  std::vector<std::string_view> words;
+  for (std::size_t at = text.find_first_not_of(kBlanks); at != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kBlanks, end);
+  }
+  if (words.empty() || words.size() > 15) return std::nullopt;
+  std::array<double, 14> k{};
+  const std::size_t count = words.size() - 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto number = parse_double(words[i + 1]);
+    if (!number) return std::nullopt;
+    k[i] = *number;
+  }
+  const auto copied = [&](auto& to) { std::copy_n(k.begin(), to.size(), to.begin()); };
+  if (words[0] == "brown" && count >= 1) return Brown{k};
+  if (words[0] == "division" && count == 1) return Division{k[0]};
+  if (words[0] == "fisheye" && count <= 4) {
+    Fisheye fisheye;
+    copied(fisheye.k);
+    return fisheye;
+  }
+  if (words[0] == "powers" && count >= 1 && count <= 5) {
+    RadialPowers powers;
+    copied(powers.k);
+    return powers;
+  }
+  if (words[0] != "cahvore" || count != 10) return std::nullopt;
+  const Vec3 axis(k[0], k[1], k[2]);
+  const double length = glm::length(axis);
+  if (!(std::fabs(length - 1) < 1e-9 && axis.z >= 0.5 && std::fabs(k[9]) <= 1)) return std::nullopt;
+  return Cahvore{axis, {k[3], k[4], k[5]}, {k[6], k[7], k[8]}, k[9]};
+}
 
 Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log) {
   const auto fail = [&](const char* message, const char* hint = "write it as .toml") {

@@ -15,6 +15,8 @@ Command check_command();
 Command info_command();
 Command joints_command();
 Command render_command();
+Command scenario_command();
+Command run_command();
 Command view_command();
 Command material_command();
 Command mli_command();

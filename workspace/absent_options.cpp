@@ -36,9 +36,11 @@ const Absent kAbsent[] = {
     {{"labels", "label", "mask", "masks", "segmentation", "annotations", "boxes", "bbox",
       "keypoints", "depth", "normals", "ids", "ground-truth"},
      kLayers},
-    {{"distortion", "distort", "lens", "k1", "k2", "vignetting", "aperture", "dof", "motion-blur"},
-     "the camera is a pinhole: --intrinsics, --fov or --ifov set it, --psf blurs it; distort its "
-     "image afterwards (docs/limits.md)"},
+    {{"distort", "lens", "k1", "k2", "calibration"},
+     "--camera-file FILE or --distortion \"MODEL K…\" sets the distortion of the lens "
+     "(docs/cameras.md)"},
+    {{"vignetting", "aperture", "dof", "motion-blur"},
+     "the camera has no aperture and no exposure: --psf blurs it (docs/limits.md)"},
     {{"light", "lights", "lamp", "ambient"},
      "the Sun is the only light: --sun \"X Y Z\", --sun-distance, --sun-irradiance"},
     {{"resolution", "width", "height", "res"}, "--size WxH sets the pixels"},
@@ -47,8 +49,8 @@ const Absent kAbsent[] = {
      "--quat \"QW QX QY QZ\" turns the camera, --pose a target"},
     {{"focal-length", "focal"}, "--intrinsics \"FX FY CX CY\", --fov or --ifov sets the lens"},
     {{"time", "date", "epoch", "orbit", "tle", "trajectory"},
-     "there is no ephemeris: --views takes the camera, poses and Sun of each image "
-     "(docs/views.md)"},
+     "there is no ephemeris: `panwright run` takes trajectories (docs/scenarios.md), --views the "
+     "camera, poses and Sun of each image (docs/views.md)"},
 };
 
 }  // namespace

@@ -60,6 +60,8 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add("panwright.quat", words(camera.world_from_camera));
   add("panwright.intrinsics", fmt::format("{},{},{},{}", camera.focal.x, camera.focal.y,
                                           camera.principal.x, camera.principal.y));
+  if (camera.distortion != nullptr)
+    add("panwright.distortion", sensor::distortion_text(camera.distortion->distortion()));
   add("panwright.sun", words(world.sun().direction));
   const bool traced = options.engine == Engine::reference;
   const unsigned own = traced ? options.reference.samples : options.gl.samples;

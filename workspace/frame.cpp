@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/setting_bounds.h"
@@ -35,6 +36,9 @@ bool set_lens(const Settings& settings, world::Camera& camera) {
     camera.projection = world::Projection::perspective;
     camera.focal = Vec2(settings.intrinsics->x, settings.intrinsics->y);
     camera.principal = Vec2(settings.intrinsics->z, settings.intrinsics->w);
+    if (settings.distortion)
+      if (const auto distortion = sensor::parse_distortion(*settings.distortion))
+        camera.distortion = std::make_shared<sensor::DistortionMap>(*distortion);
   } else if (settings.ortho) {
     world::set_orthographic(camera, camera.width, camera.height, *settings.ortho);
   } else {
@@ -45,6 +49,19 @@ bool set_lens(const Settings& settings, world::Camera& camera) {
 }
 
 bool check_lens(const Settings& settings, DiagnosticLog& log) {
+  if (settings.distortion) {
+    const char* wrong = !sensor::parse_distortion(*settings.distortion)
+                            ? "a model and its numbers, as \"brown -0.2 0.1 0 0\""
+                        : settings.intrinsics ? nullptr
+                                              : "--intrinsics beside it";
+    if (wrong != nullptr) {
+      log.report(
+          Code::E0201, {},
+          fmt::format("--distortion is {}, expected {}", in_quotes(*settings.distortion), wrong),
+          "docs/cameras.md");
+      return false;
+    }
+  }
   world::Camera camera;
   if (!set_lens(settings, camera)) return true;
   for (int k = 0; k < 2; ++k) {
@@ -219,8 +236,32 @@ Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
   return frame;
 }
 
+// Size, intrinsics and distortion in place of the file's name.
+bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
+  if (!settings.camera_file) return true;
+  constexpr std::uint64_t kMostBytes = 1 << 20;
+  const std::string path = *settings.camera_file;
+  auto known = cameras_.find(path);
+  if (known == cameras_.end()) {
+    const auto text = read_file(path, kMostBytes, log);
+    if (!text) return false;
+    const auto camera = sensor::read_camera(*text, path, log);
+    if (!camera) return false;
+    known = cameras_.emplace(path, *camera).first;
+  }
+  const sensor::CameraFile& camera = known->second;
+  const sensor::Lens& lens = camera.lens;
+  settings.camera_file = Settings().camera_file;
+  settings.size = ImageSize{camera.width, camera.height};
+  settings.intrinsics = Vec4(lens.focal, lens.principal);
+  if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
+    settings.distortion = text;
+  return true;
+}
+
 Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
-  const Settings& settings = view.settings;
+  Settings settings = view.settings;
+  if (!check(settings, log) || !use_camera_file(settings, log)) return failed;
   bool good = is_sound(settings, log);
   const std::size_t errors = log.errors();
   Frame frame;

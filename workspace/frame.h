@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "sensor/camera_file.h"
 #include "workspace/instrument.h"
 #include "workspace/settings.h"
 #include "workspace/targets.h"
@@ -67,8 +69,10 @@ class FrameMaker {
 
  private:
   Result<Frame> made(const View& view, DiagnosticLog& log);
+  bool use_camera_file(Settings& settings, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
+  std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
 };
 
 }  // namespace panwright::workspace

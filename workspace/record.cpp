@@ -119,6 +119,10 @@ Settings made_settings(const world::World& world, const Frame& frame) {
   made.fov = none.fov;
   made.ifov = none.ifov;
   made.intrinsics = none.intrinsics;
+  made.distortion = none.distortion;
+  if (camera.distortion != nullptr)
+    if (std::string text = sensor::distortion_text(camera.distortion->distortion()); !text.empty())
+      made.distortion = std::move(text);
   made.ortho = none.ortho;
   if (camera.projection == world::Projection::perspective)
     made.intrinsics = {camera.focal.x, camera.focal.y, camera.principal.x, camera.principal.y};

@@ -15,7 +15,7 @@ LEVELS = [
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world"]},
     {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "preview", "preview/reference"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "scenario", "sensor", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}

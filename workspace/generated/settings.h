@@ -25,6 +25,8 @@ enum class SettingId : std::uint8_t {
   fov,
   ifov,
   intrinsics,
+  distortion,
+  camera_file,
   ortho,
   pose,
   joint,
@@ -84,6 +86,8 @@ struct Settings {
   Setting<double> fov;
   Setting<double> ifov;
   Setting<Vec4> intrinsics;
+  Setting<std::string> distortion;
+  Setting<std::string> camera_file;
   Setting<double> ortho;
   Setting<std::vector<PoseSetting>> pose;
   Setting<std::vector<JointText>> joint;

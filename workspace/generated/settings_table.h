@@ -70,6 +70,12 @@ inline constexpr SettingInfo kSettings[] = {
     {"intrinsics", kFormNumbers | kFormText, 0, 4, SettingUnit::none, {}, -kUnbounded, kUnbounded, kSeveral, EngineSet::both, Recorded::given,
      "four numbers fx fy cx cy", "four numbers fx fy cx cy in pixels, fx and fy above 0",
      "--intrinsics", "Camera and Sun", "\"FX FY CX CY\"", "Pinhole intrinsics in pixels"},
+    {"distortion", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "a model and its numbers, as \"brown -0.2 0.1 0 0\"", "a model and its numbers, as \"brown -0.2 0.1 0 0\"",
+     "--distortion", "Camera and Sun", "\"MODEL K…\"", "Lens distortion with --intrinsics (reference): brown K1 K2 P1 P2…, fisheye, division, powers or cahvore"},
+    {"camera-file", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
+     "a file name", "a file name",
+     "--camera-file", "Camera and Sun", "FILE", "Size and lens from a camera file: .toml of this program, or of OpenCV, ROS, Kalibr or SPEED"},
     {"ortho", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, kUnbounded, kAbove, EngineSet::both, Recorded::given,
      "a number of metres", "a width in metres above 0",
      "--ortho", "Camera and Sun", "METRES", "Width of an orthographic image"},
@@ -163,8 +169,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::ortho, SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -186,6 +192,8 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::fov: return f(id, settings.fov...);
     case SettingId::ifov: return f(id, settings.ifov...);
     case SettingId::intrinsics: return f(id, settings.intrinsics...);
+    case SettingId::distortion: return f(id, settings.distortion...);
+    case SettingId::camera_file: return f(id, settings.camera_file...);
     case SettingId::ortho: return f(id, settings.ortho...);
     case SettingId::pose: return f(id, settings.pose...);
     case SettingId::joint: return f(id, settings.joint...);
@@ -238,6 +246,8 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::fov, settings.fov...);
   f(SettingId::ifov, settings.ifov...);
   f(SettingId::intrinsics, settings.intrinsics...);
+  f(SettingId::distortion, settings.distortion...);
+  f(SettingId::camera_file, settings.camera_file...);
   f(SettingId::ortho, settings.ortho...);
   f(SettingId::pose, settings.pose...);
   f(SettingId::joint, settings.joint...);
@@ -272,6 +282,8 @@ void visit_settings(F&& f, S&... settings) {
 
 inline constexpr Exclusion kExclusions[] = {
     {bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), "--fov, --ifov, --intrinsics and --ortho cannot be combined"},
+    {bit(SettingId::distortion), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::ortho), "--distortion requires --intrinsics, and no other lens"},
+    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion), "--camera-file cannot be combined with --size or another lens"},
     {bit(SettingId::quat), bit(SettingId::look_at), "--quat cannot be combined with --look-at"},
     {bit(SettingId::camera_frame), bit(SettingId::camera) | bit(SettingId::quat) | bit(SettingId::look_at), "--camera-frame cannot be combined with --camera, --quat or --look-at"},
     {bit(SettingId::samples) | bit(SettingId::pixel_error), bit(SettingId::samples) | bit(SettingId::pixel_error), ""},
@@ -280,6 +292,8 @@ inline constexpr Exclusion kExclusions[] = {
 inline constexpr Requirement kRequirements[] = {
     {SettingId::samples, SettingId::engine, false, [](const Settings& s) { return bool(s.samples && *s.samples == Settings::Samples::automatic); },
      [](const Settings& s) { return bool(*s.engine == Settings::Engine::gl); }, "--samples is 'auto', expected a whole number from 1 to 64"},
+    {SettingId::distortion, SettingId::engine, true, [](const Settings& s) { return bool(s.distortion); },
+     [](const Settings& s) { return bool(*s.engine == Settings::Engine::reference); }, "distortion of the lens requires --engine reference"},
     {SettingId::pixel_error, SettingId::samples, true, [](const Settings& s) { return bool(s.pixel_error); },
      [](const Settings& s) { return bool(*s.samples == Settings::Samples::automatic); }, "--pixel-error requires --samples auto"},
     {SettingId::adaptive, SettingId::samples, true, [](const Settings& s) { return bool(s.adaptive && *s.adaptive); },

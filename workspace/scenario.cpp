@@ -1,0 +1,120 @@
+#include "workspace/scenario.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+// Times from `begin` in steps, without the sum of their roundings.
+bool add_steps(double begin, double end, double step, std::vector<double>& times) {
+  // what a quotient of seconds may be off
+  constexpr double kSlack = 1e-9;
+  const double count = std::floor((end - begin) / step + kSlack);
+  if (!(count < static_cast<double>(kMostFrames))) return false;
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(count); ++k)
+    times.push_back(std::min(begin + static_cast<double>(k) * step, end));
+  return true;
+}
+
+}  // namespace
+
+Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameChoice& choice,
+                                        DiagnosticLog& log) {
+  const auto fail = [&](const std::string& message, const std::string& hint = {}) {
+    log.report(Code::E0201, {}, message, hint);
+    return failed;
+  };
+  const scenario::Sequence& sequence = scenario.sequence;
+  if (!choice.at.empty()) {
+    if (sequence.ordered()) return fail("--at needs frames with times; these have an order alone");
+    return choice.at;
+  }
+  std::vector<double> times;
+  const auto step = choice.every ? choice.every : scenario.step;
+  if (sequence.ordered()) {
+    if (step) return fail("steps of time need frames with times; these have an order alone");
+    for (std::size_t k = 0; k < sequence.frames(); ++k) times.push_back(static_cast<double>(k));
+  } else {
+    const double begin = scenario.begin.value_or(-HUGE_VAL), end = scenario.end.value_or(HUGE_VAL);
+    if (step) {
+      for (const scenario::TimeSpan& span : sequence.spans()) {
+        const double first = std::max(span.begin, begin), last = std::min(span.end, end);
+        if (!std::isfinite(first) || !std::isfinite(last))
+          return fail("steps of time need a begin and an end", "begin and end in the scenario");
+        if (first <= last && !add_steps(first, last, *step, times))
+          return fail(fmt::format("more than {} frames", kMostFrames));
+      }
+    } else {
+      for (const double time : sequence.times())
+        if (time >= begin && time <= end) times.push_back(time);
+      if (sequence.times().empty())
+        return fail("no times of frames are given", "--every SECONDS, or step in the scenario");
+    }
+  }
+  if (times.size() > kMostFrames) return fail(fmt::format("more than {} frames", kMostFrames));
+  if (choice.numbers) {
+    const auto [first, last] = *choice.numbers;
+    if (first >= times.size())
+      return fail(fmt::format("--frames begins at {}; there are {}", first,
+                              counted(times.size(), "frame")));
+    times.erase(times.begin() + static_cast<std::ptrdiff_t>(
+                                    std::min<std::uint64_t>(last, times.size() - 1) + 1),
+                times.end());
+    times.erase(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  if (times.empty()) return fail("there is no frame between begin and end");
+  return times;
+}
+
+Result<scenario::Frame> frame_at(const Scenario& scenario, double time, DiagnosticLog& log) {
+  if (scenario.sequence.ordered())
+    return scenario.sequence.frame(static_cast<std::size_t>(time), log);
+  return scenario.sequence.at(time, log);
+}
+
+Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
+                     const world::World& world, DiagnosticLog& log) {
+  Settings own;
+  if (!frame.name.empty()) own.name = frame.name;
+  if (frame.seed) own.seed = *frame.seed;
+  std::vector<PoseSetting> poses;
+  std::vector<JointText> joints;
+  for (const scenario::TargetState& target : frame.targets) {
+    if (target.placement.position || target.placement.rotation)
+      poses.push_back({target.name, target.placement.pose()});
+    for (const scenario::JointValue& joint : target.joints) {
+      const std::string name = target.name.empty() ? joint.joint : target.name + "/" + joint.joint;
+      const auto place = find_joint(name, world, log);
+      if (!place) return failed;
+      const pan::Model& model = *world[place->target].model();
+      joints.push_back(
+          {name, exact_value(static_cast<geometry::JointKind>(model.joints()[place->joint].kind),
+                             joint.values)});
+    }
+  }
+  if (!poses.empty()) own.pose = std::move(poses);
+  if (!joints.empty()) own.joint = std::move(joints);
+  if (frame.camera.position) own.camera = *frame.camera.position;
+  if (frame.camera.rotation) own.quat = *frame.camera.rotation;
+  if (frame.lens.fov) own.fov = *frame.lens.fov;
+  if (frame.lens.focal) {
+    const ImageSize size = *scenario.settings.size;
+    const Vec2 centre = frame.lens.principal.value_or(Vec2(size.width, size.height) / 2.0);
+    own.intrinsics = Vec4(*frame.lens.focal, centre);
+  }
+  if (frame.sun_direction) own.sun = *frame.sun_direction;
+  if (frame.sun_distance) own.sun_distance = *frame.sun_distance;
+  View view(with_defaults(std::move(own), scenario.settings));
+  view.label = frame.name.empty() ? fmt::format("frame {}", number)
+                                  : fmt::format("frame {} ('{}')", number, frame.name);
+  view.file = scenario.files.front();
+  return view;
+}
+
+}  // namespace panwright::workspace

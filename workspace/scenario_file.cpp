@@ -1,0 +1,416 @@
+#include "workspace/scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/config_text.h"
+#include "base/text.h"
+#include "scenario/aem.h"
+#include "scenario/csv.h"
+#include "scenario/fli.h"
+#include "scenario/formulas.h"
+#include "scenario/keyframes.h"
+#include "scenario/oem.h"
+#include "scenario/simulators.h"
+#include "workspace/internal/setting_json.h"
+#include "workspace/quantities.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Table = ConfigValue;
+
+std::string lower_extension(const fs::path& path) {
+  std::string out = path.extension().string();
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+// ---- sources
+
+// "camera" stands for the camera, which sources know as no target.
+std::string owner(const std::optional<std::string>& target) {
+  return !target || *target == "camera" ? std::string() : *target;
+}
+
+bool begins_with_keyword(std::string_view text, std::string_view keyword) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  return first != text.npos && text.substr(first).starts_with(keyword);
+}
+
+struct SourceOptions {
+  std::string target;                          // empty: the camera
+  std::map<std::string, std::string> objects;  // of a flight file
+  std::optional<double> frame_rate;
+  scenario::CsvOptions csv;
+  bool strict = false;
+};
+
+Result<scenario::SourcePtr> read_source(const fs::path& path, const SourceOptions& options,
+                                        DiagnosticLog& log) {
+  const auto text = scenario::read_text(path, log);
+  if (!text) return failed;
+  const std::string extension = lower_extension(path);
+  const std::string_view bytes = *text->bytes;
+  if (extension == ".fli")
+    return scenario::read_fli(*text, {options.objects, options.frame_rate, options.strict}, log);
+  if (extension == ".oem" || begins_with_keyword(bytes, "CCSDS_OEM_VERS"))
+    return scenario::read_oem(*text, {options.target, options.strict}, log);
+  if (extension == ".aem" || begins_with_keyword(bytes, "CCSDS_AEM_VERS"))
+    return scenario::read_aem(*text, {options.target, options.strict}, log);
+  if (extension == ".json") return scenario::read_keyframes(*text, {options.strict}, log);
+  if (extension == ".csv") {
+    scenario::CsvOptions csv = options.csv;
+    csv.strict = options.strict;
+    return scenario::read_csv(*text, csv, log);
+  }
+  log.report_file(Code::E0202, path.string(),
+                  "not a trajectory, expected .csv, .fli, .json (keyframes), or a message of CCSDS",
+                  "docs/scenarios.md");
+  return failed;
+}
+
+std::optional<scenario::Method> method_named(std::string_view name) {
+  if (name == "linear") return scenario::Method::linear;
+  if (name == "cubic") return scenario::Method::cubic;
+  if (name == "lagrange") return scenario::Method::lagrange;
+  if (name == "hermite") return scenario::Method::hermite;
+  return std::nullopt;
+}
+
+class ScenarioReader {
+ public:
+  ScenarioReader(const fs::path& path, const ScenarioOptions& options, DiagnosticLog& log)
+      : folder_(path.parent_path()), options_(options), log_(log) {
+    files_.push_back(path.string());
+  }
+
+  Result<Scenario> read(const Table& root) {
+    ConfigTable reader(root, "a scenario", Code::E8013, log_);
+    scenario::SequenceOptions sequence;
+    read_epoch(reader, sequence);
+    const auto begin = reader.number("begin"), end = reader.number("end"),
+               step = reader.number("step");
+    if (step && !(*step > 0)) reader.fail(*root.find("step"), "step is not above 0 seconds");
+    if (begin && end && *begin > *end) reader.fail(*root.find("end"), "end is before begin");
+    read_mount(reader, sequence);
+    read_look_at(reader, sequence);
+    Settings settings;
+    read_targets(reader, settings);
+    read_view(reader, settings);
+    read_sources(reader);
+    reader.finish();
+    if (!reader.ok() || !good_) return failed;
+    auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
+    if (!made) return failed;
+    return Scenario{*std::move(made), std::move(settings), begin, end, step, std::move(files_)};
+  }
+
+ private:
+  void read_epoch(ConfigTable& reader, scenario::SequenceOptions& sequence) {
+    const auto text = reader.text("epoch");
+    if (!text) return;
+    const Table& at = *reader.find("epoch");
+    const std::size_t blank = text->find_last_of(' ');
+    const auto system = scenario::time_system_named(
+        blank == text->npos ? std::string_view("UTC") : std::string_view(*text).substr(blank + 1));
+    if (!system)
+      return reader.fail(at, "epoch has no known time system, as in \"2026-01-01T00:00:00 UTC\"");
+    std::string problem;
+    sequence.epoch =
+        scenario::parse_epoch(std::string_view(*text).substr(0, blank), *system, problem);
+    sequence.system = *system;
+    if (!sequence.epoch) reader.fail(at, "epoch: " + problem);
+  }
+
+  void read_mount(ConfigTable& reader, scenario::SequenceOptions& sequence) {
+    const Table* table = reader.find("mount");
+    if (table == nullptr) return;
+    ConfigTable part(*table, "mount", Code::E8013, log_);
+    scenario::Mount mount;
+    mount.target = part.text("target").value_or("");
+    mount.turns = part.flag("turns").value_or(false);
+    if (mount.target.empty()) part.fail(*table, "mount has no target");
+    part.finish();
+    good_ = good_ && part.ok();
+    sequence.mount = mount;
+  }
+
+  void read_look_at(ConfigTable& reader, scenario::SequenceOptions& sequence) {
+    const Table* table = reader.find("look_at");
+    if (table == nullptr) return;
+    scenario::LookAt look;
+    if (const auto* name = std::get_if<std::string>(&table->data)) {
+      look.target = *name;
+    } else {
+      ConfigTable part(*table, "look_at", Code::E8013, log_);
+      look.target = part.text("target").value_or("");
+      look.point = vector(part, "point").value_or(Vec3(0));
+      look.up = vector(part, "up");
+      part.finish();
+      good_ = good_ && part.ok();
+    }
+    sequence.look_at = look;
+  }
+
+  void read_targets(ConfigTable& reader, Settings& settings) {
+    const Table* table = reader.find("targets");
+    if (table == nullptr) return;
+    std::vector<std::string> targets;
+    const auto add = [&](const std::string& name, const Table& value) {
+      const auto* file = std::get_if<std::string>(&value.data);
+      if (file == nullptr)
+        return reader.fail(value, fmt::format("{} is {}, expected the file of a model",
+                                              in_quotes(name), type_name(value)));
+      targets.push_back(name + "=" + (folder_ / *file).string());
+    };
+    const auto* map = std::get_if<Table::Map>(&table->data);
+    if (map == nullptr) return reader.fail(*table, "targets is not a table of files by name");
+    for (const auto& [name, value] : *map) add(name, value);
+    if (!targets.empty()) settings.targets = std::move(targets);
+  }
+
+  void read_sources(ConfigTable& reader) {
+    const Table* sources = reader.find("source");
+    const auto* list = sources == nullptr ? nullptr : std::get_if<Table::List>(&sources->data);
+    if (list == nullptr || list->empty()) {
+      reader.fail(sources != nullptr ? *sources : reader.value(),
+                  "no source, expected one [[source]] or more");
+      return;
+    }
+    for (const Table& each : *list) read_part(each);
+  }
+  void read_part(const Table& table) {
+    ConfigTable part(table, "a source", Code::E8013, log_);
+    const auto file = part.text("file");
+    const auto offset = part.number("offset");
+    std::optional<scenario::SourcePtr> source =
+        file ? of_file(part, *file) : of_formula(part, table);
+    part.finish();
+    good_ = good_ && part.ok() && source.has_value();
+    if (source) parts_.push_back({*source, offset.value_or(0)});
+  }
+
+  std::optional<scenario::SourcePtr> of_file(ConfigTable& part, const std::string& file) {
+    SourceOptions options;
+    options.strict = options_.strict;
+    options.target = owner(part.text("target"));
+    options.frame_rate = part.number("frame_rate");
+    if (const auto method = part.text("interpolation")) {
+      if (const auto named = method_named(*method))
+        options.csv.method = *named;
+      else
+        part.fail(*part.find("interpolation"),
+                  "interpolation is not linear, cubic, lagrange or hermite");
+    }
+    if (const auto degree = part.number("degree")) {
+      if (*degree >= 1 && *degree <= 31 && *degree == std::floor(*degree))
+        options.csv.degree = static_cast<std::size_t>(*degree);
+      else
+        part.fail(*part.find("degree"), "degree is not a whole number from 1 to 31");
+    }
+    if (const Table* objects = part.find("objects"); objects != nullptr) {
+      const auto* map = std::get_if<Table::Map>(&objects->data);
+      if (map == nullptr) part.fail(*objects, "objects is not a table of targets by number");
+      for (std::size_t k = 0; map != nullptr && k < map->size(); ++k) {
+        const auto* name = std::get_if<std::string>(&(*map)[k].second.data);
+        if (name == nullptr)
+          part.fail((*map)[k].second, "expected the name of a target");
+        else
+          options.objects[(*map)[k].first] = *name;
+      }
+    }
+    if (!part.ok()) return std::nullopt;
+    const fs::path path = folder_ / file;
+    files_.push_back(path.string());
+    auto source = read_source(path, options, log_);
+    if (!source) return std::nullopt;
+    return *source;
+  }
+
+  std::optional<scenario::SourcePtr> of_formula(ConfigTable& part, const Table& table) {
+    const auto formula = part.text("formula");
+    const std::string target = owner(part.text("target"));
+    const scenario::OrbitState state{vector(part, "position").value_or(Vec3(0)),
+                                     vector(part, "velocity").value_or(Vec3(0))};
+    if (!formula) {
+      part.fail(table, "a source has neither file nor formula");
+      return std::nullopt;
+    }
+    if (*formula == "clohessy_wiltshire") {
+      const auto rate = part.number("rate");
+      if (!rate || !(*rate > 0)) {
+        part.fail(table, "clohessy_wiltshire needs the rate of the orbit, rad/s, above 0");
+        return std::nullopt;
+      }
+      return scenario::clohessy_wiltshire_source(target, state, *rate);
+    }
+    if (*formula == "two_body") {
+      const double mu = part.number("mu").value_or(3.986004418e14);
+      const auto span = part.number("span");
+      if (!(mu > 0)) part.fail(table, "mu is not above 0 m³/s²");
+      if (!part.ok()) return std::nullopt;
+      auto source = scenario::two_body_source(target, state, mu, {0, span.value_or(86400)}, log_);
+      if (!source) return std::nullopt;
+      return *source;
+    }
+    if (*formula == "fixed") {
+      scenario::Frame frame;
+      const auto rotation = quaternion(part, "quat");
+      scenario::Placement& place = target.empty() ? frame.camera : frame.target(target).placement;
+      place.position = state.position;
+      place.rotation = rotation;
+      frame.sun_direction = vector(part, "sun");
+      return scenario::fixed_source("fixed", frame);
+    }
+    if (*formula == "spin") {
+      const auto rate = vector(part, "rate_deg_s");
+      if (!rate) {
+        part.fail(table, "spin needs rate_deg_s, three numbers in the axes of the target");
+        return std::nullopt;
+      }
+      return scenario::spin_source(target, quaternion(part, "quat").value_or(Quat(1, 0, 0, 0)),
+                                   kDegree * *rate);
+    }
+    if (*formula == "hold_points") return hold_points(part, table, target);
+    constexpr std::string_view kFormulas[] = {"clohessy_wiltshire", "two_body", "fixed", "spin",
+                                              "hold_points"};
+    part.fail(*part.find("formula"), fmt::format("formula is {}, expected {}", in_quotes(*formula),
+                                                 fmt::join(kFormulas, ", ")));
+    return std::nullopt;
+  }
+
+  static std::optional<Vec3> vector(ConfigTable& part, std::string_view name) {
+    const auto v = part.numbers(name, {3});
+    if (!v) return std::nullopt;
+    return Vec3((*v)[0], (*v)[1], (*v)[2]);
+  }
+
+  // Unit quaternion w x y z.
+  static std::optional<Quat> quaternion(ConfigTable& part, std::string_view name) {
+    const auto q = part.numbers(name, {4});
+    if (!q) return std::nullopt;
+    const auto unit = unit_quaternion(Quat((*q)[0], (*q)[1], (*q)[2], (*q)[3]));
+    if (!unit) part.fail(*part.find(name), fmt::format("{} is not of length 1", name));
+    return unit;
+  }
+
+  std::optional<scenario::SourcePtr> hold_points(ConfigTable& part, const Table& table,
+                                                 const std::string& target) {
+    const Table* points = part.find("points");
+    const auto* list = points == nullptr ? nullptr : std::get_if<Table::List>(&points->data);
+    if (list == nullptr) {
+      part.fail(table, "hold_points needs points, a list of tables");
+      return std::nullopt;
+    }
+    std::vector<scenario::HoldPoint> all;
+    for (const Table& each : *list) {
+      ConfigTable one(each, "a hold point", Code::E8013, log_);
+      const auto arrive = one.number("arrive"), leave = one.number("leave");
+      const auto position = vector(one, "position");
+      if (!arrive || !position) one.fail(each, "a hold point has arrive and position");
+      one.finish();
+      if (!one.ok()) {
+        good_ = false;
+        return std::nullopt;
+      }
+      all.push_back({*arrive, leave.value_or(*arrive), *position});
+    }
+    auto source = scenario::hold_point_source(target, std::move(all), log_);
+    if (!source) return std::nullopt;
+    return *source;
+  }
+
+  // Settings of all frames, as members of a view.
+  void read_view(ConfigTable& reader, Settings& settings) {
+    const Table* table = reader.find("view");
+    if (table == nullptr) return;
+    const auto* map = std::get_if<Table::Map>(&table->data);
+    if (map == nullptr) return reader.fail(*table, "view is not a table of settings");
+    for (const auto& [name, value] : *map) read_setting_of(reader, name, value, settings);
+  }
+
+  static nlohmann::json as_json(const Table& value) {
+    if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
+    if (const auto* number = std::get_if<double>(&value.data)) {
+      // whole numbers are integers of JSON
+      if (*number == std::floor(*number) && std::fabs(*number) < 0x1p53)
+        return static_cast<std::int64_t>(*number);
+      return *number;
+    }
+    if (const auto* text = std::get_if<std::string>(&value.data)) return *text;
+    if (const auto* list = std::get_if<Table::List>(&value.data)) {
+      nlohmann::json out = nlohmann::json::array();
+      for (const Table& item : *list) out.push_back(as_json(item));
+      return out;
+    }
+    nlohmann::json out = nlohmann::json::object();
+    if (const auto* map = std::get_if<Table::Map>(&value.data))
+      for (const auto& [name, item] : *map) out[name] = as_json(item);
+    return out;
+  }
+
+  void read_setting_of(ConfigTable& reader, const std::string& name, const Table& value,
+                       Settings& settings) {
+    std::string member = name;
+    std::ranges::replace(member, '_', '-');
+    const auto found = std::ranges::find(kSettings, member, &SettingInfo::name);
+    const auto id = static_cast<SettingId>(found - std::begin(kSettings));
+    constexpr SettingId kOfFrames[] = {SettingId::name, SettingId::output, SettingId::outputs,
+                                       SettingId::targets};
+    if (found == std::end(kSettings) || std::ranges::find(kOfFrames, id) != std::end(kOfFrames)) {
+      std::vector<std::string_view> names;
+      for (const SettingInfo& each : kSettings) names.push_back(each.name);
+      const auto near = nearest_name(member, names);
+      return reader.fail(value, fmt::format("view has no setting {}", in_quotes(name)),
+                         near && *near != member ? fmt::format("did you mean '{}'?", *near) : "");
+    }
+    const nlohmann::json json = as_json(value);
+    if (const std::string wrong = wrong_type(id, json); !wrong.empty())
+      return reader.fail(value, fmt::format("{} has the wrong type{}", in_quotes(name), wrong));
+    DiagnosticLog apart = log_.apart();
+    if (!read_setting(id, json, settings, apart))
+      for (const Diagnostic& problem : apart.entries()) reader.fail(value, problem.message);
+  }
+
+  fs::path folder_;
+  const ScenarioOptions& options_;
+  DiagnosticLog& log_;
+  std::vector<std::string> files_;
+  std::vector<scenario::Part> parts_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& options,
+                               DiagnosticLog& log) {
+  if (lower_extension(path) != ".toml") {
+    SourceOptions of_source;
+    of_source.strict = options.strict;
+    of_source.target = options.target;
+    const auto source = read_source(path, of_source, log);
+    if (!source) return failed;
+    auto sequence = scenario::Sequence::of({{*source, 0}}, {}, log);
+    if (!sequence) return failed;
+    return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}};
+  }
+  const auto text = scenario::read_text(path, log);
+  if (!text) return failed;
+  SourceFile source;
+  source.name = text->name;
+  source.bytes = text->bytes;
+  const FileId file = log.sources().add(std::move(source));
+  const auto root = parse_config(*text->bytes, ConfigFormat::toml, file, Code::E8013, log);
+  if (!root) return failed;
+  return ScenarioReader(path, options, log).read(*root);
+}
+
+}  // namespace panwright::workspace
