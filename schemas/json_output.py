@@ -55,6 +55,23 @@ STORAGE = ("of positions, normals and indices: --compress", {
     "position_error": "number: metres in the frame of a mesh, largest displacement of a vertex", "normal_error": "number: degrees, largest rotation of a normal",
     "meshes_with_more_bits": "integer: meshes stored with more bits, for their tolerance"})
 
+IMAGES = {
+    "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
+    "images": ("written", [{
+        "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
+        "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
+        "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
+        "penumbra?": "number: largest possible width of a penumbra, pixels; with --engine gl, shadows of the Sun's disc",
+        "sun_points?": "integer: least number of points of the Sun's disc; 1: hard shadows",
+        "programs?": "integer: number of shader programs built for this image; with --engine gl",
+        "programs_ms?": "number: time to build them",
+        "imposters?": ("targets drawn separately, with --engine gl", [{
+            "targets": "string[]: by name", "pixels": "number: side of a square that holds them", "texels": "integer[]: columns and rows",
+            "flux_error": "number: estimated, a share", "ms": "number: time"}]),
+        "flux_error?": "any: estimated: a share; with the reference engine three standard errors", "flux?": "vec3: of the image",
+        "rays?": "integer: cast", "seconds?": "number: time"}]),
+}
+
 REUSED = {"reused": "integer: number from the cache", "made": "integer: number computed"}
 CACHE = ("use of the cache, if there is one", {
     "meshes": ("triangles for exact shapes", REUSED), "levels": ("levels of detail of meshes", REUSED), "simplified": ("meshes made coarser for the budget", REUSED),
@@ -164,21 +181,17 @@ COMMANDS = {
                                      "positions": "integer: number of them", "min": "vec3: lowest corner of the moving parts, metres", "max": "vec3: highest corner",
                                      "collisions": "object[]: a and b, paths of colliding nodes; first and last value; positions"}]),
     },
-    "render": {
-        "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
-        "images": ("written", [{
-            "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
-            "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
-            "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
-            "penumbra?": "number: largest possible width of a penumbra, pixels; with --engine gl, shadows of the Sun's disc",
-            "sun_points?": "integer: least number of points of the Sun's disc; 1: hard shadows",
-            "programs?": "integer: number of shader programs built for this image; with --engine gl",
-            "programs_ms?": "number: time to build them",
-            "imposters?": ("targets drawn separately, with --engine gl", [{
-                "targets": "string[]: by name", "pixels": "number: side of a square that holds them", "texels": "integer[]: columns and rows",
-                "flux_error": "number: estimated, a share", "ms": "number: time"}]),
-            "flux_error?": "any: estimated: a share; with the reference engine three standard errors", "flux?": "vec3: of the image",
-            "rays?": "integer: cast", "seconds?": "number: time"}]),
+    "render": IMAGES,
+    "run": IMAGES,
+    "scenario": {
+        "epoch?": "string: of time 0, where the scenario has dates", "time_system?": "string: of the epoch: UTC, TAI, TT, TDB or GPS",
+        "channels": "string[]: members of frames that sources give",
+        "frames": ("in order", [{
+            "number": "integer: from 0", "time?": "number: seconds after the epoch", "epoch?": "string: of the frame", "name?": "string: its own",
+            "seed?": "integer: its own", "camera?": "vec3: position, metres", "quat?": "number[]: w x y z, world_from_camera",
+            "fov?": "number: full horizontal angle, radians", "intrinsics?": "number[]: fx fy, and cx cy where given, pixels",
+            "poses?": "object: of targets by name: x y z qw qx qy qz, world_from_model", "joints?": "object: values by TARGET/JOINT: radians, metres, factors",
+            "sun?": "vec3: direction, unit", "sun_distance?": "number: AU"}]),
     },
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

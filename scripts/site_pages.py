@@ -32,6 +32,8 @@ NAVIGATION = [
     ("Shadows", "shadows.md"),
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
+    ("Scenarios", "scenarios.md"),
+    ("Cameras", "cameras.md"),
     ("Reference renderer", "reference-renderer.md"),
     ("Accuracy", "accuracy.md"),
     ("Conventions", "conventions.md"),

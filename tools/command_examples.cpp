@@ -52,6 +52,18 @@ constexpr Example kExamples[] = {
      "cubesat/cubesat.pxn -o truth.exr --engine reference --size 32x32 --samples 2 --seed 1",
      "Render by path tracing, with error bars."},
 
+    {"scenario", "rendezvous/approach.toml", "Print times, ranges and phase angles of its frames."},
+    {"scenario", "rendezvous/flyby.csv --plot flyby.svg", "Draw the course of a table."},
+    {"scenario", "rendezvous/approach.toml --at 42.5 --json",
+     "Print the frame of a time, interpolated."},
+
+    {"run", "rendezvous/approach.toml -o frames --frames 0..2", "Render the first three frames."},
+    {"run",
+     "rendezvous/flyby.csv --target client=client/client.pxn -o flyby --size 320x240 --fov 60",
+     "Fly a camera past a model on the way of a table."},
+    {"run", "rendezvous/approach.toml -o truth --every 150 --type npz",
+     "Write radiance and ground truth of a frame every 150 s."},
+
     {"view", "servicer/servicer.pxn",
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",

@@ -238,7 +238,8 @@ class ScenarioReader {
   std::optional<scenario::SourcePtr> of_formula(ConfigTable& part, const Table& table) {
     const auto formula = part.text("formula");
     const std::string target = owner(part.text("target"));
-    const scenario::OrbitState state{vector(part, "position").value_or(Vec3(0)),
+    const auto position = vector(part, "position");
+    const scenario::OrbitState state{position.value_or(Vec3(0)),
                                      vector(part, "velocity").value_or(Vec3(0))};
     if (!formula) {
       part.fail(table, "a source has neither file nor formula");
@@ -263,11 +264,12 @@ class ScenarioReader {
     }
     if (*formula == "fixed") {
       scenario::Frame frame;
-      const auto rotation = quaternion(part, "quat");
-      scenario::Placement& place = target.empty() ? frame.camera : frame.target(target).placement;
-      place.position = state.position;
-      place.rotation = rotation;
+      scenario::Placement place{position, quaternion(part, "quat")};
+      if (position || place.rotation)
+        (target.empty() ? frame.camera : frame.target(target).placement) = place;
       frame.sun_direction = vector(part, "sun");
+      if (frame.sun_direction && glm::length(*frame.sun_direction) > 0)
+        frame.sun_direction = glm::normalize(*frame.sun_direction);
       return scenario::fixed_source("fixed", frame);
     }
     if (*formula == "spin") {
@@ -335,6 +337,7 @@ class ScenarioReader {
     const auto* map = std::get_if<Table::Map>(&table->data);
     if (map == nullptr) return reader.fail(*table, "view is not a table of settings");
     for (const auto& [name, value] : *map) read_setting_of(reader, name, value, settings);
+    if (settings.camera_file) settings.camera_file = (folder_ / *settings.camera_file).string();
   }
 
   static nlohmann::json as_json(const Table& value) {

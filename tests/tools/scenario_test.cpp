@@ -1,0 +1,200 @@
+// Scenarios as a user runs them: frames printed, rendered, and gone on with.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+namespace panwright::scenario_command_test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::contents;
+using support::Outcome;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+
+Outcome panwright(std::vector<std::string> words) {
+  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+  return support::run(words);
+}
+
+class Scenarios : public testing::Test {
+ protected:
+  const TemporaryFolder folder_;
+  const std::string box_ = folder_.write(
+      "box.pxn",
+      "<pangu_model ver=\"1\"><joint name=\"lid\" type=\"revolute\" axis=\"1 0 0\" lower=\"0\" "
+      "upper=\"90deg\"><box size=\"1\"/></joint></pangu_model>");
+  // turned by 90 degrees about z: not its own inverse
+  const std::string table_ = folder_.write(
+      "way.csv",
+      "time[s],camera.x[m],camera.y[m],camera.z[m],camera.qw[world_from_camera],camera.qx[world_"
+      "from_camera],camera.qy[world_from_camera],camera.qz[world_from_camera],box.qw[world_from_"
+      "model],box.qx[world_from_model],box.qy[world_from_model],box.qz[world_from_model],box.joint."
+      "lid[deg]\n"
+      "0,0,-6,0,0.70710678118654757,-0.70710678118654757,0,0,1,0,0,0,0\n"
+      "10,1,-6,0,0.70710678118654757,-0.70710678118654757,0,0,"
+      "0.70710678118654757,0,0,0.70710678118654757,60\n");
+  const std::string scenario_ = folder_.write("run.toml",
+                                              "step = 5\n[targets]\nbox = \"box.pxn\"\n"
+                                              "[[source]]\nfile = \"way.csv\"\n"
+                                              "[[source]]\nformula = \"fixed\"\nsun = [1, -2, 1]\n"
+                                              "[view]\nsize = [24, 16]\nfov = 30\n"
+                                              "engine = \"reference\"\nsamples = 2\n");
+
+  Outcome run(const std::string& output, std::vector<std::string> words = {}) const {
+    words.insert(words.begin(), {"run", scenario_, "-o", folder_ / output, "--type", "npy"});
+    return panwright(words);
+  }
+};
+
+TEST_F(Scenarios, FramesAreThoseOfRender) {
+  const Outcome done = run("frames");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const Outcome middle =
+      panwright({"render",    "box=" + box_,
+                 "-o",        folder_ / "middle.npy",
+                 "--size",    "24x16",
+                 "--fov",     "30",
+                 "--engine",  "reference",
+                 "--samples", "2",
+                 "--sun",     "1 -2 1",
+                 "--camera",  "0.5 -6 0",
+                 "--quat",    "0.70710678118654757 -0.70710678118654757 0 0",
+                 "--pose",    "box=0 0 0 0.92387953251128674 0 0 0.38268343236508978",
+                 "--joint",   "lid=30deg"});
+  ASSERT_EQ(middle.code, 0) << middle.err;
+  EXPECT_TRUE(contents(folder_ / "frames/000001.npy") == contents(folder_ / "middle.npy"));
+  EXPECT_FALSE(contents(folder_ / "frames/000000.npy") == contents(folder_ / "middle.npy"));
+  EXPECT_FALSE(fs::exists(folder_ / "frames/000003.npy"));
+  std::ifstream lines(folder_ / "frames/frames.jsonl");
+  std::string line;
+  std::vector<json> frames;
+  while (std::getline(lines, line)) frames.push_back(json::parse(line));
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[1]["time"], 5);
+  EXPECT_EQ(frames[1]["camera"], json({0.5, -6.0, 0.0}));
+  EXPECT_EQ(frames[1]["outputs"], json({"000001.npy"}));
+  EXPECT_NEAR(frames[1]["poses"]["box"][6].get<double>(), 0.38268343236508978, 1e-15);
+  EXPECT_NEAR(frames[2]["joints"]["box/lid"][0].get<double>(), 1.0471975511965976, 1e-15);
+}
+
+TEST_F(Scenarios, GoesOnWithWhatIsMissing) {
+  ASSERT_EQ(run("whole").code, 0);
+  ASSERT_EQ(run("part", {"--frames", "0..2"}).code, 0);
+  fs::remove(folder_ / "part/000001.npy");
+  EXPECT_THAT(run("part").err, HasSubstr("E8014"));
+  const auto kept = fs::last_write_time(folder_ / "part/000000.npy");
+  const Outcome again = run("part", {"--resume"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(fs::last_write_time(folder_ / "part/000000.npy"), kept);
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "whole")) {
+    ++files;
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(contents(entry.path().string()) == contents(folder_ / ("part/" + name))) << name;
+  }
+  EXPECT_EQ(files, 4u);
+  // other frames are another run
+  EXPECT_THAT(run("part", {"--resume", "--every", "2"}).err, HasSubstr("differs"));
+}
+
+TEST_F(Scenarios, FramesAreChosen) {
+  const auto numbers = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"scenario", scenario_, "--json"});
+    const Outcome done = panwright(words);
+    std::vector<double> out;
+    for (const json& frame : json::parse(done.out)["frames"]) out.push_back(frame["time"]);
+    return out;
+  };
+  using Times = std::vector<double>;
+  EXPECT_EQ(numbers({}), Times({0, 5, 10}));
+  EXPECT_EQ(numbers({"--every", "2.5", "--frames", "1..3"}), Times({2.5, 5, 7.5}));
+  EXPECT_EQ(numbers({"--frames", "2.."}), Times({10}));
+  EXPECT_EQ(numbers({"--at", "1", "--at", "0.25"}), Times({1, 0.25}));
+  for (const auto& [words, expected] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--frames", "3"}, "--frames begins at 3; there are 3 frames"},
+           {{"--frames", "2..1"}, "expected N, N..M or N.."},
+           {{"--at", "11"}, "E8003"},
+           {{"--at", "soon"}, "expected seconds"},
+           {{"--every", "0"}, "--every"},
+           {{"--every", "1e-9"}, "more than 10000000 frames"}}) {
+    std::vector<std::string> all = {"scenario", scenario_};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome done = panwright(all);
+    EXPECT_NE(done.code, 0) << words.back();
+    EXPECT_THAT(done.err, HasSubstr(expected));
+  }
+}
+
+TEST_F(Scenarios, MistakesAreAtTheirPlaces) {
+  const auto problem = [&](const std::string& text) {
+    return panwright({"scenario", folder_.write("bad.toml", text)}).err;
+  };
+  EXPECT_THAT(problem("step = 1\n"), HasSubstr("no source"));
+  EXPECT_THAT(problem("stp = 1\n[[source]]\nfile = \"way.csv\"\n"),
+              HasSubstr("bad.toml:1:7: error: 'stp' is no member of a scenario"));
+  EXPECT_THAT(problem("stp = 1\n"), HasSubstr("did you mean 'step'?"));
+  EXPECT_THAT(problem("step = -1\n"), HasSubstr("step is not above 0"));
+  EXPECT_THAT(problem("begin = 2\nend = 1\n"), HasSubstr("end is before begin"));
+  EXPECT_THAT(problem("epoch = \"2026-13-01T00:00:00 UTC\"\n"), HasSubstr("bad.toml:1:9"));
+  EXPECT_THAT(problem("[[source]]\nformula = \"orbit\"\n"), HasSubstr("formula is 'orbit'"));
+  EXPECT_THAT(problem("[[source]]\nformula = \"spin\"\ntarget = \"a\"\nquat = [2, 0, 0, 0]\n"
+                      "rate_deg_s = [1, 0, 0]\n"),
+              HasSubstr("bad.toml:4:8: error: quat is not of length 1"));
+  EXPECT_THAT(problem("[[source]]\nfile = \"none.csv\"\n"), HasSubstr("E0101"));
+  EXPECT_THAT(problem("[[source]]\nfile = \"box.pxn\"\n"), HasSubstr("E0202"));
+  EXPECT_THAT(problem("[view]\nfof = 3\n"), HasSubstr("did you mean 'fov'?"));
+  EXPECT_THAT(problem("[view]\nfov = 300\n"), HasSubstr("bad.toml:2:7: error: --fov is"));
+  EXPECT_THAT(problem("[view]\nfov = [1]\n"), HasSubstr("wrong type"));
+  // only a run needs models
+  const std::string bare = folder_.write("bare.toml", "[[source]]\nfile = \"way.csv\"\n");
+  EXPECT_EQ(panwright({"scenario", bare}).code, 0);
+  EXPECT_THAT(panwright({"run", bare, "-o", folder_ / "bare"}).err,
+              HasSubstr("names no model of a target"));
+  EXPECT_FALSE(fs::exists(folder_ / "bare"));
+}
+
+TEST_F(Scenarios, CourseIsDrawn) {
+  const std::string svg = folder_ / "course.svg";
+  const Outcome done = panwright({"scenario", scenario_, "--plot", svg});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("3 frames, 0 s to 10 s"));
+  EXPECT_THAT(done.out, HasSubstr("the rotation of 'box'"));
+  EXPECT_THAT(contents(svg), HasSubstr("Range"));
+  EXPECT_THAT(contents(svg), HasSubstr("Phase angle"));
+}
+
+// A lens from a file: the record has its numbers, so that the image is made again without it.
+TEST_F(Scenarios, CameraFilesWithDistortion) {
+  const std::string camera =
+      folder_.write("camera.toml",
+                    "size = [24, 16]\nfocal = 30\ndistortion = \"brown\"\ncoefficients = [-0.2]\n");
+  const std::string image = folder_ / "a.exr", again = folder_ / "b.exr";
+  const std::vector<std::string> words = {"render",        box_,   "-o",       image,
+                                          "--camera-file", camera, "--camera", "0 -4 0"};
+  EXPECT_THAT(panwright(words).err, HasSubstr("requires --engine reference"));
+  std::vector<std::string> traced = words;
+  traced.insert(traced.end(), {"--engine", "reference", "--samples", "2"});
+  const Outcome first = panwright(traced);
+  ASSERT_EQ(first.code, 0) << first.err;
+  fs::remove(camera);
+  const Outcome second = panwright({"render", "--again", image, "-o", again});
+  ASSERT_EQ(second.code, 0) << second.err;
+  EXPECT_TRUE(contents(image) == contents(again));
+  EXPECT_THAT(panwright({"render", box_, "-o", image, "--distortion", "brown -0.2"}).err,
+              HasSubstr("--distortion"));
+  EXPECT_THAT(panwright({"render", box_, "-o", image, "--camera-file", camera, "--fov", "3"}).err,
+              HasSubstr("--camera-file cannot be combined"));
+}
+
+}  // namespace
+}  // namespace panwright::scenario_command_test
