@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/text.h"
+#include "sensor/camera_file.h"
 #include "workspace/exposure.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"

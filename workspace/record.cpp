@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "image/image.h"
+#include "sensor/camera_file.h"
 #include "workspace/internal/json_text.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/joints.h"
