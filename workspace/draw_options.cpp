@@ -58,9 +58,15 @@ DrawOptions draw_options(const Settings& given, preview::ContextKind context) {
     draw.reference.sun_disc = !*settings.no_sun_disc;
   }
   draw.photo = *settings.tone == Settings::Tone::photo;
-  if (settings.layers) draw.files.layers = *settings.layers;
-  draw.files.compress = *settings.compress;
+  draw.files = file_options(settings);
   return draw;
+}
+
+image::FileOptions file_options(const Settings& settings) {
+  image::FileOptions files;
+  if (settings.layers) files.layers = *settings.layers;
+  files.compress = *settings.compress;
+  return files;
 }
 
 }  // namespace panwright::workspace

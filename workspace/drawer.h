@@ -37,6 +37,7 @@ struct DrawOptions {
 
 // Returns the options of both engines for sound settings (check()), presets included.
 DrawOptions draw_options(const Settings& settings, preview::ContextKind context);
+image::FileOptions file_options(const Settings& settings);
 
 // Engine in use.
 struct EngineInfo {

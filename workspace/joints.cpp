@@ -61,17 +61,6 @@ std::string shown(JointUnit unit, double value) {
   return "";
 }
 
-std::vector<std::string_view> words_of(std::string_view text) {
-  std::vector<std::string_view> out;
-  constexpr const char* kSeparators = " \t\n\r,";
-  for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
-    const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
-    out.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kSeparators, end);
-  }
-  return out;
-}
-
 const pan::layout::Joint& record_of(const world::World& world, const JointPlace& place) {
   return world[place.target].model()->joints()[place.joint];
 }

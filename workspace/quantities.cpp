@@ -10,31 +10,27 @@
 #include "base/text.h"
 
 namespace panwright::workspace {
-namespace {
 
-std::optional<std::vector<double>> parse_all(std::string_view text, std::size_t count,
-                                             std::optional<double> (*parse)(std::string_view)) {
-  std::vector<double> numbers;
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
   constexpr const char* kSeparators = " \t\n\r,";
   for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
     const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
-    const auto value = parse(text.substr(at, end - at));
-    if (!value || numbers.size() == count) return std::nullopt;
-    numbers.push_back(*value);
+    words.push_back(text.substr(at, end - at));
     at = text.find_first_not_of(kSeparators, end);
+  }
+  return words;
+}
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (const std::string_view word : words_of(text)) {
+    const auto value = parse_double(word);
+    if (!value) return std::nullopt;
+    numbers.push_back(*value);
   }
   if (numbers.size() != count) return std::nullopt;
   return numbers;
-}
-
-}  // namespace
-
-std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
-  return parse_all(text, count, [](std::string_view word) { return parse_double(word); });
-}
-
-std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count) {
-  return parse_all(text, count, parse_length);
 }
 
 std::optional<double> parse_angle(std::string_view text) {

@@ -11,11 +11,12 @@
 
 namespace panwright::workspace {
 
+// Returns the words of a text, separated by blanks or commas.
+std::vector<std::string_view> words_of(std::string_view text);
+
 // Parses numbers separated by blanks or commas; nothing for other texts or another count than
 // `count`.
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count);
-// Parses lengths, each as of parse_length(). Metres.
-std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count);
 
 // Parses an angle to radians: a bare number is degrees; deg, rad, mrad, urad, arcmin and arcsec may
 // follow it.

@@ -27,18 +27,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSeparators = " \t\n\r,";
-
-std::vector<std::string_view> words_in(std::string_view text) {
-  std::vector<std::string_view> words;
-  for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
-    const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kSeparators, end);
-  }
-  return words;
-}
-
 // Value as its author wrote it: a text, or JSON.
 struct SettingValue {
   explicit SettingValue(std::string_view from) : text(from) {}
@@ -88,7 +76,7 @@ template <std::size_t count>
 std::optional<std::array<double, count>> numbers_of(const SettingValue& value, SettingUnit unit) {
   std::array<double, count> out{};
   if (value.text) {
-    const auto words = words_in(*value.text);
+    const auto words = words_of(*value.text);
     if (words.size() != count) return std::nullopt;
     for (std::size_t i = 0; i < count; ++i) {
       const auto number = number_in(words[i], unit);
@@ -137,7 +125,7 @@ std::string read(const SettingInfo& info, const SettingValue& value, Integer& ou
     number = value.other->get<std::uint64_t>();
   } else {
     std::uint64_t whole = 0;
-    const auto words = words_in(value.text.value_or(std::string_view()));
+    const auto words = words_of(value.text.value_or(std::string_view()));
     const std::string_view word = words.size() == 1 ? words[0] : std::string_view();
     const char* end = word.data() + word.size();
     constexpr double kExact = 0x1p53;
@@ -230,7 +218,7 @@ std::string read_pose(const SettingValue& value, world::Pose& out) {
       "seven numbers: a position x y z, with or without units, and a quaternion w x y z";
   std::array<double, 7> numbers{};
   if (value.text) {
-    const auto words = words_in(*value.text);
+    const auto words = words_of(*value.text);
     if (words.size() != numbers.size()) return expected;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const auto number = number_in(words[i], i < 3 ? SettingUnit::length : SettingUnit::none);
@@ -273,7 +261,7 @@ class SettingReader {
   bool layers(const SettingValue& value, Setting<std::uint32_t>& out) {
     std::vector<std::string_view> names;
     if (value.text)
-      names = words_in(*value.text);
+      names = words_of(*value.text);
     else
       for (const json& item : *value.other) names.push_back(item.get_ref<const std::string&>());
     std::uint32_t mask = 0;

@@ -28,9 +28,9 @@ std::uint64_t mask_of(const Settings& settings, bool with_presets) {
 }
 
 void reset(SettingId id, Settings& settings) {
-  Settings standard;
+  static const Settings standard;
   visit_setting(
-      id, [](SettingId, auto& member, auto& to) { member = std::move(to); }, settings, standard);
+      id, [](SettingId, auto& member, const auto& to) { member = to; }, settings, standard);
 }
 
 void reset(std::uint64_t mask, Settings& settings) {
@@ -130,7 +130,7 @@ bool has_value(SettingId id, const Settings& settings) {
 }
 
 bool is_changed(SettingId id, const Settings& settings) {
-  const Settings standard;
+  static const Settings standard;
   return visit_setting(
       id,
       [](SettingId, const auto& member, const auto& from) { return member && *member != *from; },
