@@ -3,9 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
-#include "mli/preset.h"
+#include "pxn/reader/blanket_recipe.h"
 #include "pxn/reader/metric.h"
 #include "pxn/reader/shapes.h"
 
@@ -32,12 +32,8 @@ constexpr double kFacetShare = 0.02;
 constexpr double kSameSurface = 0.01;
 // of the area: more that lies lower, below other parts, is a warning
 constexpr double kHeldShare = 0.25;
-constexpr double kCell = 0.005;  // metres, without a preset
-// of blankets whose cells are not given: one, and all of a model
-constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
+constexpr double kAllTriangles = 3e6;  // of a model's blankets whose cells are not given
 constexpr std::uint32_t kLevels = 6;
-// triangles of a blanket are about so many times the area over a cell's
-constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
 double diagonal_of(const geometry::Mesh& mesh) {
   AxisBox box;
@@ -85,73 +81,10 @@ double covered_area(const geometry::Mesh& mesh, const std::vector<std::uint32_t>
   return twice / 2;
 }
 
-bool has_relief(const mli::Operation& operation) {
-  return !std::holds_alternative<mli::SlopeRms>(operation) &&
-         !std::holds_alternative<mli::Constant>(operation) &&
-         !std::holds_alternative<mli::Taper>(operation) &&
-         !std::holds_alternative<mli::Smooth>(operation);
-}
-
-mli::Recipe square_recipe(double side, double cell) {
-  mli::Recipe recipe;
-  recipe.width = recipe.height = side;
-  recipe.xgrid = static_cast<std::uint32_t>(std::lround(side / cell));
-  return recipe;
-}
-
-// Those of a sheet that is so high, in metres. Of a blanket that leaves its cells open, what is too
-// fine for them is left out: slope_rms keeps the slopes that the others have.
-std::vector<mli::Operation> operations_for(const Blanket& how, double height, double cell) {
-  std::vector<mli::Operation> out;
-  if (auto preset = mli::preset_operations(how.preset, height)) out = *std::move(preset);
-  out.insert(out.end(), how.operations.begin(), how.operations.end());
-  if (how.cell > 0) return out;
-  const auto too_fine = [&](const mli::Operation& operation) {
-    mli::Recipe alone = square_recipe(64 * cell, cell);
-    alone.operations = {operation};
-    DiagnosticLog ignored;
-    return has_relief(operation) && !mli::check(alone, ignored);
-  };
-  std::vector<mli::Operation> kept;
-  std::ranges::remove_copy_if(out, std::back_inserter(kept), too_fine);
-  return std::ranges::any_of(kept, has_relief) ? kept : out;
-}
-
 // Raises a number that other threads may raise at once.
 void raise(std::atomic<double>& most, double value) {
   for (double known = most; value > known;)
     if (most.compare_exchange_weak(known, value)) return;
-}
-
-mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
-  return [&how, cell, seed](double width, double height, std::uint32_t seed_offset) {
-    mli::Recipe recipe;
-    recipe.width = recipe.height = cell;
-    recipe.xgrid = 1;
-    recipe.seed = seed;
-    recipe = mli::fitted(recipe)(width, height, seed_offset);
-    recipe.operations = operations_for(how, recipe.height, cell);
-    return recipe;
-  };
-}
-
-// The cells of a blanket that says nothing of them: the preset's, smaller on small shapes, larger
-// where it would have too many triangles and its operations allow that.
-double cell_of(const Blanket& how, double diagonal, double area, double least, double& coarsened) {
-  if (how.cell > 0) return how.cell;
-  double cell = kCell;
-  for (const mli::Preset& preset : mli::presets())
-    if (preset.name == how.preset) cell = preset.cell;
-  cell = std::min(cell, diagonal / 100);
-  double largest = std::max(least, std::sqrt(kPerCell * area / kTriangles));
-  if (largest <= cell) return cell;
-  // as large as the operations allow
-  for (; largest > cell; largest *= 0.9) {
-    DiagnosticLog ignored;
-    if (mli::check(recipe_for(how, largest, 0)(64 * largest, 64 * largest, 0), ignored))
-      return coarsened = largest;
-  }
-  return cell;
 }
 
 // Nodes as a text has them, each followed by what is below it, and instances in the order of their
@@ -235,7 +168,7 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
         out.problem = fmt::format("the model has more than {} nodes with its blankets", most_nodes);
     }
   }
-  for (const Worn& one : worn) tell(one, reporter);
+  tell(worn, reporter);
   tell_cells(worn, reporter);
   put_depth_first(scene_);
 }
@@ -295,30 +228,56 @@ Mat4 Blankets::world_from(std::int32_t node) const {
   return out;
 }
 
-// What became of the wishes of one element.
-void Blankets::tell(const Worn& worn, Reporter& reporter) {
-  const FoilWish& wish = *worn.wish;
-  const auto say = [&](Code code, const std::string& text) {
+// What became of all wishes. Elements may be thousands: a kind of warning is told once, of the
+// worst.
+void Blankets::tell(const std::vector<Worn>& worn, Reporter& reporter) {
+  struct Kind {
+    const FoilWish* wish = nullptr;
+    std::string text;
+    double worst = 0;
+    std::size_t count = 0;
+  };
+  std::array<Kind, 5> kinds;
+  const auto say = [&](Code code, const FoilWish& wish, const std::string& text) {
     if (!text.empty())
       reporter.report(code, wish.where, *wish.document, wish.element,
                       [&] { return Reporter::Text(text); });
   };
-  if (worn.instances == 0 && worn.problem.empty() && !wish.faces.empty())
-    return say(Code::W1501, fmt::format("no face of {} looks along {}",
-                                        counted(worn.asked, "shape"), in_quotes(wish.faces)));
-  say(Code::E7001, worn.problem);
-  // nothing is worn at all
-  const bool bare = worn.tally.groups > 0 && worn.tally.refused == worn.tally.groups;
-  say(bare ? Code::E7001 : Code::W7002, worn.tally.refusals());
-  say(Code::W7002, worn.tally.scalings(worn.enough));
-  if (worn.stand_off > 0)
-    say(Code::W7002,
-        fmt::format("the stand-off is {:.4g} m, and the shape {:.3g} m across, expected "
-                    "less than a quarter of that; without standoff= it is {:.2g} m",
-                    worn.stand_off, worn.across, std::min(kStandOff, kShare * worn.across)));
-  if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
-    say(Code::W7002, worn.tally.holds());
-  say(Code::W7002, many_triangles(worn.triangles, worn.finest_cell));
+  for (const Worn& one : worn) {
+    const FoilWish& wish = *one.wish;
+    if (one.instances == 0 && one.problem.empty() && !wish.faces.empty()) {
+      say(Code::W1501, wish,
+          fmt::format("no face of {} looks along {}", counted(one.asked, "shape"),
+                      in_quotes(wish.faces)));
+      continue;
+    }
+    say(Code::E7001, wish, one.problem);
+    const auto warn = [&](std::size_t kind, double how_much, std::string text) {
+      Kind& known = kinds[kind];
+      if (text.empty()) return;
+      if (known.count++ == 0 || how_much > known.worst)
+        known = {&wish, std::move(text), how_much, known.count};
+    };
+    const mli::WrapTally& tally = one.tally;
+    if (tally.groups > 0 && tally.refused == tally.groups)
+      say(Code::E7001, wish, tally.refusals());  // nothing is worn at all
+    else
+      warn(0, tally.area_refused, tally.refusals());
+    warn(1, -tally.least, tally.scalings(one.enough));
+    if (one.stand_off > 0)
+      warn(2, one.stand_off / one.across,
+           fmt::format("the stand-off is {:.4g} m, and the shape {:.3g} m across, expected "
+                       "less than a quarter of that; without standoff= it is {:.2g} m",
+                       one.stand_off, one.across, std::min(kStandOff, kShare * one.across)));
+    const double area = tally.area - tally.area_refused;
+    if (tally.held > kHeldShare * area) warn(3, tally.held / area, tally.holds());
+    warn(4, one.triangles, many_triangles(one.triangles, one.finest_cell));
+  }
+  for (const Kind& kind : kinds)
+    if (kind.count > 0)
+      say(Code::W7002, *kind.wish,
+          kind.count == 1 ? kind.text
+                          : fmt::format("{} (the worst of {} elements)", kind.text, kind.count));
 }
 
 // Of all elements together, which may be thousands.

@@ -117,7 +117,7 @@ class Blankets {
                 const mli::OtherCorners& others);
   void hang(std::int32_t node, std::string name, scene::Instance what);
   std::int32_t add_shape(FoilMeshes::Part& part, scene::Foil foil);
-  static void tell(const Worn& worn, Reporter& reporter);
+  static void tell(const std::vector<Worn>& worn, Reporter& reporter);
   static void tell_cells(const std::vector<Worn>& worn, Reporter& reporter);
 
   scene::Scene& scene_;

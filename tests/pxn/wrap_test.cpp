@@ -396,6 +396,16 @@ TEST(Wraps, AWarningSaysWhichStandOffIsEnough) {
   }
 }
 
+TEST(Wraps, AWarningOfManyElementsIsToldOnce) {
+  std::string text;
+  for (const char* size : {"58cm", "29cm", "40cm"})
+    text += "<box size='" + std::string(size) + "' name='b" + size[0] + "'/>" +
+            wrap("on='b" + std::string(1, size[0]) + "'", "<random> 9cm </random>", "5mm");
+  const Reading r = read_1(text);
+  EXPECT_EQ(r.log.warnings(), 1u) << r.summary();
+  EXPECT_THAT(r.summary(), HasSubstr("(the worst of 3 elements)"));
+}
+
 TEST(Wraps, AStandOffLargerThanTheShapeIsAWarning) {
   EXPECT_THAT(read_1("<box name='b' size='10cm'/>" + wrap("on='b'", "", "4m")).summary(),
               HasSubstr("W7002 the stand-off is 4 m, and the shape 0.173 m across, expected less "
