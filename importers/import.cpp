@@ -2,8 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -50,7 +54,30 @@ std::optional<Format> format_by_name(std::string_view path, bool packed) {
   return std::nullopt;
 }
 
-// By first bytes; by its name where a format has no mark, or one that others have too.
+// By its first line that is no comment.
+bool is_obj(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  while (text.starts_with('#')) {
+    text.remove_prefix(std::min(text.find('\n'), text.size()));
+    text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  }
+  const std::string_view word = text.substr(0, text.find_first_of(kBlank));
+  constexpr std::string_view kWords[] = {"v", "vn", "vt", "mtllib", "usemtl", "o", "g", "s"};
+  return std::ranges::find(kWords, word) != std::end(kWords);
+}
+
+// By the number of its triangles, which its size follows from.
+bool is_binary_stl(std::string_view bytes) {
+  constexpr std::size_t kHeader = 80, kTriangle = 50;
+  std::uint32_t triangles = 0;
+  if (bytes.size() < kHeader + sizeof triangles) return false;
+  std::memcpy(&triangles, bytes.data() + kHeader, sizeof triangles);
+  return triangles > 0 &&
+         bytes.size() == kHeader + sizeof triangles + std::uint64_t{triangles} * kTriangle;
+}
+
+// By first bytes; by its name where a format has no mark, or one that others have too; else by
+// what the rest looks like.
 std::optional<Format> format_of(std::string_view bytes, std::string_view path, bool packed,
                                 std::optional<Format> assume) {
   if (bytes.starts_with("glTF")) return Format::gltf;
@@ -66,6 +93,8 @@ std::optional<Format> format_of(std::string_view bytes, std::string_view path, b
   if (const auto format = format_by_name(path, packed)) return format;
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
+  if (is_binary_stl(bytes)) return Format::stl;
+  if (is_obj(text)) return Format::obj;
   return std::nullopt;
 }
 

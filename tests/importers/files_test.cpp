@@ -147,6 +147,29 @@ TEST(Gzip, models_are_read_whatever_they_are_called) {
   }
 }
 
+TEST(Gzip, models_without_a_telling_name_are_known_by_their_bytes) {
+  const float corners[] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::string stl(80, ' ');
+  stl += std::string("\x01\0\0\0", 4);
+  stl += std::string(reinterpret_cast<const char*>(corners), sizeof corners) + std::string(2, '\0');
+  const std::pair<std::string, Format> texts[] = {
+      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::obj},
+      {"# made by hand\n\n#\no part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::obj},
+      {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+       "endloop\nendfacet\nendsolid\n",
+       Format::stl},
+      {stl, Format::stl},
+      {"#VRML V2.0 utf8\nShape { geometry Box { } }\n", Format::vrml97}};
+  for (const auto& [text, format] : texts)
+    for (const char* name : {"m", "m.dat"}) {
+      const std::vector<MemoryFile> files = {{name, packed(text)}};
+      DiagnosticLog log;
+      const auto read = import_memory(files, {}, log);
+      ASSERT_TRUE(read) << name << to_text(log);
+      EXPECT_EQ(read->format, format) << text;
+    }
+}
+
 TEST(Import, other_formats_are_refused_by_name) {
   const struct {
     const char* path;
