@@ -327,7 +327,8 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
-    if (!last || item.texture != last->texture || item.material != last->material)
+    if (!last || item.texture != last->texture || item.material != last->material ||
+        item.mesh != last->mesh)
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
     bind_blocks(target.first_block + k, at_once);

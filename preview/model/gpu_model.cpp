@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/text.h"
 #include "preview/gl/programs.h"
+#include "preview/model/texture_charts.h"
 
 namespace panwright::preview {
 namespace {
@@ -142,7 +144,40 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
   decal_sampler_ = make_sampler(*gl_, GL_CLAMP_TO_EDGE);
   const bool good = textures_.upload(*context_, model, log, job);
   bytes_ += textures_.bytes();
+  if (good) choose_samplers(model, list, job);
   return good;
+}
+
+// Levels of a texture beyond the width of a mesh's charts show what lies beside them.
+void GpuModel::choose_samplers(const pan::Model& model, std::span<const DrawItem> list,
+                               const Job& job) {
+  std::map<std::tuple<std::uint32_t, std::size_t, double, double>, double> known;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    for (Binding& binding : bindings_[i]) {
+      const bool own = binding.unit == kDiffuseMapUnit;
+      binding.sampler = own ? 0 : map_sampler_.id();
+      if (binding.unit == kCutoutMapUnit) continue;  // its level is computed
+      const auto texture = static_cast<std::size_t>(textures_.use(binding.texture).texture);
+      const Vec2 sides(model.textures()[texture].width, model.textures()[texture].height);
+      const Vec2 repeat = own ? Vec2(1) : glm::abs(list[i].repeat);
+      const auto [entry, added] = known.try_emplace({list[i].mesh, texture, repeat.x, repeat.y}, 0);
+      if (added) {
+        job.poll();
+        entry->second = largest_level(model.mesh(list[i].mesh), repeat, sides);
+      }
+      if (!(entry->second < std::log2(std::max(sides.x, sides.y)))) continue;
+      GLint wrap[2] = {GL_REPEAT, GL_REPEAT};
+      if (own)
+        gl_->GetTextureParameteriv(textures_.id(binding.texture), GL_TEXTURE_WRAP_T, &wrap[1]);
+      const int level = static_cast<int>(entry->second);
+      GlSampler& sampler = limited_samplers_[{wrap[0], wrap[1], level}];
+      if (!sampler) {
+        sampler = make_sampler(*gl_, wrap[0]);
+        gl_->SamplerParameteri(sampler.id(), GL_TEXTURE_WRAP_T, wrap[1]);
+        gl_->SamplerParameterf(sampler.id(), GL_TEXTURE_MAX_LOD, static_cast<float>(level));
+      }
+      binding.sampler = sampler.id();
+    }
 }
 
 bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem> list,
@@ -287,7 +322,7 @@ void GpuModel::bind_materials() const {
 void GpuModel::bind_maps(std::size_t item) const {
   for (const Binding& binding : bindings_[item]) {
     gl_->BindTextureUnit(binding.unit, textures_.id(binding.texture));
-    gl_->BindSampler(binding.unit, binding.unit == kDiffuseMapUnit ? 0 : map_sampler_.id());
+    gl_->BindSampler(binding.unit, binding.sampler);
   }
 }
 

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "base/diagnostic.h"
@@ -66,6 +68,7 @@ class GpuModel {
                         const Families& brdf_models, DiagnosticLog& log);
   bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
                        const Job& job);
+  void choose_samplers(const pan::Model& model, std::span<const DrawItem> list, const Job& job);
   bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
                        const Job& job);
   bool upload_decals(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
@@ -79,6 +82,7 @@ class GpuModel {
   struct Binding {
     GLuint unit = 0;
     std::uint32_t texture = 0;  // number in textures_
+    GLuint sampler = 0;         // 0: the texture's own
   };
 
   const Context* context_ = nullptr;
@@ -93,6 +97,8 @@ class GpuModel {
   std::vector<std::vector<Binding>> bindings_;  // one per item
   GlSampler map_sampler_;                       // repeats
   GlSampler decal_sampler_;                     // clamps
+  // by wraps and largest level
+  std::map<std::tuple<GLint, GLint, int>, GlSampler> limited_samplers_;
   GlBuffer tangents_;
   std::vector<std::uint64_t> tangents_at_;         // bytes, one per mesh
   std::vector<std::optional<Repeated>> repeated_;  // one per mesh, if it has tangents

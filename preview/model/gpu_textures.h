@@ -33,6 +33,7 @@ class GpuTextures {
   bool upload(const Context& context, const pan::Model& model, DiagnosticLog& log, const Job& job);
 
   GLuint id(std::uint32_t number) const { return textures_[number].id(); }
+  const TextureUse& use(std::uint32_t number) const { return uses_[number]; }
   std::uint64_t bytes() const { return bytes_; }  // uploaded
 
  private:

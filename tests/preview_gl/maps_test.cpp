@@ -42,6 +42,38 @@ TEST(AlbedoMap, MeanOfACheckerAtAnyRange) {
   }
 }
 
+// A texture of many parts, each in its corner: none is mixed into another at any range.
+TEST(AlbedoMap, PartsOfAnAtlasKeepTheirColours) {
+  constexpr double kSide = 256, kLow = 74, kWidth = 18;  // texels; not those of a mip level
+  geometry::Mesh mesh = plate(1, 1);
+  for (Vec2& at : mesh.texcoords) at = (kLow + kWidth * at) / kSide;
+  // each facet with vertices of its own
+  geometry::Mesh split;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) {
+      split.positions.push_back(mesh.positions[v]);
+      split.normals.push_back(mesh.normals[v]);
+      split.texcoords.push_back(mesh.texcoords[v]);
+    }
+  split.triangles = {{0, 1, 2}, {3, 4, 5}};
+  Textured contents(single(split, lambert(1)));
+  const auto texture = contents.add(256, 256, true, [](auto x, auto y) {
+    const auto inside = [](auto k) { return k + 1.0 >= kLow && k <= kLow + kWidth; };
+    return grey(inside(x) && inside(y) ? 51 : 255);
+  });
+  for (const bool as_map : {false, true}) {
+    contents.materials[0].maps.albedo = as_map ? texture : -1;
+    contents.instances[0].texture = as_map ? -1 : texture;
+    const pan::Model model = model_of(contents);
+    for (const std::uint32_t size : {64u, 16u, 4u, 1u}) {
+      const Sums sum = sums(rendered(model, above(size, 1), {}));
+      const double off = sum.radiance.y * kPi / sum.coverage / 0.2 - 1;
+      printf("%u pixels: %+.1e\n", size, off);
+      EXPECT_LE(std::fabs(off), bound(2e-7, 3e-3));  // measured 6.5e-9
+    }
+  }
+}
+
 TEST(AlbedoMap, MultipliesTextureAndColors) {
   geometry::Mesh mesh = plate(1, 1);
   mesh.colors.assign(4, Vec3(0.5, 0.25, 1));
