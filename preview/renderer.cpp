@@ -201,6 +201,7 @@ void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& option
   sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
   sun_disc.limb_darkening = sun.limb_darkening;
   sun_disc.always = options.shadows == Shadows::soft;
+  sun_disc.limited = !sun_disc.always && options.work > 0;
   sun_disc.most = options.sun_points;
   sun_disc.points = sun_disc.always
                         ? options.sun_points

@@ -96,11 +96,12 @@ struct RenderOptions {
   bool specular_filter = true;
   // Shadow map resolution, texels, 16 to 16384 (or the context's limit); 0: no shadows. None: 2048;
   // for samples = 0, 2896; for imposters five for each of the texels along their longer side, 256
-  // to 2896; at most 2048 if the Sun has more than 8 points (docs/shadows.md).
+  // to 2896; at most 2048 if the Sun has more than 8 points, or several and work a limit
+  // (docs/shadows.md).
   std::optional<unsigned> shadow_side;
   Shadows shadows = Shadows::automatic;
   // 2 to 256. Upper bound of automatic ones: by pixel_error, half as many if no penumbra is wider
-  // than two pixels
+  // than two pixels; 8 with a limit of work
   unsigned sun_points = 64;
   bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
                                    // pixels' centres

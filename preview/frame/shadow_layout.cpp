@@ -34,14 +34,23 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
   return std::max(near, far * 0x1p-20) / focal * scene.pixel;
 }
 
-constexpr unsigned kFewPoints = 8;  // of the Sun's disc
+// Maps of several points of the Sun cost more than all else of an image of limited time.
+bool is_limited(const SunDisc& disc, const FrameScene& scene) {
+  return disc.limited && scene.texels == 0;
+}
 
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
 // show the steps between them. In an eclipse all of a target has the error of one place of a
 // penumbra.
-unsigned points_for(double penumbra, bool eclipse, const SunDisc& disc) {
-  if (eclipse) return std::max(disc.points, disc.most);
-  return !disc.always && penumbra <= 2 ? std::max((disc.points + 1) / 2, 2u) : disc.points;
+unsigned points_for(double penumbra, bool eclipse, const SunDisc& disc, const FrameScene& scene) {
+  unsigned points = disc.points;
+  if (eclipse)
+    points = std::max(points, disc.most);
+  else if (is_limited(disc, scene))
+    points = std::min(points, kFewSunPoints);
+  else if (!disc.always && penumbra <= 2)
+    points = std::max((points + 1) / 2, 2u);
+  return std::min(points, scene.sun_points);
 }
 
 }  // namespace
@@ -205,10 +214,10 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   const bool soft = disc_.points > 1 && (disc_.always || layout.penumbra > kShownPenumbra);
   const bool was_soft = kept && kept->layout.points > 1;
   // as much memory for many points as for few with finer texels, and for those of an eclipse
-  const unsigned points =
-      std::min(points_for(layout.penumbra, layout.eclipse, disc_), scene.sun_points);
+  const unsigned points = points_for(layout.penumbra, layout.eclipse, disc_, scene);
   const unsigned many_side = points > disc_.points ? std::max(soft_side / 2, 16u) : soft_side;
-  const unsigned side = soft && points > kFewPoints ? many_side : limits.side;
+  const bool many = points > kFewSunPoints || is_limited(disc_, scene);
+  const unsigned side = soft && many ? many_side : limits.side;
   if (kept && kept->layout.view == view && soft == was_soft && layout.tiles.side == side) return;
   layout.points = soft ? 2 : 1;
   layout.whole = soft ? widened(layout.bare, disc_.tangent) : layout.bare;
@@ -262,8 +271,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
     if (layout.points > 1) {
       const auto room = static_cast<double>(most - std::min(most, hard_texels)) /
                         static_cast<double>(soft_texels);
-      const unsigned asked =
-          std::min(points_for(layout.penumbra, layout.eclipse, disc_), scene.sun_points);
+      const unsigned asked = points_for(layout.penumbra, layout.eclipse, disc_, scene);
       layout.points = static_cast<unsigned>(std::clamp(std::floor(room), 2.0, 1.0 * asked));
       if (layout.points < missed.points) missed = {layout.points, asked};
       disc_points_ = disc_points_ > 1 ? std::min(disc_points_, layout.points) : layout.points;

@@ -15,6 +15,7 @@ struct SunDisc {
   unsigned points = 1;        // upper bound of its point samples
   unsigned most = 1;          // the same in an eclipse: the penumbra is wider than what it falls on
   bool always = false;        // even for penumbrae narrower than half a pixel
+  bool limited = false;  // time is: at most kFewSunPoints, except in an eclipse and in imposters
   bool operator==(const SunDisc&) const = default;
 };
 
@@ -37,6 +38,7 @@ unsigned sun_points_for(double error);
 double light_within(double radius, double limb_darkening);
 
 inline constexpr std::size_t kMostSunPoints = 256;  // shadow.glsl
+inline constexpr unsigned kFewSunPoints = 8;        // more have coarser maps
 
 // Smallest visible width of a penumbra, pixels.
 inline constexpr double kShownPenumbra = 0.5;

@@ -166,10 +166,11 @@ TEST(Penumbra, OnlyWhereItShows) {
   const pan::Model model = model_of(contents);
   support::ModelRenderer renderer(shared_device(), model);
   DiagnosticLog log;
-  const auto points = [&](double width, unsigned samples, Shadows shadows) {
+  const auto points = [&](double width, unsigned samples, Shadows shadows, double work = 0) {
     View view = above(100, width);
     RenderOptions options;
     options.samples = samples;
+    options.work = work;
     options.shadow_side = 256;
     options.shadows = shadows;
     EXPECT_TRUE(renderer.render(view, options, log)) << to_text(log);
@@ -183,6 +184,8 @@ TEST(Penumbra, OnlyWhereItShows) {
   EXPECT_EQ(points(2, 0, Shadows::automatic), 1u);  // 0.46 pixels
   EXPECT_EQ(points(1.6, 0, Shadows::automatic), 8u);
   EXPECT_EQ(points(0.4, 0, Shadows::automatic), 16u);
+  EXPECT_EQ(points(0.4, 0, Shadows::automatic, 1e6), 8u);
+  EXPECT_EQ(points(0.4, 0, Shadows::soft, 1e6), 64u);
   EXPECT_EQ(points(0.1, 1, Shadows::automatic), 1u);
   EXPECT_EQ(points(0.1, 0, Shadows::hard), 1u);
   EXPECT_EQ(points(2, 1, Shadows::soft), 64u);
@@ -284,6 +287,7 @@ TEST(Penumbra, AnEclipseTakesMorePoints) {
     const View view = above(32, 2);
     RenderOptions options;
     options.samples = 0;
+    options.work = 1 << 20;
     const auto lit = renderer.render(world, view.camera, options, log);
     options.shadow_side = 0;
     const auto all = renderer.render(world, view.camera, options, log);
