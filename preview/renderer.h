@@ -16,20 +16,23 @@
 
 namespace panwright::preview {
 
+// Relative error of what shows targets and no light of theirs.
+inline constexpr double kNothingLit = 1;
+
 // Imposter of an image: targets drawn separately.
 struct ImposterReport {
   std::vector<std::uint32_t> targets;  // of the world
   double extent = 0;                   // of their bounding square, pixels
   std::uint32_t width = 0;             // texels
   std::uint32_t height = 0;            // texels
-  double flux_error = 0;               // as estimated from the texels, relative
+  double flux_error = 0;               // as estimated from the texels, relative; or kNothingLit
   double seconds = 0;                  // from the first draw to the last texel added
 };
 
 // Sampling of an image.
 struct SamplingReport {
   double samples = 0;  // points a pixel, the mean over the image
-  // Remaining error, as estimated from the samples; 0 for a given N in every pixel.
+  // Remaining error, as estimated from the samples, or kNothingLit; 0 for a given N in every pixel.
   double rmse = 0;       // RMS over the target's pixels, relative to the RMS of their radiance
   double flux = 0;       // relative, of the sum of all pixels
   bool limited = false;  // RenderOptions::work ended sampling

@@ -53,7 +53,9 @@ std::string line_of(const Written& image) {
   if (image.sampling) {
     const preview::SamplingReport& sampling = *image.sampling;
     line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
-    if (sampling.rmse + sampling.flux > 0)
+    if (sampling.rmse == preview::kNothingLit)
+      line += " (no sample is lit)";
+    else if (sampling.rmse + sampling.flux > 0)
       line += fmt::format(
           " (estimated RMS error {:.2g} % of the radiance, of the flux at most {:.2g} %{})",
           100 * sampling.rmse, 100 * sampling.flux,
@@ -64,8 +66,10 @@ std::string line_of(const Written& image) {
       double flux_error = 0;
       for (const preview::ImposterReport& one : sampling.imposters)
         flux_error = std::max(flux_error, one.flux_error);
-      line += fmt::format(", {} (flux within {} %)", counted(sampling.imposters.size(), "imposter"),
-                          percent_words(flux_error));
+      line += fmt::format(", {} ({})", counted(sampling.imposters.size(), "imposter"),
+                          flux_error == preview::kNothingLit
+                              ? "no texel is lit"
+                              : fmt::format("flux within {} %", percent_words(flux_error)));
     }
     if (sampling.shadow_edge > 0)
       line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);

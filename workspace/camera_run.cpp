@@ -268,7 +268,7 @@ class CameraRun : public InstrumentRun {
     constexpr double kFar = 0.01, kTimes = 4;
     double worst = 0;
     for (const preview::ImposterReport& one : report.imposters)
-      worst = std::max(worst, one.flux_error);
+      if (one.flux_error != preview::kNothingLit) worst = std::max(worst, one.flux_error);
     const double asked = draw.gl.flux_error;
     if (worst <= std::max(kFar, kTimes * asked)) return;
     ++uncertain_.views;
@@ -295,6 +295,7 @@ class CameraRun : public InstrumentRun {
                      const preview::SamplingReport& report) const {
     const double asked = draw.gl.pixel_error;
     const double reached = std::max(report.rmse, report.flux);
+    if (reached == preview::kNothingLit) return;  // a side in the dark
     // the line of the image states what is less
     constexpr double kLimited = 0.1;
     const double silent = report.limited ? std::max(asked, kLimited) : asked;

@@ -116,7 +116,7 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
     imposter.texels = static_cast<std::uint32_t>(
         std::min<double>(most_side, std::ceil(std::pow(over / kAim, 2.0 / 3.0) * imposter.texels)));
   }
-  flux_error += 0.5 * relief;
+  flux_error = flux > 0 ? flux_error + 0.5 * relief : kNothingLit;
   return true;
 }
 

@@ -188,8 +188,11 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   if (!device_.programs_ready(log)) return false;
   if (!one_sample_each(frame, image, patternless_)) return false;
   report_.samples = 1;
-  if (options.samples == 0) return look_at_corners(frame) && until_error(frame);
-  return some_in_full(frame, options.samples);
+  const bool good = options.samples == 0 ? look_at_corners(frame) && until_error(frame)
+                                         : some_in_full(frame, options.samples);
+  // what light there may be is missing
+  if (good && !(sums_of(image).squares > 0)) report_.rmse = report_.flux = kNothingLit;
+  return good;
 }
 
 // N×N samples where one is not enough.

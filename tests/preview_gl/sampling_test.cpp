@@ -273,6 +273,31 @@ TEST(Sampling, WorkIsLimited) {
   }
 }
 
+// Of an unlit side no relative error is known: all light there may be is missing.
+TEST(Sampling, WhatIsNotLitStatesNoSmallError) {
+  const pan::Model model = model_of(single(support::box(Vec3(1)), lambert(0.5)));
+  View view = slanted(64);
+  const Vec3 to_sun = view.to_sun;
+  for (const Imposters imposters : {Imposters::off, Imposters::always})
+    for (const double side : {1.0, -1.0}) {
+      view.to_sun = side * to_sun;
+      DiagnosticLog log;
+      support::ModelRenderer renderer(shared_device(), model);
+      RenderOptions options;
+      options.samples = 0;
+      options.imposters = imposters;
+      ASSERT_TRUE(renderer.render(view, options, log)) << to_text(log);
+      const SamplingReport report = renderer.renderer().sampling();
+      ASSERT_EQ(report.imposters.size(), imposters == Imposters::off ? 0u : 1u);
+      const double stated =
+          imposters == Imposters::off ? report.flux : report.imposters[0].flux_error;
+      if (side > 0)
+        EXPECT_LT(stated, 0.1);
+      else
+        EXPECT_EQ(stated, kNothingLit);
+    }
+}
+
 // Samples follow the error that is asked for, at any width of a lobe and any radius: 5.4 a pixel of
 // the target at most here.
 TEST(Sampling, GlossySpheresTakeFewSamples) {
