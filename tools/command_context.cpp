@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -34,6 +35,16 @@ bool wants_color(const std::string& when) {
 // missing, which the result shows
 constexpr Code kOfImports[] = {Code::N6007, Code::W6008, Code::W6215, Code::N6301,
                                Code::W6302, Code::W6303, Code::N6304, Code::W6305};
+
+// A log for people without some notes.
+DiagnosticLog without(const DiagnosticLog& log, std::span<const Code> codes) {
+  DiagnosticLog out;
+  out.sources() = log.sources();
+  for (const Diagnostic& entry : log.entries())
+    if (std::find(codes.begin(), codes.end(), entry.code) == codes.end())
+      out.report(entry.code, entry.where, entry.message, entry.hint, entry.object);
+  return out;
+}
 
 // A log for people with one line in the place of what importers found; quiet: and of what `check`
 // says of foil.
@@ -161,9 +172,10 @@ int CommandContext::finish(int clean) {
     print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
     // a log that is full has left out an unknown number
-    const bool summarise = summarises_imports_ && log_.hidden() == 0;
+    const bool whole = log_.hidden() == 0;
+    const DiagnosticLog told = whole ? without(log_, left_out_codes_) : log_;
     print(stderr, "{}",
-          to_text(summarise ? summarised(log_, options_.quiet) : log_,
+          to_text(whole && summarises_imports_ ? summarised(told, options_.quiet) : told,
                   {.color = wants_color(options_.color), .notes = !options_.quiet}));
     if (log_.errors() > 1)
       print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),

@@ -46,6 +46,9 @@ class CommandContext {
   // for commands that show a pxn text, as `check` and `compile` report them.
   void summarise_imports() { summarises_imports_ = true; }
 
+  // Leaves notes of a code out of what people read (--json has all).
+  void leave_out(Code code) { left_out_codes_.push_back(code); }
+
   // Adds the cache's statistics: `cache` of the result, and a line of --timings.
   void add_work(const WorkCounts& work);
 
@@ -74,6 +77,7 @@ class CommandContext {
   std::vector<std::pair<std::string, std::string>> written_;  // path, detail
   bool left_out_ = false;
   bool summarises_imports_ = false;
+  std::vector<Code> left_out_codes_;
   std::string step_;
   std::chrono::steady_clock::time_point step_start_;
 };

@@ -179,6 +179,7 @@ int run(const Options& options, const Host& host) {
   const auto is_text = [](const std::string& target) {
     return workspace::extension_of(workspace::target_file(target).file) == ".pxn";
   };
+  if (!options.explain) context.leave_out(Code::N5002);
   const auto& targets = *work->views[0].settings.targets;
   if (std::all_of(targets.begin(), targets.end(), is_text)) context.summarise_imports();
   workspace::ViewSession session(work->open, work->context);

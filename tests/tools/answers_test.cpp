@@ -154,6 +154,27 @@ TEST_F(Answers, QuietRendersDoNotRepeatWhatFoilLost) {
 }
 
 // Pixels by the pinhole's equations: camera 5 m before the origin on -y, f = 100, centre (16, 12).
+#ifdef PANWRIGHT_GL
+TEST_F(Answers, ThatImagesAreDrawnInSoftwareIsSaidOnRequest) {
+  const std::vector<std::string> words{PANWRIGHT_BIN_DIR "/panwright",
+                                       "render",
+                                       model("<box size='1'/>"),
+                                       "-o",
+                                       folder_ / "a.png",
+                                       "--size",
+                                       "8"};
+  const auto with = [&](const char* option) {
+    std::vector<std::string> all = words;
+    if (*option != '\0') all.emplace_back(option);
+    const Outcome done = support::run(all, {"__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json"});
+    return done.out + done.err;
+  };
+  EXPECT_THAT(with(""), Not(HasSubstr("N5002")));
+  EXPECT_THAT(with("--explain"), HasSubstr("N5002"));
+  EXPECT_THAT(with("--json"), HasSubstr("N5002"));
+}
+#endif
+
 TEST_F(Answers, RecordsNameIdsAndPlaceKeypoints) {
   const std::string text = model(
       "<material name='red'><diffuse>0.5 0.1 0.1</diffuse></material>"
