@@ -25,8 +25,9 @@ enum class Work : std::uint8_t {
   foil,        // sheets and blankets, with their levels
   cleaned,     // meshes of CAD files
   // not counted:
-  hidden,  // searches for hidden triangles
-  fits,    // of materials
+  hidden,   // searches for hidden triangles
+  fits,     // of materials
+  imports,  // CAD files, compiled
 };
 inline constexpr std::size_t kWorks = 5;  // counted
 std::string_view work_name(Work work);    // "meshes"

@@ -195,9 +195,6 @@ Material settled(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   return material;
 }
 
-// Of work that WorkCounts do not count.
-constexpr auto kFitting = static_cast<Work>(kWorks);
-
 // Microfacets and coats take milliseconds, other BRDFs less than a file.
 bool is_long(const Material& material) {
   return material.coat || info_of(material.specular_model()).smith;

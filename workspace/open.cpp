@@ -16,6 +16,7 @@
 #include "importers/palette.h"
 #include "pxn/pxn.h"
 #include "workspace/budget.h"
+#include "workspace/internal/kept_import.h"
 #include "workspace/internal/kept_work.h"
 #include "workspace/internal/stopwatch.h"
 
@@ -319,14 +320,19 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   return pxn::read(path, read, log, job);
 }
 
-Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& given,
-                             DiagnosticLog& log, const Job& job, OpenReport* report) {
-  const std::string extension = extension_of(path);
-  if (extension == ".pan") return open_pan(path, given, log, job, report);
-  if (extension != ".pxn" && !is_cad(path)) {
-    report_unknown_format(path, log);
-    return failed;
-  }
+namespace {
+
+// A pan in memory as a model.
+Result<world::ModelPtr> model_of(std::vector<std::byte> bytes, const std::filesystem::path& path,
+                                 DiagnosticLog& log, const Job& job) {
+  auto model = pan::Model::from_bytes(std::move(bytes), path.string(), log);
+  if (!model || !model->check(log, job)) return failed;
+  return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
+}
+
+// Reads and compiles a pxn or CAD file.
+Result<world::ModelPtr> open_source(const std::filesystem::path& path, const OpenOptions& given,
+                                    DiagnosticLog& log, const Job& job, OpenReport* report) {
   const std::size_t guesses = guessed_units(log), errors = log.errors();
   OpenOptions options = given;
   std::set<std::string> declared;
@@ -349,9 +355,34 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   compile.check_size = guessed_units(log) == guesses && log.errors() == errors;
   auto bytes = compiler::compiled(*scene, compile, log, job);
   if (!bytes) return failed;
-  auto model = pan::Model::from_bytes(*std::move(bytes), path.string(), log);
-  if (!model || !model->check(log, job)) return failed;
-  return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
+  return model_of(*std::move(bytes), path, log, job);
+}
+
+}  // namespace
+
+Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& options,
+                             DiagnosticLog& log, const Job& job, OpenReport* report) {
+  const std::string extension = extension_of(path);
+  if (extension == ".pan") return open_pan(path, options, log, job, report);
+  if (extension == ".pxn") return open_source(path, options, log, job, report);
+  if (!is_cad(path)) {
+    report_unknown_format(path, log);
+    return failed;
+  }
+  const KeptWork work(options, report);
+  KeptImport kept(path, options, work.cache(), log);
+  if (work.cache() != nullptr) {
+    const Stopwatch watch(report, "recall " + path.string());
+    DiagnosticLog apart = log.apart();
+    if (auto bytes = kept.find())
+      if (auto model = model_of(*std::move(bytes), path, apart, job)) {
+        kept.report_again();
+        return model;
+      }
+  }
+  auto model = open_source(path, options, log, job, report);
+  if (model) kept.keep(**model);
+  return model;
 }
 
 Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& options,

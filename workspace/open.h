@@ -81,8 +81,8 @@ struct Step {
 // Results of opening a file, or of a part of it. Calls add to it.
 struct OpenReport {
   std::vector<Step> steps;
-  std::optional<importers::MeshReport> mesh_report;  // of a cleaned CAD file
-  std::optional<compiler::HiddenReport> hidden;      // if geometry could be removed
+  std::optional<importers::MeshReport> mesh_report;  // of a CAD file cleaned in this run
+  std::optional<compiler::HiddenReport> hidden;      // if geometry could be removed in it
   WorkCounts work;                                   // with a cache: its statistics
 };
 

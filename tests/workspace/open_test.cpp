@@ -76,6 +76,75 @@ TEST(Open, ACadFileLosesWhatTheProgramTakesAway) {
   EXPECT_TRUE(support::contents(folder / "a.pan") == written({"import", relay}, folder / "b.pan"));
 }
 
+// An OBJ of one triangle, with a warning at a line of it.
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n";
+
+TEST(Open, ACadFileIsReadOnce) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.obj", kTriangle);
+  OpenOptions options;
+  options.cache = folder / "cache";
+  struct Opened {
+    std::string bytes, messages;
+    bool was_read = false;
+  };
+  const auto opened = [&] {
+    Opened out;
+    DiagnosticLog log;
+    OpenReport report;
+    const auto model = open(path, options, log, {}, &report);
+    EXPECT_TRUE(model) << to_text(log);
+    if (model) out.bytes = bytes_of(**model);
+    out.messages = to_text(log) + to_json(log);
+    for (const Step& step : report.steps)
+      out.was_read = out.was_read || step.name.starts_with("read ");
+    return out;
+  };
+  const Opened first = opened();
+  EXPECT_TRUE(first.was_read);
+  EXPECT_THAT(first.messages, testing::HasSubstr("a face of 2 corners"));
+  Opened again = opened();
+  EXPECT_FALSE(again.was_read);
+  EXPECT_TRUE(again.bytes == first.bytes);
+  EXPECT_EQ(again.messages, first.messages);
+
+  options.cad.units = "mm";
+  EXPECT_TRUE(opened().was_read);
+  options.cad = {};
+  EXPECT_FALSE(opened().was_read);
+  folder.write("a.obj", std::string(kTriangle) + "# other bytes\n");
+  EXPECT_TRUE(opened().was_read);
+  folder.write("a.obj", kTriangle);
+
+  // damaged entries are none
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(options.cache))
+    if (entry.is_regular_file()) std::filesystem::resize_file(entry, entry.file_size() / 2);
+  again = opened();
+  EXPECT_TRUE(again.was_read);
+  EXPECT_TRUE(again.bytes == first.bytes);
+  EXPECT_EQ(again.messages, first.messages);
+}
+
+TEST(Open, ACadFileThatNamesOthersIsReadEachTime) {
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("a.obj", "mtllib a.mtl\nusemtl m\n" + std::string(kTriangle));
+  OpenOptions options;
+  options.cache = folder / "cache";
+  const auto colour = [&] {
+    DiagnosticLog log;
+    const auto model = open(path, options, log);
+    EXPECT_TRUE(model);
+    return model ? bytes_of(**model) : std::string();
+  };
+  const std::string missing = colour();
+  folder.write("a.mtl", "newmtl m\nKd 1 0 0\n");
+  const std::string red = colour();
+  EXPECT_TRUE(red != missing);
+  folder.write("a.mtl", "newmtl m\nKd 0 1 0\n");
+  EXPECT_TRUE(colour() != red);
+}
+
 TEST(Open, RefusesWhatItCannotRead) {
   const TemporaryFolder folder;
   const auto code = [](const std::string& path, const OpenOptions& options = {}) {
