@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -235,6 +237,14 @@ MappedFile::~MappedFile() {
   if (data_) munmap(const_cast<std::byte*>(data_), size_);
 }
 
+void MappedFile::release(std::span<const std::byte> part) const {
+  static const auto kPage = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto from = reinterpret_cast<std::uintptr_t>(part.data());
+  const std::uintptr_t begin = (from + kPage - 1) / kPage * kPage;
+  const std::uintptr_t end = (from + part.size()) / kPage * kPage;
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+}
+
 Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, DiagnosticLog& log) {
   if (log.files() && !log.files()->may_write(path, log)) return failed;
   AtomicFile file;
@@ -309,6 +319,23 @@ bool AtomicFile::write(std::span<const std::byte> bytes, DiagnosticLog& log) {
   int error = 0;
   if (!write_all(descriptor_, bytes, 0, false, &error)) return fail("cannot write", error, log);
   size_ += bytes.size();
+  return true;
+}
+
+bool AtomicFile::extend(std::uint64_t length, DiagnosticLog& log) {
+  constexpr std::uint64_t kMost = std::numeric_limits<off_t>::max();
+  if (length > kMost - size_) return fail("cannot write", EFBIG, log);
+  // note: a file system may fill itself up before it says that there is no room
+  struct statvfs room {};
+  if (fstatvfs(descriptor_, &room) == 0 && length / room.f_frsize > room.f_bavail)
+    return fail("cannot write", ENOSPC, log);
+  const auto begin = static_cast<off_t>(size_), end = static_cast<off_t>(size_ + length);
+  const bool taken =
+      length == 0 || fallocate(descriptor_, 0, begin, static_cast<off_t>(length)) == 0;
+  if (!taken && errno != EOPNOTSUPP && errno != ENOSYS) return fail("cannot write", errno, log);
+  if ((!taken && ftruncate(descriptor_, end) != 0) || lseek(descriptor_, end, SEEK_SET) != end)
+    return fail("cannot write", errno, log);
+  size_ += length;
   return true;
 }
 

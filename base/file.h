@@ -40,6 +40,10 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
 
+  // Gives back the memory of whole pages within a part of the bytes; they are read again when they
+  // are used again.
+  void release(std::span<const std::byte> part) const;
+
  private:
   MappedFile(const std::byte* data, std::size_t size) : data_(data), size_(size) {}
   const std::byte* data_ = nullptr;
@@ -61,6 +65,8 @@ class AtomicFile {
   // Appends, or writes at a place. False, once reported as E0103, when the disk refuses.
   bool write(std::span<const std::byte> bytes, DiagnosticLog& log);
   bool write_at(std::uint64_t offset, std::span<const std::byte> bytes, DiagnosticLog& log);
+  // Appends zeros, whose room on the disk is taken where the file system can.
+  bool extend(std::uint64_t length, DiagnosticLog& log);
 
   // Maps the bytes written so far, before the file has a name.
   //

@@ -11,6 +11,7 @@ bool Model::check(DiagnosticLog& log, const Job& job) {
     internal::Problems problems = internal::section_problems(*this, Part::tables, false, job);
     if (problems.empty()) problems = internal::unpack_tables(*this, job);
     if (problems.empty()) problems = internal::table_problems(*this);
+    if (problems.empty()) find_places();
     internal::Problems arrays =
         internal::section_problems(*this, Part::arrays, problems.empty(), job);
     if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this, job);

@@ -1,11 +1,16 @@
 // Whole models: rounding to float, numbering of strings, and the sections in their order.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <optional>
+#include <utility>
 
-#include "base/axis_box.h"
+#include "base/text.h"
 #include "pan/internal/identity.h"
 #include "pan/internal/material_limits.h"
+#include "pan/internal/table_records.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 
@@ -15,34 +20,15 @@ namespace {
 
 using layout::SectionKind;
 
-void store(double* to, const Vec3& v) {
-  to[0] = v.x;
-  to[1] = v.y;
-  to[2] = v.z;
-}
+using internal::append;
+using internal::store;
 
-void store(double* to, const Quat& q) {
-  to[0] = q.w;
-  to[1] = q.x;
-  to[2] = q.y;
-  to[3] = q.z;
+std::uint32_t index_size(std::uint64_t vertices) {
+  return vertices <= layout::kMaxShortVertices ? 2 : 4;
 }
+std::uint32_t index_size(const PackedMesh& mesh) { return index_size(mesh.vertex_count()); }
 
-void store(float* to, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
-}
-
-std::vector<float> rounded(const std::vector<Vec3>& values) {
-  std::vector<float> out(3 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) store(&out[3 * i], values[i]);
-  return out;
-}
-
-std::uint32_t index_size(const PackedMesh& mesh) {
-  return mesh.vertex_count() <= layout::kMaxShortVertices ? 2 : 4;
-}
-
-std::uint64_t index_bytes(std::uint32_t size, std::size_t count) {
+std::uint64_t index_bytes(std::uint32_t size, std::uint64_t count) {
   const std::uint64_t bytes = std::uint64_t{size} * count;
   return (bytes + 3) / 4 * 4;
 }
@@ -51,68 +37,89 @@ std::uint64_t index_bytes(const PackedMesh& mesh) {
   return index_bytes(index_size(mesh), mesh.indices.size());
 }
 
-// The tables of a model, ready to be written.
-struct Tables {
-  StringTable strings;
-  std::vector<layout::Build> build;
-  std::vector<layout::Input> inputs;
-  std::vector<layout::Node> nodes;
-  std::vector<layout::Mesh> meshes;
-  std::vector<layout::Instance> instances;
-  std::vector<layout::Material> materials;
-  std::vector<layout::Texture> textures;
-  std::vector<layout::Frame> frames;
-  std::vector<layout::Source> sources;
-  std::vector<layout::Budget> budget;
-  std::vector<layout::Keypoint> keypoints;
-  std::vector<layout::Decal> decals;
-  std::vector<layout::Joint> joints;
-  std::vector<layout::Back> backs;
+// Lengths of the arrays of all meshes so far: where the runs of the next one begin.
+struct Runs {
+  std::uint64_t vertices = 0, texcoords = 0, colors = 0, index_bytes = 0;
+
+  void add(std::uint64_t count, std::uint64_t indices, bool has_texcoords, bool has_colors) {
+    vertices += count;
+    texcoords += has_texcoords ? count : 0;
+    colors += has_colors ? count : 0;
+    index_bytes += pan::index_bytes(index_size(count), indices);
+  }
 };
 
-void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
-  std::uint64_t vertices = 0, texcoords = 0, colors = 0, bytes = 0;
-  for (const PackedMesh& mesh : meshes) {
-    const std::size_t count = mesh.vertex_count();
-    assert(mesh.triangle_count() > 0 && mesh.indices.size() % 3 == 0);
-    assert(mesh.normals.size() == 3 * count && mesh.positions.size() == 3 * count);
-    assert(mesh.texcoords.empty() || mesh.texcoords.size() == 2 * count);
-    assert(mesh.colors.empty() || mesh.colors.size() == 3 * count);
-    layout::Mesh record{};
-    store(record.origin, mesh.origin);
-    record.error = mesh.error;
-    for (int k = 0; k < 3; ++k) {
-      float low = std::numeric_limits<float>::infinity(), high = -low;
-      for (std::size_t i = 0; i < count; ++i) {
-        const float p = mesh.positions[3 * i + k];
-        low = p < low ? p : low;
-        high = p > high ? p : high;
-      }
-      record.bounds_min[k] = low;
-      record.bounds_max[k] = high;
-    }
-    record.index_offset = bytes;
-    record.first_vertex = static_cast<std::uint32_t>(vertices);
-    record.vertex_count = static_cast<std::uint32_t>(count);
-    record.triangle_count = static_cast<std::uint32_t>(mesh.triangle_count());
-    record.index_size = index_size(mesh);
-    record.name = tables.strings.id(mesh.name);
-    if (mesh.closed) record.flags |= layout::kMeshClosed;
-    if (!mesh.texcoords.empty()) {
-      record.flags |= layout::kMeshTexcoords;
-      record.first_texcoord = static_cast<std::uint32_t>(texcoords);
-      texcoords += count;
-    }
-    if (!mesh.colors.empty()) {
-      record.flags |= layout::kMeshColors;
-      record.first_color = static_cast<std::uint32_t>(colors);
-      colors += count;
-    }
-    vertices += count;
-    bytes += index_bytes(mesh);
-    assert(vertices <= 0xffffffffu);
-    tables.meshes.push_back(record);
+// The tables of a model, ready to be written.
+struct Tables {
+  StringTable strings{};
+  std::vector<layout::Mesh> meshes;
+  Runs runs;
+  std::string beyond;                                         // what the format cannot hold
+  std::vector<std::byte> records[layout::kSectionKinds + 1];  // of the others, by kind
+  std::uint64_t features = 0;                                 // that readers need for them
+
+  std::vector<std::byte>& of(SectionKind kind) { return records[static_cast<std::size_t>(kind)]; }
+  std::span<const std::byte> bytes(SectionKind kind) const {
+    if (kind == SectionKind::meshes) return std::as_bytes(std::span(meshes));
+    return records[static_cast<std::size_t>(kind)];
   }
+};
+
+bool fits_32_bits(std::uint64_t count) { return count <= 0xffffffffu; }
+
+// Texts of a mesh that the format cannot hold; nothing: it can.
+std::optional<std::string> beyond(std::size_t i, std::uint64_t vertices, std::uint64_t triangles) {
+  if (fits_32_bits(vertices) && fits_32_bits(triangles)) return {};
+  return fmt::format("mesh {} has {} vertices and {} triangles, expected at most {} of each", i,
+                     vertices, triangles, 0xffffffffu);
+}
+
+void set_bounds(const PackedMesh& mesh, layout::Mesh& record) {
+  for (int k = 0; k < 3; ++k) {
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    for (std::size_t i = k; i < mesh.positions.size(); i += 3) {
+      const float p = mesh.positions[i];
+      low = p < low ? p : low;
+      high = p > high ? p : high;
+    }
+    record.bounds_min[k] = low;
+    record.bounds_max[k] = high;
+  }
+}
+
+void add_mesh(const PackedMesh& mesh, Tables& tables) {
+  const std::size_t count = mesh.vertex_count();
+  assert(mesh.triangle_count() > 0 && mesh.indices.size() % 3 == 0);
+  assert(mesh.normals.size() == 3 * count && mesh.positions.size() == 3 * count);
+  assert(mesh.texcoords.empty() || mesh.texcoords.size() == 2 * count);
+  assert(mesh.colors.empty() || mesh.colors.size() == 3 * count);
+  if (tables.beyond.empty())
+    tables.beyond =
+        beyond(tables.meshes.size(), count, mesh.triangle_count()).value_or(std::string());
+  layout::Mesh record{};
+  store(record.origin, mesh.origin);
+  record.error = mesh.error;
+  set_bounds(mesh, record);
+  Runs& runs = tables.runs;
+  if (!fits_32_bits(std::max({runs.vertices, runs.texcoords, runs.colors})))
+    tables.features |= layout::kFeatureLongRuns;
+  record.index_offset = runs.index_bytes;
+  record.first_vertex = static_cast<std::uint32_t>(runs.vertices);
+  record.vertex_count = static_cast<std::uint32_t>(count);
+  record.triangle_count = static_cast<std::uint32_t>(mesh.triangle_count());
+  record.index_size = index_size(mesh);
+  record.name = tables.strings.id(mesh.name);
+  if (mesh.closed) record.flags |= layout::kMeshClosed;
+  if (!mesh.texcoords.empty()) {
+    record.flags |= layout::kMeshTexcoords;
+    record.first_texcoord = static_cast<std::uint32_t>(runs.texcoords);
+  }
+  if (!mesh.colors.empty()) {
+    record.flags |= layout::kMeshColors;
+    record.first_color = static_cast<std::uint32_t>(runs.colors);
+  }
+  runs.add(count, mesh.indices.size(), !mesh.texcoords.empty(), !mesh.colors.empty());
+  tables.meshes.push_back(record);
 }
 
 void add_textures(const std::vector<TextureContent>& textures, Tables& tables) {
@@ -127,33 +134,37 @@ void add_textures(const std::vector<TextureContent>& textures, Tables& tables) {
     if (texture.linear) record.flags |= layout::kTextureLinear;
     record.name = tables.strings.id(texture.name);
     bytes += record.bytes;
-    tables.textures.push_back(record);
+    append(tables.of(SectionKind::textures), record);
   }
 }
 
-void add_truth(const Contents& contents, Tables& tables) {
-  assert(contents.mesh_tolerances.empty() ||
-         contents.mesh_tolerances.size() == contents.meshes.size());
-  if (contents.budget) tables.budget.push_back(*contents.budget);
-  for (const KeypointContent& point : contents.keypoints) {
-    layout::Keypoint record{};
-    store(record.position, point.position);
-    record.node = point.node;
-    record.name = tables.strings.id(point.name);
-    tables.keypoints.push_back(record);
+void add_instances(const std::vector<InstanceContent>& instances, Tables& tables) {
+  std::uint32_t index = 0;
+  for (const InstanceContent& instance : instances) {
+    append(tables.of(SectionKind::instances),
+           layout::Instance{instance.node, instance.mesh, instance.material, instance.texture});
+    if (instance.back >= 0)
+      append(tables.of(SectionKind::backs),
+             layout::Back{index, static_cast<std::uint32_t>(instance.back)});
+    ++index;
   }
-  for (const DecalContent& decal : contents.decals) {
-    layout::Decal record{};
-    store(record.origin, decal.origin);
-    store(record.rotation, decal.rotation);
-    record.width = decal.width;
-    record.height = decal.height;
-    record.depth = decal.depth;
-    record.instance = decal.instance;
-    record.texture = decal.texture;
-    record.name = tables.strings.id(decal.name);
-    tables.decals.push_back(record);
+  if (!tables.of(SectionKind::backs).empty()) tables.features |= layout::kFeatureBacks;
+}
+
+void add_materials(const std::vector<materials::Material>& all, Tables& tables) {
+  const std::vector<std::uint32_t> variants = materials::variants_of(all);
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    layout::Material record = record_from(all[i], tables.strings.id(all[i].name));
+    record.variant = variants[i];
+    tables.features |= features_of(record);
+    append(tables.of(SectionKind::materials), record);
   }
+}
+
+// Whether a joint moves what is at its node from the beginning: by itself, or as it follows
+// another.
+bool begins_elsewhere(const JointContent& joint) {
+  return joint.joint.mimic >= 0 || joint.value != geometry::rest_values(joint.joint.kind);
 }
 
 void add_joints(const std::vector<JointContent>& joints, Tables& tables) {
@@ -176,55 +187,43 @@ void add_joints(const std::vector<JointContent>& joints, Tables& tables) {
     record.mimic = joint.mimic;
     record.gimbal = content.gimbal;
     record.name = tables.strings.id(content.name);
-    tables.joints.push_back(record);
+    append(tables.of(SectionKind::joints), record);
+    if (begins_elsewhere(content)) tables.features |= layout::kFeatureJointValues;
   }
 }
 
-Tables tables_of(const Contents& contents) {
-  Tables tables;
-  StringTable& strings = tables.strings;
-  tables.build.push_back({strings.id(contents.version), strings.id(contents.options), {}});
-  for (const InputContent& input : contents.inputs) {
-    assert(input.path.size() <= layout::kMaxPathBytes);
-    tables.inputs.push_back(
-        {{input.hash.low, input.hash.high}, input.bytes, strings.id(input.path), 0});
-  }
-  for (const NodeContent& node : contents.nodes) {
-    layout::Node record{};
-    store(record.translation, node.translation);
-    store(record.rotation, node.rotation);
-    store(record.scale, node.scale);
-    record.parent = node.parent;
-    record.name = strings.id(node.name);
-    tables.nodes.push_back(record);
-  }
-  add_meshes(contents.meshes, tables);
-  for (const InstanceContent& instance : contents.instances) {
-    if (instance.back >= 0)
-      tables.backs.push_back({static_cast<std::uint32_t>(tables.instances.size()),
-                              static_cast<std::uint32_t>(instance.back)});
-    tables.instances.push_back({instance.node, instance.mesh, instance.material, instance.texture});
-  }
-  const std::vector<std::uint32_t> variants = materials::variants_of(contents.materials);
-  for (std::size_t i = 0; i < variants.size(); ++i) {
-    const materials::Material& material = contents.materials[i];
-    tables.materials.push_back(record_from(material, strings.id(material.name)));
-    tables.materials.back().variant = variants[i];
-  }
-  add_textures(contents.textures, tables);
-  for (const FrameContent& frame : contents.frames) {
-    layout::Frame record{};
-    store(record.origin, frame.origin);
-    store(record.rotation, frame.rotation);
-    record.node = frame.node;
-    record.name = strings.id(frame.name);
-    tables.frames.push_back(record);
-  }
+// meshes: the tables of those that have been made already.
+//
+// note: strings get their numbers in the order of the sections
+Tables tables_of(const Contents& contents, Tables meshes = {}) {
+  Tables tables = std::move(meshes);
   assert(contents.sources.empty() || contents.sources.size() == contents.instances.size());
-  for (const SourceContent& source : contents.sources)
-    tables.sources.push_back({strings.id(source.file), source.line, source.column, 0});
-  add_truth(contents, tables);
-  add_joints(contents.joints, tables);
+  StringTable& strings = tables.strings;
+  for (const layout::SectionInfo& info : layout::kSections) {
+    if (info.kind == SectionKind::build)
+      append(tables.of(info.kind),
+             layout::Build{strings.id(contents.version), strings.id(contents.options), {}});
+    else if (info.kind == SectionKind::meshes)
+      for (const PackedMesh& mesh : contents.meshes) add_mesh(mesh, tables);
+    else if (info.kind == SectionKind::instances)
+      add_instances(contents.instances, tables);
+    else if (info.kind == SectionKind::materials)
+      add_materials(contents.materials, tables);
+    else if (info.kind == SectionKind::textures)
+      add_textures(contents.textures, tables);
+    else if (info.kind == SectionKind::joints)
+      add_joints(contents.joints, tables);
+    else
+      internal::add_records(contents, info.kind, strings, tables.of(info.kind));
+    const std::uint64_t count = tables.bytes(info.kind).size() / info.stride;
+    if (tables.beyond.empty() && !fits_32_bits(count))
+      tables.beyond = fmt::format("section '{}' would have {} records, expected at most {}",
+                                  info.name, count, 0xffffffffu);
+  }
+  assert(contents.mesh_tolerances.empty() ||
+         contents.mesh_tolerances.size() == tables.meshes.size());
+  if (tables.beyond.empty() && strings.full())
+    tables.beyond = fmt::format("names would take more than {} bytes", 0xffffffffu);
   return tables;
 }
 
@@ -334,103 +333,51 @@ bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log, 
   return writer.end(log);
 }
 
-// Whether a joint moves what is at its node from the beginning: by itself, or as it follows
-// another.
-bool begins_elsewhere(const JointContent& joint) {
-  return joint.joint.mimic >= 0 || joint.value != geometry::rest_values(joint.joint.kind);
+bool write_section(const Writing& writing, const Tables& tables, const layout::SectionInfo& info,
+                   Writer& writer, DiagnosticLog& log, const Job& job) {
+  switch (info.kind) {
+    case SectionKind::string_offsets:
+      return writer.section(info.kind, std::as_bytes(tables.strings.offsets()), log);
+    case SectionKind::string_bytes:
+      return writer.section(info.kind, as_bytes(tables.strings.bytes()), log);
+    case SectionKind::positions:
+      return write_meshes(writing, tables, writer, log, job);
+    case SectionKind::normals:
+    case SectionKind::texcoords:
+    case SectionKind::colors:
+    case SectionKind::indices:
+    case SectionKind::mesh_streams:
+    case SectionKind::stream_bytes:
+      return true;  // with the positions
+    case SectionKind::texels:
+      return write_texels(writing.contents, writer, log, job);
+    default:
+      break;
+  }
+  const auto bytes = tables.bytes(info.kind);
+  return (info.optional && bytes.empty()) || writer.section(info.kind, bytes, log);
 }
 
-bool write_sections(const Writing& writing, Writer& writer, DiagnosticLog& log,
-                    double* sync_seconds, const Job& job) {
+bool is_beyond(const Tables& tables, const std::string& path, DiagnosticLog& log) {
+  if (!tables.beyond.empty()) log.report_file(Code::E0103, path, tables.beyond);
+  return !tables.beyond.empty();
+}
+
+bool write_sections(const Writing& writing, Writer& writer, const std::string& path,
+                    DiagnosticLog& log, double* sync_seconds, const Job& job) {
   const Contents& contents = writing.contents;
   assert(!contents.nodes.empty());
   const Tables tables = tables_of(contents);
-  for (const layout::Material& material : tables.materials) writer.require(features_of(material));
-  if (std::ranges::any_of(contents.joints, begins_elsewhere))
-    writer.require(layout::kFeatureJointValues);
-  if (!tables.backs.empty()) writer.require(layout::kFeatureBacks);
-  const auto strings = tables.strings.bytes();
-  const bool sections =
-      writer.section(SectionKind::build, bytes_of(tables.build), log) &&
-      writer.section(SectionKind::inputs, bytes_of(tables.inputs), log) &&
-      writer.section(SectionKind::nodes, bytes_of(tables.nodes), log) &&
-      writer.section(SectionKind::meshes, bytes_of(tables.meshes), log) &&
-      writer.section(SectionKind::instances, bytes_of(tables.instances), log) &&
-      writer.section(SectionKind::materials, bytes_of(tables.materials), log) &&
-      writer.section(SectionKind::textures, bytes_of(tables.textures), log) &&
-      writer.section(SectionKind::frames, bytes_of(tables.frames), log) &&
-      (tables.sources.empty() ||
-       writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
-      writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
-      writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
-      write_meshes(writing, tables, writer, log, job) && write_texels(contents, writer, log, job) &&
-      writer.section(SectionKind::budget, bytes_of(tables.budget), log) &&
-      writer.section(SectionKind::mesh_tolerances, bytes_of(contents.mesh_tolerances), log) &&
-      writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
-      writer.section(SectionKind::decals, bytes_of(tables.decals), log) &&
-      (contents.sheets.empty() ||
-       writer.section(SectionKind::sheets, bytes_of(contents.sheets), log)) &&
-      (contents.levels.empty() ||
-       writer.section(SectionKind::levels, bytes_of(contents.levels), log)) &&
-      (tables.joints.empty() ||
-       writer.section(SectionKind::joints, bytes_of(tables.joints), log)) &&
-      (tables.backs.empty() || writer.section(SectionKind::backs, bytes_of(tables.backs), log));
+  if (is_beyond(tables, path, log)) return false;
+  writer.require(tables.features);
+  for (const layout::SectionInfo& info : layout::kSections)
+    if (!write_section(writing, tables, info, writer, log, job)) return false;
   job.poll();
-  return sections &&
-         writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
+  return writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
                        sync_seconds, &job);
 }
 
 }  // namespace
-
-namespace {
-
-// owned: the same mesh, of which each array is freed once it is rounded; null: it stays whole
-PackedMesh packed_from(const geometry::Mesh& mesh, geometry::Mesh* owned, std::string name) {
-  assert(!mesh.triangles.empty() && mesh.normals.size() == mesh.positions.size());
-  const auto done = [&](auto member) {
-    if (owned != nullptr) std::remove_cvref_t<decltype(owned->*member)>().swap(owned->*member);
-  };
-  PackedMesh out;
-  out.name = std::move(name);
-  out.closed = mesh.closed;
-  AxisBox box;
-  for (const Vec3& p : mesh.positions) box.add(p);
-  out.origin = box.centre();
-  double worst = 0;
-  out.positions.resize(3 * mesh.positions.size());
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    float* to = &out.positions[3 * i];
-    store(to, mesh.positions[i] - out.origin);
-    const Vec3 stored = out.origin + Vec3(to[0], to[1], to[2]);
-    const double moved = glm::length(stored - mesh.positions[i]);
-    worst = moved > worst ? moved : worst;
-  }
-  done(&geometry::Mesh::positions);
-  out.error = mesh.error + worst;
-  out.normals = rounded(mesh.normals);
-  done(&geometry::Mesh::normals);
-  out.colors = rounded(mesh.colors);
-  out.texcoords.reserve(2 * mesh.texcoords.size());
-  for (const Vec2& t : mesh.texcoords) {
-    out.texcoords.push_back(static_cast<float>(t.x));
-    out.texcoords.push_back(static_cast<float>(t.y));
-  }
-  out.indices.reserve(3 * mesh.triangles.size());
-  for (const geometry::Triangle& triangle : mesh.triangles)
-    out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
-  return out;
-}
-
-}  // namespace
-
-PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
-  return packed_from(mesh, nullptr, std::move(name));
-}
-
-PackedMesh packed(geometry::Mesh&& mesh, std::string name) {
-  return packed_from(mesh, &mesh, std::move(name));
-}
 
 Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
                        std::string_view options) {
@@ -458,7 +405,7 @@ std::vector<std::byte> in_memory(const Writing& writing, const WriteOptions& opt
   Writer writer =
       Writer::in_memory(options, options.compress ? 0 : expected_bytes(writing.contents));
   DiagnosticLog unused;
-  [[maybe_unused]] const bool done = write_sections(writing, writer, unused, nullptr, {});
+  [[maybe_unused]] const bool done = write_sections(writing, writer, "", unused, nullptr, {});
   assert(done);
   return std::move(writer).take();
 }
@@ -475,10 +422,96 @@ Result<WriteReport> write_to(const std::filesystem::path& path, const Writing& w
   }
   return run_job(job, log, [&]() -> Result<WriteReport> {
     auto writer = Writer::create(path, log, options);
-    if (!writer || !write_sections(writing, *writer, log, &report.seconds_sync, job)) return failed;
+    if (!writer || !write_sections(writing, *writer, path.string(), log, &report.seconds_sync, job))
+      return failed;
     report.bytes = writer->bytes();
     return report;
   });
+}
+
+std::string shape_words(const MeshProducer::Shape& shape) {
+  return fmt::format(
+      "{} {}, {}, {} and {}", shape.vertices, shape.vertices == 1 ? "vertex" : "vertices",
+      counted(shape.triangles, "triangle"), shape.texcoords ? "texcoords" : "no texcoords",
+      shape.colors ? "colours" : "no colours");
+}
+
+// What is wrong with a mesh: another shape than announced, or arrays that do not fit one another.
+std::optional<std::string> misshapen(const PackedMesh& mesh, const MeshProducer::Shape& shape,
+                                     std::size_t i) {
+  const std::uint64_t v = mesh.vertex_count(), t = mesh.triangle_count();
+  const std::string made = shape_words({v, t, !mesh.texcoords.empty(), !mesh.colors.empty()});
+  const std::string announced = shape_words(shape);
+  if (made != announced)
+    return fmt::format("mesh {} has {}, but was announced with {}", i, made, announced);
+  if (mesh.positions.size() != 3 * v || mesh.normals.size() != 3 * v ||
+      mesh.indices.size() != 3 * t || (shape.texcoords && mesh.texcoords.size() != 2 * v) ||
+      (shape.colors && mesh.colors.size() != 3 * v))
+    return fmt::format("mesh {} has arrays of different lengths", i);
+  return {};
+}
+
+// Lengths of all arrays; nothing, once reported, where the format does not hold them.
+std::optional<Runs> announced(const MeshProducer& producer, const std::string& path,
+                              DiagnosticLog& log) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 52;  // bytes
+  Runs runs;
+  for (std::size_t i = 0; i < producer.shapes.size(); ++i) {
+    const MeshProducer::Shape& shape = producer.shapes[i];
+    auto problem = beyond(i, shape.vertices, shape.triangles);
+    if (!problem && (shape.vertices < 3 || shape.triangles < 1))
+      problem = fmt::format("mesh {} has {} vertices and {} triangles, expected at least 3 and 1",
+                            i, shape.vertices, shape.triangles);
+    if (!problem) runs.add(shape.vertices, 3 * shape.triangles, shape.texcoords, shape.colors);
+    if (!problem && std::max(12 * runs.vertices, runs.index_bytes) > kMost)
+      problem =
+          fmt::format("meshes 0 to {} have {} vertices, more than a file holds", i, runs.vertices);
+    if (!problem) continue;
+    log.report_file(Code::E0103, path, *problem);
+    return {};
+  }
+  return runs;
+}
+
+bool fill_mesh(const PackedMesh& mesh, Writer& writer, DiagnosticLog& log) {
+  const auto all = [&](SectionKind kind, const auto& values) {
+    return writer.fill(kind, std::as_bytes(std::span(values)), log);
+  };
+  if (!all(SectionKind::positions, mesh.positions) || !all(SectionKind::normals, mesh.normals) ||
+      !all(SectionKind::texcoords, mesh.texcoords) || !all(SectionKind::colors, mesh.colors))
+    return false;
+  if (index_size(mesh) == 4) return all(SectionKind::indices, mesh.indices);
+  std::vector<std::uint16_t> shorts(mesh.indices.begin(), mesh.indices.end());
+  shorts.resize(index_bytes(2, shorts.size()) / 2);
+  return all(SectionKind::indices, shorts);
+}
+
+// The meshes of a producer, one at a time, in sections that are set aside.
+bool write_produced(const MeshProducer& producer, const Runs& runs, Writer& writer, Tables& tables,
+                    const std::string& path, DiagnosticLog& log, const Job& job) {
+  const std::pair<SectionKind, std::uint64_t> arrays[] = {{SectionKind::positions, runs.vertices},
+                                                          {SectionKind::normals, runs.vertices},
+                                                          {SectionKind::texcoords, runs.texcoords},
+                                                          {SectionKind::colors, runs.colors},
+                                                          {SectionKind::indices, runs.index_bytes}};
+  for (const auto& [kind, count] : arrays)
+    if (!writer.reserve(kind, count, log)) return false;
+  PackedMesh mesh;
+  for (std::size_t i = 0; i < producer.shapes.size(); ++i) {
+    job.poll();
+    std::optional<std::string> problem;
+    if (!producer.make(i, mesh))
+      problem =
+          fmt::format("the producer broke off before mesh {} of {}", i, producer.shapes.size());
+    if (!problem) problem = misshapen(mesh, producer.shapes[i], i);
+    if (problem) {
+      log.report_file(Code::E0103, path, *problem);
+      return false;
+    }
+    add_mesh(mesh, tables);
+    if (!fill_mesh(mesh, writer, log)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -491,6 +524,32 @@ Result<WriteReport> write(const Contents& contents, const std::filesystem::path&
 Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options, const Job& job) {
   return write_to(path, {contents, &contents}, log, options, job);
+}
+
+Result<WriteReport> write(const Contents& contents, const MeshProducer& producer,
+                          const std::filesystem::path& path, DiagnosticLog& log, const Job& job) {
+  assert(contents.meshes.empty() && !contents.nodes.empty());
+  return run_job(job, log, [&]() -> Result<WriteReport> {
+    const std::string name = path.string();
+    const auto runs = announced(producer, name, log);
+    if (!runs) return failed;
+    auto writer = Writer::create(path, log);
+    Tables tables;
+    if (!writer || !write_produced(producer, *runs, *writer, tables, name, log, job)) return failed;
+    tables = tables_of(contents, std::move(tables));
+    if (is_beyond(tables, name, log)) return failed;
+    writer->require(tables.features);
+    for (const layout::SectionInfo& info : layout::kSections)
+      if ((info.kind < SectionKind::positions || info.kind > SectionKind::indices) &&
+          !write_section({contents}, tables, info, *writer, log, job))
+        return failed;
+    job.poll();
+    WriteReport report;
+    const Hash128 id = build_identity(contents.inputs, contents.version, contents.options);
+    if (!writer->finish(id, log, &report.seconds_sync, &job)) return failed;
+    report.bytes = writer->bytes();
+    return report;
+  });
 }
 
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options) {

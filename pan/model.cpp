@@ -38,55 +38,6 @@ bool Model::compressed() const {
 
 Hash128 Model::build_id() const { return {header().build_id[0], header().build_id[1]}; }
 
-template <class T>
-std::span<const T> Model::array(SectionKind kind) const {
-  const auto bytes = section(kind);
-  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
-}
-
-std::span<const layout::Node> Model::nodes() const {
-  return array<layout::Node>(SectionKind::nodes);
-}
-std::span<const layout::Mesh> Model::meshes() const {
-  return array<layout::Mesh>(SectionKind::meshes);
-}
-std::span<const layout::Instance> Model::instances() const {
-  return array<layout::Instance>(SectionKind::instances);
-}
-std::span<const layout::Material> Model::materials() const {
-  return array<layout::Material>(SectionKind::materials);
-}
-std::span<const layout::Texture> Model::textures() const {
-  return array<layout::Texture>(SectionKind::textures);
-}
-std::span<const layout::Frame> Model::frames() const {
-  return array<layout::Frame>(SectionKind::frames);
-}
-std::span<const layout::Source> Model::sources() const {
-  return array<layout::Source>(SectionKind::sources);
-}
-const layout::Budget* Model::budget() const {
-  const auto records = array<layout::Budget>(SectionKind::budget);
-  return records.empty() ? nullptr : records.data();
-}
-std::span<const layout::MeshTolerance> Model::mesh_tolerances() const {
-  return array<layout::MeshTolerance>(SectionKind::mesh_tolerances);
-}
-std::span<const layout::Keypoint> Model::keypoints() const {
-  return array<layout::Keypoint>(SectionKind::keypoints);
-}
-std::span<const layout::Decal> Model::decals() const {
-  return array<layout::Decal>(SectionKind::decals);
-}
-std::span<const layout::Sheet> Model::sheets() const {
-  return array<layout::Sheet>(SectionKind::sheets);
-}
-std::span<const layout::Level> Model::levels() const {
-  return array<layout::Level>(SectionKind::levels);
-}
-std::span<const layout::Back> Model::backs() const {
-  return array<layout::Back>(SectionKind::backs);
-}
 std::int32_t Model::back_of(std::uint32_t instance) const {
   const std::span<const layout::Back> all = backs();
   const auto found = std::ranges::lower_bound(all, instance, {}, &layout::Back::instance);
@@ -102,23 +53,10 @@ std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
   const auto last = std::lower_bound(first, all.end(), instance + 1, before);
   return {first, last};
 }
-std::span<const layout::MeshStream> Model::mesh_streams() const {
-  return array<layout::MeshStream>(SectionKind::mesh_streams);
-}
-
 std::span<const std::byte> Model::stream_bytes() const {
   return section(SectionKind::stream_bytes);
 }
 
-std::span<const layout::Joint> Model::joints() const {
-  return array<layout::Joint>(SectionKind::joints);
-}
-std::span<const layout::Input> Model::inputs() const {
-  return array<layout::Input>(SectionKind::inputs);
-}
-std::span<const layout::Build> Model::builds() const {
-  return array<layout::Build>(SectionKind::build);
-}
 std::span<const layout::Float3> Model::positions() const {
   return array<layout::Float3>(SectionKind::positions);
 }
@@ -138,22 +76,44 @@ std::span<const std::uint32_t> Model::string_offsets() const {
 }
 std::span<const char> Model::string_bytes() const { return array<char>(SectionKind::string_bytes); }
 
-std::string_view Model::string(std::uint32_t id) const {
-  assert(checked_ && id + 1 < string_offsets().size());
-  const std::uint32_t* place = &string_offsets()[id];
-  return {string_bytes().data() + place[0], place[1] - place[0]};
+void Model::find_places() {
+  places_.clear();
+  if (!(header().required_features & layout::kFeatureLongRuns)) return;
+  Places next{};
+  for (const layout::Mesh& mesh : meshes()) {
+    places_.push_back({next.vertex, mesh.flags & layout::kMeshTexcoords ? next.texcoord : 0,
+                       mesh.flags & layout::kMeshColors ? next.color : 0});
+    next.vertex += mesh.vertex_count;
+    if (mesh.flags & layout::kMeshTexcoords) next.texcoord += mesh.vertex_count;
+    if (mesh.flags & layout::kMeshColors) next.color += mesh.vertex_count;
+  }
+}
+
+std::uint64_t Model::first_vertex(std::size_t mesh) const {
+  return places_.empty() ? meshes()[mesh].first_vertex : places_[mesh].vertex;
+}
+std::uint64_t Model::first_texcoord(std::size_t mesh) const {
+  return places_.empty() ? meshes()[mesh].first_texcoord : places_[mesh].texcoord;
+}
+std::uint64_t Model::first_color(std::size_t mesh) const {
+  return places_.empty() ? meshes()[mesh].first_color : places_[mesh].color;
+}
+
+void Model::release(std::span<const std::byte> part) const {
+  constexpr std::uint64_t kLarge = std::uint64_t{1} << 30;
+  if (mapped_ && bytes_.size() > kLarge) mapped_->release(part);
 }
 
 MeshView Model::mesh(std::size_t index) const {
   assert(checked_ && index < meshes().size());
   const layout::Mesh& record = meshes()[index];
   MeshView view;
-  view.positions = positions().subspan(record.first_vertex, record.vertex_count);
-  view.normals = normals().subspan(record.first_vertex, record.vertex_count);
+  view.positions = positions().subspan(first_vertex(index), record.vertex_count);
+  view.normals = normals().subspan(first_vertex(index), record.vertex_count);
   if (record.flags & layout::kMeshTexcoords)
-    view.texcoords = texcoords().subspan(record.first_texcoord, record.vertex_count);
+    view.texcoords = texcoords().subspan(first_texcoord(index), record.vertex_count);
   if (record.flags & layout::kMeshColors)
-    view.colors = colors().subspan(record.first_color, record.vertex_count);
+    view.colors = colors().subspan(first_color(index), record.vertex_count);
   const std::byte* run = index_bytes().data() + record.index_offset;
   const std::size_t count = std::size_t{3} * record.triangle_count;
   if (record.index_size == 2)
@@ -243,8 +203,10 @@ std::optional<AxisBox> Model::world_bounds() const {
     const layout::Mesh& record = meshes()[instance.mesh];
     const Vec3 origin(record.origin[0], record.origin[1], record.origin[2]);
     const Mat4& matrix = world[instance.node];
-    for (const layout::Float3& p : mesh(instance.mesh).positions)
+    const auto points = mesh(instance.mesh).positions;
+    for (const layout::Float3& p : points)
       bounds.add(Vec3(matrix * Vec4(origin + Vec3(p.x, p.y, p.z), 1.0)));
+    release(std::as_bytes(points));
   }
   return bounds;
 }
@@ -285,10 +247,8 @@ std::string kind_name(std::uint32_t kind) {
 }
 
 std::string_view reason_name(layout::ToleranceReason reason) {
-  constexpr std::string_view kNames[] = {
-      "explicit_counts", "tolerance", "shape", "pixels", "flux", "centroid", "command_line"};
-  assert(static_cast<std::size_t>(reason) < std::size(kNames));
-  return kNames[static_cast<std::size_t>(reason)];
+  assert(static_cast<std::size_t>(reason) < std::size(layout::kToleranceReasonNames));
+  return layout::kToleranceReasonNames[static_cast<std::size_t>(reason)];
 }
 
 Mat4 mesh_from_decal(const layout::Decal& decal) {

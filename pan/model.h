@@ -21,6 +21,7 @@
 #include "base/result.h"
 #include "geometry/kinematics/joint.h"
 #include "materials/material.h"
+#include "pan/generated/tables.h"
 #include "schemas/generated/pan_layout.h"
 
 namespace panwright::pan {
@@ -56,12 +57,13 @@ struct Unpacked;
 //
 // Sections in this program's own layout are read in place. Compressed ones, and those with records
 // of another size, are empty after open(): check() unpacks them into the model's own memory,
-// bounded by 256 times the file and by kMaxUnpackedBytes.
+// bounded by 256 times the file and by kMaxUnpackedBytes. Mapped files of over a GiB are checked
+// part by part, and each part's memory is given back.
 //
 // The spans live as long as the model; moving the model does not move them. After check() a model
 // never changes: its const functions hold no hidden state and are thread-safe, and owners share it
 // as std::shared_ptr<const Model>. The file may be renamed, replaced or deleted meanwhile.
-class Model {
+class Model : public ModelTables {
  public:
   // Maps a file and reads its header and directory. Only those pages are touched.
   //
@@ -103,18 +105,15 @@ class Model {
   // returns  true if the file is valid
   // Fails: E0001, E4008 to E4015. Cost: one pass over the file, and over the unpacked bytes.
   bool check(DiagnosticLog& log, const Job& job = {});
-  bool checked() const { return checked_; }
 
   const std::string& name() const { return name_; }
   std::span<const std::byte> bytes() const { return bytes_; }
   const layout::Header& header() const;
   std::span<const layout::DirectoryEntry> directory() const;  // sections of unknown kinds included
   const layout::DirectoryEntry* entry(layout::SectionKind kind) const;  // null: absent
-  // Returns a section with elements in this program's layout, without padding. Empty: absent,
-  // without elements, or not unpacked yet.
-  std::span<const std::byte> section(layout::SectionKind kind) const {
-    return content_[static_cast<std::uint32_t>(kind)];
-  }
+  // Gives back the memory of a part that has been read, where the file is mapped and over a GiB:
+  // its pages are read again when they are used again.
+  void release(std::span<const std::byte> part) const;
   // Bytes allocated by check() for compressed sections and records of other sizes.
   std::uint64_t unpacked_bytes() const { return unpacked_bytes_; }
   // Returns true if this program reads a section of the directory.
@@ -122,26 +121,7 @@ class Model {
   bool compressed() const;  // true if any section is
   Hash128 build_id() const;
 
-  std::span<const layout::Node> nodes() const;  // parents before children; [0] is the root
-  std::span<const layout::Mesh> meshes() const;
-  std::span<const layout::Instance> instances() const;
-  std::span<const layout::Material> materials() const;  // a std430 buffer as stored
-  std::span<const layout::Texture> textures() const;
-  std::span<const layout::Frame> frames() const;
-  std::span<const layout::Source> sources() const;  // one per instance, or empty
-  const layout::Budget* budget() const;             // null: compiled without a budget
-  std::span<const layout::MeshTolerance> mesh_tolerances() const;  // one per mesh, or empty
-  std::span<const layout::Keypoint> keypoints() const;
-  std::span<const layout::Decal> decals() const;             // later ones lie over earlier ones
-  std::span<const layout::Sheet> sheets() const;             // meshes that are sheets of foil
-  std::span<const layout::Level> levels() const;             // by instance, then by detail
-  std::span<const layout::Joint> joints() const;             // by node
-  std::span<const layout::Back> backs() const;               // by instance
-  std::span<const layout::MeshStream> mesh_streams() const;  // one per mesh, or empty
   std::span<const std::byte> stream_bytes() const;
-  std::span<const layout::Input> inputs() const;
-  std::span<const layout::Build> builds() const;  // 1 after check()
-
   std::span<const layout::Float3> positions() const;
   std::span<const layout::Float3> normals() const;
   std::span<const layout::Float2> texcoords() const;
@@ -152,24 +132,16 @@ class Model {
   std::span<const char> string_bytes() const;
 
   // Expects, all of these: checked(), and indices below their count.
-  std::string_view string(std::uint32_t id) const;
+  using ModelTables::levels;
   std::span<const layout::Level> levels(std::uint32_t instance) const;  // from the finest
   // Returns the material of an instance's back; −1: both sides are alike.
   std::int32_t back_of(std::uint32_t instance) const;
+  // Places of a mesh's runs in the arrays; the records hold their low 32 bits.
+  std::uint64_t first_vertex(std::size_t mesh) const;
+  std::uint64_t first_texcoord(std::size_t mesh) const;
+  std::uint64_t first_color(std::size_t mesh) const;
   MeshView mesh(std::size_t index) const;
-  std::span<const std::uint8_t> texels(std::size_t texture) const;  // 4*W*H, row 0 the top row
-  std::string_view node_name(std::size_t index) const { return string(nodes()[index].name); }
-  std::string_view mesh_name(std::size_t index) const { return string(meshes()[index].name); }
-  std::string_view material_name(std::size_t index) const {
-    return string(materials()[index].name);
-  }
-  std::string_view texture_name(std::size_t index) const { return string(textures()[index].name); }
-  std::string_view frame_name(std::size_t index) const { return string(frames()[index].name); }
-  std::string_view keypoint_name(std::size_t index) const {
-    return string(keypoints()[index].name);
-  }
-  std::string_view decal_name(std::size_t index) const { return string(decals()[index].name); }
-  std::string_view joint_name(std::size_t index) const { return string(joints()[index].name); }
+  std::span<const std::uint8_t> texels(std::size_t texture) const;     // 4*W*H, row 0 the top row
   std::optional<std::size_t> find_frame(std::string_view name) const;  // the first of that name
   std::optional<std::size_t> find_joint(std::string_view name) const;
   std::string_view version() const;  // of the program that made the file
@@ -198,18 +170,19 @@ class Model {
   bool parse(DiagnosticLog& log);
   bool take_section(const layout::DirectoryEntry& found, std::uint32_t number, DiagnosticLog& log);
   bool streams_fit(DiagnosticLog& log);
-  template <class T>
-  std::span<const T> array(layout::SectionKind kind) const;
+  void find_places();
 
   std::string name_;
   std::optional<MappedFile> mapped_;
   std::vector<std::byte> owned_;
   std::span<const std::byte> bytes_;
   std::array<std::uint32_t, layout::kSectionKinds + 1> entry_of_kind_{};  // 1-based; 0: absent
-  std::array<std::span<const std::byte>, layout::kSectionKinds + 1> content_{};
   std::array<std::unique_ptr<std::byte[]>, layout::kSectionKinds + 1> unpacked_;
   std::uint64_t unpacked_bytes_ = 0;
-  bool checked_ = false;
+  struct Places {
+    std::uint64_t vertex, texcoord, color;
+  };
+  std::vector<Places> places_;  // of the runs of meshes, with long runs
 };
 
 // Converts a stored material to parameters in double.

@@ -8,7 +8,7 @@
 
 #include "base/axis_box.h"
 #include "base/hash.h"
-#include "pan/internal/record_words.h"
+#include "pan/fields.h"
 
 namespace panwright::pan {
 
@@ -109,8 +109,9 @@ void add_unmatched(const Model& model, const std::vector<PlacedTriangle>& triang
   for (const PlacedTriangle& t : triangles) unmatched[t.instance] += !t.matched;
   for (std::size_t i = 0; i < unmatched.size(); ++i)
     if (unmatched[i] > 0)
-      out.push_back({internal::instance_words(model, i), in_a, unmatched[i],
-                     model.meshes()[model.instances()[i].mesh].triangle_count});
+      out.push_back(
+          {record_words(model, layout::SectionKind::instances, static_cast<std::int64_t>(i)), in_a,
+           unmatched[i], model.meshes()[model.instances()[i].mesh].triangle_count});
 }
 
 }  // namespace

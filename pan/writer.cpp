@@ -1,5 +1,7 @@
 #include "pan/writer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -17,13 +19,25 @@ static_assert(std::endian::native == std::endian::little, "pan files are little 
 std::uint32_t StringTable::id(std::string_view text) {
   const auto next = static_cast<std::uint32_t>(offsets_.size() - 1);
   const auto [place, added] = ids_.try_emplace(std::string(text), next);
+  if (added && text.size() > most_ - bytes_.size()) {
+    ids_.erase(place);
+    full_ = true;
+    return 0;
+  }
   if (added) {
-    assert(bytes_.size() + text.size() <= 0xffffffffu);
     bytes_ += text;
     offsets_.push_back(static_cast<std::uint32_t>(bytes_.size()));
   }
   return place->second;
 }
+
+// A section that was set aside.
+struct Reserved {
+  std::size_t entry;               // among those of the directory
+  std::uint64_t filled = 0;        // bytes, those of pending included
+  std::vector<std::byte> pending;  // less than a block
+  std::vector<std::uint64_t> block_hashes;
+};
 
 struct Writer::State {
   std::optional<AtomicFile> file;  // none: in memory
@@ -39,6 +53,55 @@ struct Writer::State {
   std::vector<std::byte> held;     // of the open section, all of it, when it may be compressed
   std::vector<std::byte> pending;  // of the open section: less than a block
   std::vector<std::uint64_t> block_hashes;
+  std::vector<Reserved> reserved;
+
+  // The block that ends at `filled` of a reserved section.
+  bool put_reserved(Reserved& section, std::span<const std::byte> block, std::uint64_t filled,
+                    DiagnosticLog& log) {
+    section.block_hashes.push_back(hash64(block));
+    const std::uint64_t at = entries[section.entry].offset + filled - block.size();
+    if (file)
+      broken = broken || !file->write_at(at, block, log);
+    else
+      std::memcpy(memory.data() + at, block.data(), block.size());
+    return !broken;
+  }
+
+  bool extend(std::uint64_t length, DiagnosticLog& log) {
+    if (file)
+      broken = broken || !file->extend(length, log);
+    else
+      memory.resize(memory.size() + length);
+    written += length;
+    return !broken;
+  }
+
+  // Closes the reserved sections. False, once reported, when one is not full.
+  bool close_reserved(DiagnosticLog& log) {
+    for (Reserved& section : reserved) {
+      layout::DirectoryEntry& entry = entries[section.entry];
+      if (section.filled != entry.raw_length) {
+        log.report_file(Code::E0103, path,
+                        fmt::format("section '{}' ends after {} of {} elements",
+                                    layout::kSections[entry.kind - 1].name,
+                                    section.filled / entry.stride, entry.count));
+        broken = true;
+        return false;
+      }
+      // the padding is there, as zeros
+      section.pending.resize(section.pending.size() + entry.stored_length - entry.raw_length);
+      std::span<const std::byte> rest = section.pending;
+      std::uint64_t at = entry.stored_length - rest.size();
+      while (!rest.empty()) {
+        const auto block = rest.first(std::min<std::size_t>(rest.size(), layout::kHashBlock));
+        at += block.size();
+        if (!put_reserved(section, block, at, log)) return false;
+        rest = rest.subspan(block.size());
+      }
+      entry.hash = internal::combined(section.block_hashes);
+    }
+    return true;
+  }
 
   bool put(std::span<const std::byte> bytes, DiagnosticLog& log) {
     if (file)
@@ -85,6 +148,9 @@ struct Writer::State {
 };
 
 namespace {
+
+// of a section: sums of all stay below what a file system takes
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 52;
 
 // The lowest minor version that has what the sections need.
 std::uint16_t minor_of(std::uint64_t features) {
@@ -202,6 +268,53 @@ bool Writer::section(layout::SectionKind kind, std::span<const std::byte> bytes,
   return begin(value, info.stride, info.optional, log) && append(bytes, log) && end(log);
 }
 
+bool Writer::reserve(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log) {
+  State& s = *state_;
+  const auto value = static_cast<std::uint32_t>(kind);
+  const layout::SectionInfo& info = layout::kSections[value - 1];
+  if (!begin(value, info.stride, info.optional, log)) return false;
+  s.open = false;
+  if (count > kMostBytes / info.stride) {
+    log.report_file(
+        Code::E0103, s.path,
+        fmt::format("section '{}' would have {} elements of {} bytes, expected at most {}",
+                    info.name, count, info.stride, kMostBytes / info.stride));
+    s.broken = true;
+    return false;
+  }
+  layout::DirectoryEntry& entry = s.entries.back();
+  entry.count = count;
+  entry.raw_length = count * info.stride;
+  entry.stored_length = internal::plain_stored_length(entry.raw_length);
+  s.reserved.push_back({s.entries.size() - 1, 0, {}, {}});
+  return s.extend(entry.stored_length, log);
+}
+
+bool Writer::fill(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log) {
+  State& s = *state_;
+  if (s.broken) return false;
+  const auto section = std::ranges::find_if(s.reserved, [&](const Reserved& one) {
+    return s.entries[one.entry].kind == static_cast<std::uint32_t>(kind);
+  });
+  assert(section != s.reserved.end());
+  assert(bytes.size() <= s.entries[section->entry].raw_length - section->filled);
+  while (!bytes.empty()) {
+    const std::size_t room = layout::kHashBlock - section->pending.size();
+    const auto piece = bytes.first(std::min(room, bytes.size()));
+    section->filled += piece.size();
+    bytes = bytes.subspan(piece.size());
+    if (piece.size() == layout::kHashBlock) {
+      if (!s.put_reserved(*section, piece, section->filled, log)) return false;
+      continue;
+    }
+    section->pending.insert(section->pending.end(), piece.begin(), piece.end());
+    if (section->pending.size() < layout::kHashBlock) continue;
+    if (!s.put_reserved(*section, section->pending, section->filled, log)) return false;
+    section->pending.clear();
+  }
+  return true;
+}
+
 bool Writer::derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log) {
   const auto value = static_cast<std::uint32_t>(kind);
   const std::uint32_t stride = layout::kSections[value - 1].stride;
@@ -226,7 +339,7 @@ bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds, 
   State& s = *state_;
   assert(!s.open && !s.finished);
   s.finished = true;
-  if (s.broken) return false;
+  if (s.broken || !s.close_reserved(log)) return false;
   const auto directory = std::as_bytes(std::span(s.entries));
   layout::Header header = empty_header(s.features);
   header.directory_offset = s.written;

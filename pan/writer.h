@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,20 +22,12 @@
 #include "geometry/kinematics/joint.h"
 #include "geometry/mesh.h"
 #include "materials/material.h"
+#include "pan/generated/tables.h"
 #include "schemas/generated/pan_layout.h"
 
 namespace panwright::pan {
 
 // ---- whole models
-
-// Node: p' = T·R·S·p. A parent comes before its children; parent is -1 for node 0 alone.
-struct NodeContent {
-  std::string name;
-  std::int32_t parent = -1;
-  Vec3 translation{0};        // metres
-  Quat rotation{1, 0, 0, 0};  // unit to 1e-12
-  Vec3 scale{1};              // ≠ 0
-};
 
 // A mesh rounded to float about a double origin.
 struct PackedMesh {
@@ -72,19 +65,6 @@ struct TextureContent {
   std::span<const std::uint8_t> rgba;  // 4*W*H, row 0 the top row; not owned
 };
 
-struct FrameContent {
-  std::string name;
-  std::uint32_t node = 0;
-  Vec3 origin{0};             // in the node's coordinates, metres
-  Quat rotation{1, 0, 0, 0};  // node_from_frame, unit to 1e-12
-};
-
-struct KeypointContent {
-  std::string name;
-  std::uint32_t node = 0;
-  Vec3 position{0};  // in the node's coordinates, metres
-};
-
 // Joint, as in the format.
 struct JointContent {
   std::string name;  // unique
@@ -96,48 +76,15 @@ struct JointContent {
   bool points_at_sun = false;
 };
 
-struct DecalContent {
-  std::string name;
-  std::uint32_t instance = 0;
-  std::uint32_t texture = 0;
-  Vec3 origin{0};             // in the mesh's coordinates, its origin added, metres
-  Quat rotation{1, 0, 0, 0};  // mesh_from_decal, unit to 1e-12; z outwards, y to the top
-  double width = 1;           // metres, > 0
-  double height = 1;
-  double depth = 1;
-};
-
-struct SourceContent {
-  std::string file;
-  std::uint32_t line = 0;  // 0: unknown
-  std::uint32_t column = 0;
-};
-
-struct InputContent {
-  std::string path;
-  Hash128 hash;
-  std::uint64_t bytes = 0;
-};
-
-// A model from the compiler.
-struct Contents {
-  std::string version;                                 // "panwright 0.1.0"
-  std::string options;                                 // "max_error=0.001 …", a fixed order
-  std::vector<InputContent> inputs;                    // in order of first use
-  std::vector<NodeContent> nodes;                      // at least the root
-  std::vector<PackedMesh> meshes;                      //
-  std::vector<InstanceContent> instances;              //
-  std::vector<materials::Material> materials;          //
-  std::vector<TextureContent> textures;                //
-  std::vector<FrameContent> frames;                    //
-  std::vector<SourceContent> sources;                  // one per instance, or empty
-  std::optional<layout::Budget> budget;                // of the compilation
-  std::vector<layout::MeshTolerance> mesh_tolerances;  // one per mesh, or empty
-  std::vector<KeypointContent> keypoints;              //
-  std::vector<DecalContent> decals;                    // from the lowest to the topmost
-  std::vector<layout::Sheet> sheets;                   // meshes that are sheets of foil
-  std::vector<layout::Level> levels;                   // by instance, then by detail
-  std::vector<JointContent> joints;                    // by node
+// A model from the compiler: also the tables of pan/generated/tables.h.
+struct Contents : TableContents {
+  std::string version;                         // "panwright 0.1.0"
+  std::string options;                         // "max_error=0.001 …", a fixed order
+  std::vector<PackedMesh> meshes;              //
+  std::vector<InstanceContent> instances;      //
+  std::vector<materials::Material> materials;  //
+  std::vector<TextureContent> textures;        //
+  std::vector<JointContent> joints;            // by node
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the
@@ -167,9 +114,9 @@ struct WriteOptions {
 // Writes a model atomically ("-": to standard output). Equal contents and options give equal
 // bytes, whatever the number of threads; the build identity does not depend on the options.
 //
-// Expects: contents as documented above and as scene::check ensures; fewer than 2^32 vertices and 4
-// GiB of names in all.
-// Fails: E0001, E0103; for other contents the codes of Model::check(). Writes no file that readers
+// Expects: contents as documented above and as scene::check ensures.
+// Fails: E0001; E0103, also for counts that the format does not hold; for other contents the codes
+// of Model::check(). Writes no file that readers
 // refuse; an old one stays. Cost: O(bytes); memory of one block beyond the contents; with
 // compression, of one section, plain and packed.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
@@ -180,24 +127,56 @@ Result<WriteReport> write(const Contents& contents, const std::filesystem::path&
 Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
                           const Job& job = {});
-// The same bytes, in memory.
+
+// Meshes that are made one after the other, for models larger than memory.
+struct MeshProducer {
+  struct Shape {
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+    bool texcoords = false;
+    bool colors = false;
+  };
+  std::vector<Shape> shapes;  // of all of them, before the first is made
+  // Fills mesh i, whose arrays may hold those of the one before. Called for 0, 1, 2…; false: it
+  // broke off.
+  std::function<bool(std::size_t i, PackedMesh& mesh)> make;
+};
+
+// Writes a model with meshes from a producer, in the memory of one mesh and a few blocks. The
+// arrays come first in the file, the tables behind them; nothing is compressed.
+//
+// Expects: contents as above, without meshes; those that are made are as PackedMesh says, without
+// streams.
+// Fails: as write(); E0103 also for a mesh of another shape, and a producer that breaks off.
+Result<WriteReport> write(const Contents& contents, const MeshProducer& producer,
+                          const std::filesystem::path& path, DiagnosticLog& log,
+                          const Job& job = {});
+
+// The same bytes as write(), in memory.
+//
+// Expects: counts that the format holds.
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options = {});
 std::vector<std::byte> write_to_memory(Contents&& contents, const WriteOptions& options = {});
 
 // ---- sections
 
-// Numbers of texts: 0 is the empty one, then the order of first use.
+// Numbers of texts: 0 is the empty one, then the order of first use. A table is full once a text
+// would take it over its most bytes; the numbers of such texts are 0.
 class StringTable {
  public:
-  StringTable() { id(""); }
+  // most: by default as far as offsets of 32 bits go
+  explicit StringTable(std::uint32_t most = 0xffffffffu) : most_(most) { id(""); }
   std::uint32_t id(std::string_view text);
   std::span<const std::uint32_t> offsets() const { return offsets_; }  // strings + 1
   std::string_view bytes() const { return bytes_; }
+  bool full() const { return full_; }
 
  private:
   std::unordered_map<std::string, std::uint32_t> ids_;
   std::vector<std::uint32_t> offsets_{0};
   std::string bytes_;
+  std::uint32_t most_;
+  bool full_ = false;
 };
 
 // Stream of sections into a file, hashed on the way; the directory and the header follow. Nothing
@@ -226,6 +205,14 @@ class Writer {
   // Writes a section of a known kind in one call.
   bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
 
+  // Sets a section of a known kind aside, `count` elements long; fill() appends to it while others
+  // are filled or open. It is stored as it is, with compression too.
+  //
+  // Fails: E0103, also where the disk has no room for it. Memory: a block a section.
+  bool reserve(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log);
+  // Expects: whole elements, no more than are left.
+  bool fill(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
+
   // Declares a section derived from other sections: count elements, no bytes.
   bool derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log);
 
@@ -241,7 +228,8 @@ class Writer {
   // sync_seconds: increased by the time of fsync, when given. check: runs Model::check() before the
   // file takes its name, when given.
   //
-  // Fails: E0103; with check, the codes of Model::check(), and an old file stays.
+  // Fails: E0103, also for a reserved section that is not full; with check, the codes of
+  // Model::check(), and an old file stays.
   bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr,
               const Job* check = nullptr);
 

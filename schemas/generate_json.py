@@ -8,6 +8,7 @@ generate_json.py --check    fails, and names the file, when one of them differs 
 import json
 import sys
 
+import generate_pan
 import generated_files
 import json_output
 
@@ -89,6 +90,14 @@ def command_schema(command, fields):
     return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
 
 
+def add_tables():
+    """Members of info: the tables of a pan with `json` that are not listed by hand."""
+    fields = json_output.COMMANDS["info"]
+    for section in generate_pan.load_layout()["section"]:
+        if "json" in section and section["kind"] not in fields:
+            fields[section["kind"]] = f"object[]: {', '.join(section['json'])}: {section['doc'].rstrip('.')}"
+
+
 def rows(fields, prefix=""):
     for name, what in fields.items():
         optional = "?" if name.endswith("?") else ""
@@ -116,6 +125,7 @@ def page():
 
 
 def make():
+    add_tables()
     files = {f"schemas/json/{command}.schema.json": command_schema(command, fields) for command, fields in json_output.COMMANDS.items()}
     return files | {"docs/json-output.md": page()}
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes schemas/generated/pan_layout.h and docs/pan-format.md from schemas/pan_layout.toml.
+"""Makes schemas/generated/pan_layout.h, pan/generated/ and docs/pan-format.md from schemas/pan_layout.toml.
 
 generate_pan.py            writes them
 generate_pan.py --check    fails, and names the file, when one of them differs from what it would write
@@ -12,19 +12,12 @@ import tomllib
 
 import generated_files
 import material_schema
+import pan_tables
 from generated_files import ROOT
+from pan_tables import CPP
 
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "u64": 8, "f32": 4, "f64": 8}
-CPP = {
-    "u8": "std::uint8_t",
-    "u16": "std::uint16_t",
-    "u32": "std::uint32_t",
-    "i32": "std::int32_t",
-    "u64": "std::uint64_t",
-    "f32": "float",
-    "f64": "double",
-}
-RULES = {"finite", "not_negative", "nonzero", "zero", "reference", "reference_or_none", "range", "mask"}
+RULES = {"finite", "not_negative", "nonzero", "zero", "reference", "reference_or_none", "unit", "range", "mask"}
 
 
 # records that are elements of big arrays, which are used as they lie in the file
@@ -88,11 +81,26 @@ def rule_parts(field):
     return kind, argument
 
 
+def resolve_enums(layout):
+    """Rules of enumerations are ranges, which know the names of their values."""
+    sizes = {enum["name"]: len(enum["values"]) for enum in layout["enum"]}
+    for record in layout["record"]:
+        for field in record["field"]:
+            kind, _, name = field.get("rule", "").partition(":")
+            if kind == "enum":
+                if name not in sizes:
+                    raise LayoutError(f"{record['name']}.{field['name']}: no enumeration is called {name}")
+                field.update(rule=f"range:0..{sizes[name] - 1}", enum=name)
+
+
 def validate(layout):
     """Every record is placed; kinds, names and referred sections exist once."""
+    resolve_enums(layout)
     for record in layout["record"]:
         place_fields(record)
     check_growth(layout)
+    if fault := pan_tables.fault(layout, ARRAY_ELEMENTS):
+        raise LayoutError(fault)
     sections = layout["section"] + layout.get("reserved", [])
     kinds = [section["kind"] for section in sections]
     values = [section["value"] for section in sections]
@@ -105,6 +113,8 @@ def validate(layout):
             kind, argument = rule_parts(field)
             if kind.startswith("reference") and argument not in known:
                 raise LayoutError(f"{record['name']}.{field['name']}: no section is called {argument}")
+            if kind == "unit" and (field["type"] != "f64" or field["count"] not in (3, 4)):
+                raise LayoutError(f"{record['name']}.{field['name']}: 3 or 4 f64 are a unit vector")
             if kind == "mask" and argument not in flags:
                 raise LayoutError(f"{record['name']}.{field['name']}: no flags are called {argument}")
 
@@ -224,8 +234,10 @@ def rule_line(section, field, layout):
         high = hex_literal(mask_of(layout, argument))
     kind = kind or "any"
     name = field["name"]
+    names = f"k{field['enum']}Names" if "enum" in field else "nullptr"
     return (f"    {{SectionKind::{section['kind']}, \"{name}\", {field['offset']}, FieldType::{field['type']}, "
-            f"{field['count']},\n     FieldRuleKind::{kind}, SectionKind::{target}, {low}, {high}}},")
+            f"{field['count']},\n     FieldRuleKind::{kind}, SectionKind::{target}, {low}, {high}, "
+            f"\"{field.get('at', '')}\", {names}}},")
 
 
 def header_text(layout):
@@ -260,7 +272,8 @@ def header_text(layout):
         out.append(f"enum class {enum['name']} : std::uint32_t {{")
         for index, value in enumerate(enum["values"]):
             out.append(f"  {value['name']} = {index},  // {value['doc']}")
-        out += ["};", ""]
+        names = ", ".join(f'"{value["name"]}"' for value in enum["values"])
+        out += ["};", f"inline constexpr const char* k{enum['name']}Names[] = {{{names}}};", ""]
     for flags in layout["flags"]:
         out += wrapped(flags["doc"], 98, "// ", "// ")
         for index, bit in enumerate(flags["bits"]):
@@ -291,9 +304,7 @@ def header_text(layout):
     ]
     out += [section_line(section, records) for section in layout["section"]]
     reserved = layout.get("reserved", [])
-    out += [
-        "};",
-        "",
+    out += ["};", ""] + pan_tables.info_lines(layout, ARRAY_ELEMENTS) + [
         "// Kind of a later format, which readers may ignore.",
         "struct ReservedKind {",
         "  std::uint32_t value;",
@@ -320,6 +331,8 @@ def header_text(layout):
         "  SectionKind target;  // of references; string_offsets for strings",
         "  std::uint32_t low;   // of ranges",
         "  std::uint32_t high;  // of ranges; the allowed bits of masks",
+        "  const char* at;      // of references: the words before one in a difference",
+        "  const char* const* names;  // of the values of an enumeration; or null",
         "};",
         "",
         "inline constexpr FieldRule kFieldRules[] = {",
@@ -363,6 +376,8 @@ def header_text(layout):
 
 def rule_words(field):
     kind, argument = rule_parts(field)
+    if "enum" in field:
+        return f"a value of {field['enum']}"
     if kind == "range" and argument.endswith("4294967295"):
         return f"at least {argument.split('..', maxsplit=1)[0]}"
     return {
@@ -370,6 +385,7 @@ def rule_words(field):
         "finite": "finite",
         "not_negative": "finite, >= 0",
         "nonzero": "finite, not 0",
+        "unit": "of unit length, to 1e-12 in its square",
         "zero": "0",
         "reference": f"below the count of `{argument}`",
         "reference_or_none": f"-1, or below the count of `{argument}`",
@@ -445,7 +461,9 @@ def grow(layout, path):
 def make():
     layout = load_layout()
     validate(layout)
-    return {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
+    return {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout),
+            "pan/generated/tables.h": pan_tables.header_text(layout, ARRAY_ELEMENTS, wrapped),
+            "pan/generated/table_records.cpp": pan_tables.source_text(layout, ARRAY_ELEMENTS)}
 
 
 def write_later(growth, path):

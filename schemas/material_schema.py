@@ -134,7 +134,7 @@ def pan_record(schema):
     for slot in schema["slot"]:
         rule = slot.get("rule", "")
         if rule.startswith("brdf:"):
-            rule = f"range:0..{len(brdfs(schema, rule.partition(':')[2])) - 1}"
+            rule = f"enum:{rule.partition(':')[2].capitalize()}Model"
         field = {"name": slot["name"], "type": slot["type"], "count": slot["count"], "rule": rule, "doc": slot["doc"]}
         if slot.get("since"):
             field.update(since=slot["since"], default=slot["default"])

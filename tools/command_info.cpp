@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "compiler/size.h"
 #include "compiler/tolerance.h"
+#include "pan/fields.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/joint_list.h"
@@ -52,6 +53,7 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.common);
 }
 
+using pan::layout::SectionKind;
 using pan::layout::ToleranceReason;
 
 // A length with the unit that keeps it readable.
@@ -372,6 +374,13 @@ void print_storage(const pan::Model& model) {
   if (!others.empty()) print("ignored   sections of this file: {}\n", others);
 }
 
+// The records that the layout gives a line.
+void print_table(const pan::Model& model, SectionKind kind) {
+  if (pan::table_info(kind).info[0] == '\0') return;
+  const std::size_t count = model.section(kind).size() / pan::section_info(kind).stride;
+  for (std::size_t i = 0; i < count; ++i) print("{}\n", pan::info_line(model, kind, i));
+}
+
 void print_text(const std::string& path, const world::Instance& target, const Totals& totals,
                 bool all_meshes) {
   const pan::Model& model = *target.model();
@@ -399,14 +408,14 @@ void print_text(const std::string& path, const world::Instance& target, const To
   print_meshes(model, totals, all_meshes);
   print_materials(model);
   print_backs(model);
-  for (std::size_t i = 0; i < model.textures().size(); ++i)
-    print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
-          model.textures()[i].height);
+  print_table(model, SectionKind::textures);
   print_ground_truth(model, world::evaluated(target).model_from_nodes);
   for (const std::string& line : joint_lines(model, target.joint_values()))
     print("joint     {}\n", line);
-  for (const auto& input : model.inputs())
-    print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
+  for (const pan::layout::SectionInfo& info : pan::layout::kSections)
+    if (info.kind != SectionKind::textures && info.kind != SectionKind::inputs)
+      print_table(model, info.kind);
+  print_table(model, SectionKind::inputs);
 }
 
 int run(const Options& options, const Host& host) {
@@ -441,12 +450,13 @@ int run(const Options& options, const Host& host) {
   const auto bounds = world::exact_bounds(target);
   out["bounds"] = bounds_json(bounds);
   out["size"] = size_json(bounds);
-  out["nodes"] = nodes_json(*model);
+  out["nodes"] = table_json(*model, pan::layout::SectionKind::nodes);
   out["joints"] = joints_json(*model, target.joint_values());
   out["instances"] = instances_json(*model);
   out["budget"] = budget_json(*model);
   out.update(tables_json(*model, matrices));
   out.update(ground_truth_json(*model, matrices));
+  add_other_tables(*model, out);
   out["sections"] = sections_json(*model);
   if (options.nodes && !options.common.json)
     print("{}", node_list(*model));

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "compiler/size.h"
 #include "compiler/tolerance.h"
+#include "pan/fields.h"
 #include "tools/model_words.h"
 
 namespace panwright::tools {
@@ -15,6 +16,7 @@ namespace panwright::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using pan::layout::SectionKind;
 using pan::layout::ToleranceReason;
 
 Json vector_json(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -54,19 +56,35 @@ Json maps_json(const pan::layout::Material& material) {
 
 }  // namespace
 
-Json nodes_json(const pan::Model& model) {
+Json table_json(const pan::Model& model, SectionKind kind) {
+  const auto fields = pan::fields_of(kind, pan::table_info(kind).json);
   Json out = Json::array();
-  for (std::size_t i = 0; i < model.nodes().size(); ++i) {
-    const auto& node = model.nodes()[i];
+  const std::size_t count = model.section(kind).size() / pan::section_info(kind).stride;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* record = pan::record_at(model, kind, i);
     Json item;
-    item["name"] = model.node_name(i);
-    item["parent"] = node.parent < 0 ? Json(nullptr) : Json(node.parent);
-    item["translation"] = node.translation;
-    item["rotation"] = node.rotation;
-    item["scale"] = node.scale;
+    for (const pan::layout::FieldRule* field : fields) {
+      Json& member = item[field->name];
+      if (pan::is_string(*field))
+        member = model.string(static_cast<std::uint32_t>(pan::reference_of(*field, record)));
+      else if (field->names != nullptr)
+        member = pan::value_words(*field, record);
+      else if (field->type == pan::layout::FieldType::i32 && pan::reference_of(*field, record) < 0)
+        member = nullptr;
+      else
+        pan::with_values(*field, record, [&](const auto& values) {
+          member = field->count == 1 ? Json(values.front()) : Json(values);
+        });
+    }
     out.push_back(std::move(item));
   }
   return out;
+}
+
+void add_other_tables(const pan::Model& model, Json& out) {
+  for (const pan::layout::SectionInfo& info : pan::layout::kSections)
+    if (pan::table_info(info.kind).json[0] != '\0' && !out.contains(info.name))
+      out[info.name] = table_json(model, info.kind);
 }
 
 Json instances_json(const pan::Model& model) {
@@ -134,11 +152,7 @@ Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
                              {"budget", mesh_budget_json(model, i)},
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
-  out["textures"] = Json::array();
-  for (std::size_t i = 0; i < model.textures().size(); ++i)
-    out["textures"].push_back({{"name", model.texture_name(i)},
-                               {"width", model.textures()[i].width},
-                               {"height", model.textures()[i].height}});
+  out["textures"] = table_json(model, SectionKind::textures);
   out["frames"] = Json::array();
   for (std::size_t i = 0; i < model.frames().size(); ++i) {
     const pan::layout::Frame& frame = model.frames()[i];
@@ -195,18 +209,7 @@ Json ground_truth_json(const pan::Model& model, const std::vector<Mat4>& world) 
                              {"error", stretch * level.error},
                              {"triangles", model.meshes()[level.mesh].triangle_count}});
   }
-  out["decals"] = Json::array();
-  for (std::size_t i = 0; i < model.decals().size(); ++i) {
-    const auto& decal = model.decals()[i];
-    out["decals"].push_back({{"name", model.decal_name(i)},
-                             {"instance", decal.instance},
-                             {"texture", decal.texture},
-                             {"origin", decal.origin},
-                             {"rotation", decal.rotation},
-                             {"width", decal.width},
-                             {"height", decal.height},
-                             {"depth", decal.depth}});
-  }
+  out["decals"] = table_json(model, SectionKind::decals);
   return out;
 }
 

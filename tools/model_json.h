@@ -11,8 +11,11 @@
 
 namespace panwright::tools {
 
+// Returns the records of a table, as the layout's `json` says.
+nlohmann::ordered_json table_json(const pan::Model& model, pan::layout::SectionKind kind);
+// Adds the tables that have such members and are not in the object yet, under their names.
+void add_other_tables(const pan::Model& model, nlohmann::ordered_json& out);
 // world: matrices of the nodes at the given joint values.
-nlohmann::ordered_json nodes_json(const pan::Model& model);
 nlohmann::ordered_json instances_json(const pan::Model& model);
 nlohmann::ordered_json budget_json(const pan::Model& model);
 // Returns materials, meshes, textures, frames and inputs.

@@ -26,17 +26,24 @@ struct Found {
   Tally outside;  // vertices outside their bounds; indices past the last vertex
 };
 
-// The mesh whose run holds an element, when runs tile the array.
+// The mesh whose run holds an element, when runs tile the array. first: place of a mesh's run.
 template <class First>
-std::size_t mesh_of(std::span<const layout::Mesh> meshes, std::uint64_t element, First first) {
-  const auto after = std::upper_bound(
-      meshes.begin(), meshes.end(), element,
-      [&](std::uint64_t value, const layout::Mesh& mesh) { return value < first(mesh); });
-  return static_cast<std::size_t>(after - meshes.begin()) - 1;
+std::size_t mesh_of(const Model& model, std::uint64_t element, First first) {
+  std::size_t from = 0, to = model.meshes().size();  // the first run behind the element is here
+  while (from < to) {
+    const std::size_t middle = from + (to - from) / 2;
+    if (element < first(model, middle))
+      to = middle;
+    else
+      from = middle + 1;
+  }
+  return from - 1;
 }
 
-std::uint64_t first_vertex(const layout::Mesh& mesh) { return mesh.first_vertex; }
-std::uint64_t index_offset(const layout::Mesh& mesh) { return mesh.index_offset; }
+std::uint64_t first_vertex(const Model& model, std::size_t m) { return model.first_vertex(m); }
+std::uint64_t index_offset(const Model& model, std::size_t m) {
+  return model.meshes()[m].index_offset;
+}
 
 bool finite(const layout::Float3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -45,9 +52,10 @@ bool finite(const layout::Float3& v) {
 void check_positions(const Model& model, std::uint64_t begin, std::uint64_t end, Found& found) {
   const auto positions = model.positions();
   const auto meshes = model.meshes();
-  for (std::size_t m = mesh_of(meshes, begin, first_vertex); begin < end; ++m) {
+  for (std::size_t m = mesh_of(model, begin, first_vertex); begin < end; ++m) {
     const layout::Mesh& mesh = meshes[m];
-    const std::uint64_t stop = std::min<std::uint64_t>(end, first_vertex(mesh) + mesh.vertex_count);
+    const std::uint64_t stop =
+        std::min<std::uint64_t>(end, model.first_vertex(m) + mesh.vertex_count);
     if (!all_within(&positions[begin].x, stop - begin, mesh.bounds_min, mesh.bounds_max)) {
       for (std::uint64_t i = begin; i < stop; ++i) {
         const layout::Float3& p = positions[i];
@@ -80,7 +88,7 @@ void check_run(const Model& model, const layout::Mesh& mesh, std::uint64_t begin
 
 void check_indices(const Model& model, std::uint64_t begin, std::uint64_t end, Found& found) {
   const auto meshes = model.meshes();
-  for (std::size_t m = mesh_of(meshes, begin, index_offset); begin < end; ++m) {
+  for (std::size_t m = mesh_of(model, begin, index_offset); begin < end; ++m) {
     const std::uint64_t next =
         m + 1 < meshes.size() ? meshes[m + 1].index_offset : model.index_bytes().size();
     const std::uint64_t stop = std::min(end, next);
@@ -149,7 +157,7 @@ void describe_vertices(const Model& model, const Found& found, Problems& problem
   }
   if (const Tally& bad = found.outside; bad.count > 0) {
     const layout::Float3& p = model.positions()[bad.first];
-    const std::size_t m = mesh_of(model.meshes(), bad.first, first_vertex);
+    const std::size_t m = mesh_of(model, bad.first, first_vertex);
     problems.push_back(
         {Code::E4013, fmt::format("positions[{}] at {} {} {} lies outside the bounds of {}{}",
                                   bad.first, p.x, p.y, p.z, mesh_words(model, m), others(bad))});
@@ -162,7 +170,7 @@ void describe_indices(const Model& model, const Found& found, Problems& problems
         {Code::E4012, fmt::format("byte {} of the padding between two runs of indices is not 0{}",
                                   bad.first, others(bad))});
   if (const Tally& bad = found.outside; bad.count > 0) {
-    const std::size_t m = mesh_of(model.meshes(), bad.first, index_offset);
+    const std::size_t m = mesh_of(model, bad.first, index_offset);
     const layout::Mesh& mesh = model.meshes()[m];
     std::uint32_t value = 0;
     std::memcpy(&value, model.index_bytes().data() + bad.first, mesh.index_size);
@@ -312,13 +320,31 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
                      std::vector<Found>(look ? blocks : 0)});
     jobs += blocks;
   }
-  const auto check_block = [&](std::size_t job) {
+  const auto work_of = [&](std::size_t job) -> Work& {
     const auto after =
         std::upper_bound(works.begin(), works.end(), job,
                          [](std::size_t j, const Work& work) { return j < work.first_job; });
-    do_block(model, *(after - 1), job - (after - 1)->first_job);
+    return *(after - 1);
   };
-  parallel_for(jobs, check_block, cancel);
+  const auto check_block = [&](std::size_t job) {
+    Work& work = work_of(job);
+    do_block(model, work, job - work.first_job);
+  };
+  const auto place_of = [&](std::size_t job) {
+    const Work& work = work_of(job);
+    return work.entry->offset + (job - work.first_job) * layout::kHashBlock;
+  };
+  // note: the memory of a part is given back before the next one is looked at
+  constexpr std::size_t kPart = 512;  // blocks, 384 MiB
+  for (std::size_t first = 0; first < jobs; first += kPart) {
+    const std::size_t count = std::min(kPart, jobs - first);
+    parallel_for(
+        count, [&](std::size_t i) { check_block(first + i); }, cancel);
+    const std::uint64_t begin = place_of(first), end = place_of(first + count - 1);
+    model.release(model.bytes().subspan(begin, end + layout::kHashBlock > model.bytes().size()
+                                                   ? model.bytes().size() - begin
+                                                   : end + layout::kHashBlock - begin));
+  }
   Problems problems;
   for (const Work& work : works) finish(model, work, problems);
   return problems;

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "pan/fields.h"
 #include "pan/internal/identity.h"
 #include "pan/internal/material_limits.h"
 #include "pan/internal/mesh_stream.h"
@@ -18,110 +19,9 @@ namespace panwright::pan::internal {
 
 namespace {
 
-using layout::FieldRule;
-using layout::FieldRuleKind;
-using layout::FieldType;
 using layout::SectionKind;
 
-const layout::SectionInfo& info(SectionKind kind) {
-  return layout::kSections[static_cast<std::uint32_t>(kind) - 1];
-}
-
-std::uint64_t count_of(const Model& model, SectionKind kind) {
-  const layout::DirectoryEntry* entry = model.entry(kind);
-  const std::uint64_t count = entry ? entry->count : 0;
-  // offsets enclose strings, so there is one more of them
-  return kind == SectionKind::string_offsets && count > 0 ? count - 1 : count;
-}
-
-template <class T>
-T load(const std::byte* from) {
-  T value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-
-// ---- field rules
-
-bool number_holds(FieldRuleKind kind, double value) {
-  if (!std::isfinite(value)) return false;
-  return kind == FieldRuleKind::finite || (kind == FieldRuleKind::nonzero && value != 0) ||
-         (kind == FieldRuleKind::not_negative && value >= 0);
-}
-
-bool holds(const FieldRule& rule, const std::byte* at, std::uint64_t limit) {
-  if (rule.type == FieldType::f64) return number_holds(rule.kind, load<double>(at));
-  if (rule.type == FieldType::f32) {
-    const float value = load<float>(at);
-    // products of few parameters stay within single precision
-    const bool fits = rule.section != SectionKind::materials ||
-                      std::fabs(value) <= static_cast<float>(layout::kMaxNumber);
-    return fits && number_holds(rule.kind, value);
-  }
-  const auto value = load<std::uint32_t>(at);
-  switch (rule.kind) {
-    case FieldRuleKind::zero:
-      return value == 0;
-    case FieldRuleKind::range:
-      return value >= rule.low && value <= rule.high;
-    case FieldRuleKind::mask:
-      return (value & ~rule.high) == 0;
-    case FieldRuleKind::reference_or_none:
-      return value == 0xffffffffu || value < limit;
-    default:
-      return value < limit;
-  }
-}
-
-std::string value_words(const FieldRule& rule, const std::byte* at) {
-  if (rule.type == FieldType::f64) return fmt::format("{}", load<double>(at));
-  if (rule.type == FieldType::f32) return fmt::format("{}", load<float>(at));
-  if (rule.type == FieldType::i32) return fmt::format("{}", load<std::int32_t>(at));
-  return fmt::format("{}", load<std::uint32_t>(at));
-}
-
-std::string rule_words(const FieldRule& rule, std::uint64_t limit) {
-  const bool strings = rule.target == SectionKind::string_offsets;
-  switch (rule.kind) {
-    case FieldRuleKind::finite:
-      return "expected a finite number";
-    case FieldRuleKind::not_negative:
-      return "expected a finite number of at least 0";
-    case FieldRuleKind::nonzero:
-      return "expected a finite number other than 0";
-    case FieldRuleKind::zero:
-      return "expected 0";
-    case FieldRuleKind::range:
-      return fmt::format("expected {} to {}", rule.low, rule.high);
-    case FieldRuleKind::mask:
-      return fmt::format("expected no bits other than {:#x}", rule.high);
-    default:
-      return strings ? "but the file has " + counted(limit, "string")
-                     : fmt::format("but '{}' has {}", info(rule.target).name,
-                                   counted(limit, "element"));
-  }
-}
-
-void check_rule(const Model& model, const FieldRule& rule, Problems& problems) {
-  const auto bytes = model.section(rule.section);
-  const std::uint32_t stride = info(rule.section).stride;
-  const std::uint64_t limit = count_of(model, rule.target);
-  const std::size_t width = rule.type == FieldType::f64 ? 8 : 4;
-  for (std::size_t record = 0; record < bytes.size() / stride; ++record) {
-    for (std::uint32_t k = 0; k < rule.count; ++k) {
-      const std::byte* at = bytes.data() + record * stride + rule.offset + k * width;
-      if (holds(rule, at, limit)) continue;
-      const bool reference =
-          rule.kind == FieldRuleKind::reference || rule.kind == FieldRuleKind::reference_or_none;
-      const std::string part = rule.count > 1 ? fmt::format("[{}]", k) : std::string();
-      problems.push_back(
-          {reference ? Code::E4010 : Code::E4012,
-           fmt::format("{}[{}].{}{} is {}, {}", info(rule.section).name, record, rule.name, part,
-                       value_words(rule, at), rule_words(rule, limit))});
-      return;
-    }
-  }
-}
+const layout::SectionInfo& info(SectionKind kind) { return section_info(kind); }
 
 // ---- strings
 
@@ -163,20 +63,10 @@ std::optional<Problem> text_problem(const Model& model) {
 
 // ---- nodes
 
-bool is_unit(const double* q) {
-  const double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  return std::fabs(squared - 1.0) <= kUnitQuaternionTolerance;
-}
-
 bool is_finite(const Mat4& m) {
   for (int k = 0; k < 4; ++k)
     if (!panwright::is_finite(Vec3(m[k])) || !std::isfinite(m[k].w)) return false;
   return true;
-}
-
-Problem not_unit(const char* table, std::size_t i, const double* q) {
-  return {Code::E4012, fmt::format("{}[{}].rotation is {} {} {} {}, expected a unit quaternion",
-                                   table, i, q[0], q[1], q[2], q[3])};
 }
 
 // The first problem of the tree.
@@ -186,7 +76,6 @@ std::optional<Problem> node_problem(const Model& model) {
   std::vector<std::uint32_t> depths(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::int64_t parent = nodes[i].parent;
-    if (!is_unit(nodes[i].rotation)) return not_unit("nodes", i, nodes[i].rotation);
     if (i == 0 && parent == -1) {
       depths[i] = 1;
       continue;
@@ -266,6 +155,8 @@ std::optional<Problem> mesh_form_problem(const layout::Mesh& mesh, std::size_t i
 std::optional<Problem> mesh_problem(const Model& model) {
   std::uint64_t vertices = 0, texcoords = 0, colors = 0, bytes = 0;
   const auto meshes = model.meshes();
+  const bool whole = !(model.header().required_features & layout::kFeatureLongRuns);
+  const auto stored = [&](std::uint64_t place) { return whole ? place : place & 0xffffffffu; };
   const auto misplaced = [](std::size_t i, const char* field, std::uint64_t is,
                             std::uint64_t must) {
     return Problem{Code::E4010,
@@ -279,12 +170,13 @@ std::optional<Problem> mesh_problem(const Model& model) {
     const bool has_colors = mesh.flags & layout::kMeshColors;
     const std::uint64_t texcoord = has_texcoords ? texcoords : 0;
     const std::uint64_t color = has_colors ? colors : 0;
-    if (mesh.first_vertex != vertices)
-      return misplaced(i, "first_vertex", mesh.first_vertex, vertices);
+    if (mesh.first_vertex != stored(vertices))
+      return misplaced(i, "first_vertex", mesh.first_vertex, stored(vertices));
     if (mesh.index_offset != bytes) return misplaced(i, "index_offset", mesh.index_offset, bytes);
-    if (mesh.first_texcoord != texcoord)
-      return misplaced(i, "first_texcoord", mesh.first_texcoord, texcoord);
-    if (mesh.first_color != color) return misplaced(i, "first_colour", mesh.first_color, color);
+    if (mesh.first_texcoord != stored(texcoord))
+      return misplaced(i, "first_texcoord", mesh.first_texcoord, stored(texcoord));
+    if (mesh.first_color != stored(color))
+      return misplaced(i, "first_color", mesh.first_color, stored(color));
     vertices += mesh.vertex_count;
     texcoords += has_texcoords ? mesh.vertex_count : 0;
     colors += has_colors ? mesh.vertex_count : 0;
@@ -337,11 +229,6 @@ bool has_maps(const layout::Material& material) {
 
 std::optional<Problem> back_problem(const Model& model, std::size_t index) {
   const layout::Back& back = model.backs()[index];
-  if (index > 0 && back.instance <= model.backs()[index - 1].instance)
-    return Problem{Code::E4012,
-                   fmt::format("backs[{}] is out of order, expected them ascending by instance, "
-                               "each once",
-                               index)};
   const layout::Instance& instance = model.instances()[back.instance];
   const layout::Material& front = model.materials()[instance.material];
   const layout::Material& behind = model.materials()[back.material];
@@ -414,30 +301,10 @@ std::optional<Problem> material_problem(const Model& model) {
   return {};
 }
 
-std::optional<Problem> frame_problem(const Model& model) {
-  const auto frames = model.frames();
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    if (!is_unit(frames[i].rotation)) return not_unit("frames", i, frames[i].rotation);
-  return {};
-}
-
-std::optional<Problem> need_problem(const Model& model) {
-  if (const std::uint64_t count = count_of(model, SectionKind::budget); count > 1)
-    return Problem{Code::E4012,
-                   fmt::format("section 'budget' has {} records, expected at most 1", count)};
-  const std::uint64_t count = model.mesh_tolerances().size();
-  if (count != 0 && count != model.meshes().size())
-    return Problem{Code::E4010,
-                   fmt::format("section 'mesh_tolerances' has {}, but section 'meshes' has {}",
-                               counted(count, "element"), model.meshes().size())};
-  return {};
-}
-
 std::optional<Problem> decal_problem(const Model& model) {
   const auto decals = model.decals();
   for (std::size_t i = 0; i < decals.size(); ++i) {
     const layout::Decal& decal = decals[i];
-    if (!is_unit(decal.rotation)) return not_unit("decals", i, decal.rotation);
     if (!(decal.width > 0 && decal.height > 0 && decal.depth > 0))
       return Problem{Code::E4012,
                      fmt::format("decals[{}] is {} x {} m and {} m deep, expected sizes above 0", i,
@@ -453,13 +320,6 @@ std::optional<Problem> level_problem(const Model& model) {
     if (!(level.detail > 0))
       return Problem{Code::E4012,
                      fmt::format("levels[{}].detail is {}, expected more than 0", i, level.detail)};
-    if (i > 0 &&
-        (level.instance < levels[i - 1].instance ||
-         (level.instance == levels[i - 1].instance && !(level.detail > levels[i - 1].detail))))
-      return Problem{Code::E4012,
-                     fmt::format("levels[{}] is out of order, expected them ascending by instance, "
-                                 "then by detail",
-                                 i)};
   }
   for (std::size_t i = 0; i < model.decals().size(); ++i)
     if (std::ranges::binary_search(levels, model.decals()[i].instance, {},
@@ -469,9 +329,6 @@ std::optional<Problem> level_problem(const Model& model) {
 }
 
 std::optional<Problem> build_problem(const Model& model) {
-  if (model.builds().size() != 1)
-    return Problem{Code::E4012, fmt::format("section 'build' has {} records, expected 1",
-                                            model.builds().size())};
   IdentityHasher hasher;
   const auto inputs = model.inputs();
   for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -525,9 +382,7 @@ std::optional<Problem> stream_problem(const Model& model) {
 }  // namespace
 
 Problems table_problems(const Model& model) {
-  Problems problems;
-  for (const FieldRule& rule : layout::kFieldRules)
-    if (rule.kind != FieldRuleKind::any) check_rule(model, rule, problems);
+  Problems problems = rule_problems(model);
   const auto add = [&](const std::optional<Problem>& problem) {
     if (problem) problems.push_back(*problem);
   };
@@ -538,8 +393,6 @@ Problems table_problems(const Model& model) {
   add(mesh_problem(model));
   add(texture_problem(model));
   add(material_problem(model));
-  add(frame_problem(model));
-  add(need_problem(model));
   add(stream_problem(model));
   add(decal_problem(model));
   add(level_problem(model));

@@ -1,8 +1,12 @@
 #include "pan/internal/record_keys.h"
 
+#include "pan/fields.h"
+
 namespace panwright::pan::internal {
 
 namespace {
+
+using layout::SectionKind;
 
 // note: strings are hashed once each, so that many records with one long name stay cheap
 Ids hashed_strings(const Model& model) {
@@ -10,14 +14,6 @@ Ids hashed_strings(const Model& model) {
   for (std::size_t i = 0; i < ids.size(); ++i)
     ids[i] = hash128(as_bytes(model.string(static_cast<std::uint32_t>(i))));
   return ids;
-}
-
-template <class Record>
-Keys named_keys(std::span<const Record> records, const Ids& strings) {
-  Keys keys;
-  Numbering number;
-  for (const Record& record : records) keys.push_back(number(strings[record.name]));
-  return keys;
 }
 
 Keys node_keys(const Model& model, const Ids& strings) {
@@ -32,34 +28,33 @@ Keys node_keys(const Model& model, const Ids& strings) {
 
 }  // namespace
 
-Hash128 joined(std::initializer_list<Hash128> parts) {
-  return hash128(std::as_bytes(std::span(parts.begin(), parts.size())));
+Hash128 joined(std::span<const Hash128> parts) { return hash128(std::as_bytes(parts)); }
+
+Side::Side(const Model& m) : model(m), strings(hashed_strings(m)) {
+  keys_[static_cast<std::size_t>(SectionKind::nodes)] = node_keys(m, strings);
+  // keys hold references to earlier sections alone
+  for (const layout::SectionInfo& info : layout::kSections)
+    if (table_info(info.kind).key[0] != '\0')
+      keys_[static_cast<std::size_t>(info.kind)] = keys_of(info.kind);
 }
 
-Side::Side(const Model& m)
-    : model(m),
-      strings(hashed_strings(m)),
-      nodes(node_keys(m, strings)),
-      meshes(named_keys(m.meshes(), strings)),
-      materials(named_keys(m.materials(), strings)),
-      textures(named_keys(m.textures(), strings)),
-      frames(named_keys(m.frames(), strings)),
-      instances(instance_keys(m)),
-      keypoints(named_keys(m.keypoints(), strings)),
-      decals(named_keys(m.decals(), strings)),
-      joints(named_keys(m.joints(), strings)) {
-  for (const layout::Sheet& sheet : m.sheets()) sheets.push_back(meshes[sheet.mesh]);
+Keys Side::keys_of(SectionKind kind) const {
+  Keys out;
   Numbering number;
-  for (const layout::Level& level : m.levels())
-    levels.push_back(number(joined({instances[level.instance], meshes[level.mesh]})));
-}
-
-Keys Side::instance_keys(const Model& m) const {
-  Keys keys;
-  Numbering number;
-  for (const layout::Instance& instance : m.instances())
-    keys.push_back(number(joined({nodes[instance.node], meshes[instance.mesh]})));
-  return keys;
+  const auto fields = fields_of(kind, table_info(kind).key);
+  const std::size_t count = model.section(kind).size() / section_info(kind).stride;
+  std::vector<Hash128> parts(fields.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* record = record_at(model, kind, i);
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const auto id = static_cast<std::size_t>(reference_of(*fields[k], record));
+      parts[k] = is_string(*fields[k])      ? strings[id]
+                 : is_reference(*fields[k]) ? keys(fields[k]->target)[id]
+                                            : Hash128{id, 0};
+    }
+    out.push_back(number(joined(parts)));
+  }
+  return out;
 }
 
 }  // namespace panwright::pan::internal

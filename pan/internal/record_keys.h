@@ -1,9 +1,11 @@
 // Keys of records, by which those of two models are matched.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "base/hash.h"
@@ -14,7 +16,10 @@ namespace panwright::pan::internal {
 using Keys = std::vector<Hash128>;  // one per record, all different
 using Ids = std::vector<Hash128>;   // one per string
 
-Hash128 joined(std::initializer_list<Hash128> parts);
+Hash128 joined(std::span<const Hash128> parts);
+inline Hash128 joined(std::initializer_list<Hash128> parts) {
+  return joined(std::span(parts.begin(), parts.size()));
+}
 
 // Makes equal keys different by counting them.
 class Numbering {
@@ -25,17 +30,17 @@ class Numbering {
   std::map<Hash128, std::uint64_t> count_;
 };
 
-// Model with the keys of its records.
+// Model with the keys of its records, of nodes and of the sections that have a key in the layout.
 struct Side {
   const Model& model;
   Ids strings;
-  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets, levels,
-      joints;
 
   explicit Side(const Model& m);
+  const Keys& keys(layout::SectionKind kind) const { return keys_[static_cast<std::size_t>(kind)]; }
 
  private:
-  Keys instance_keys(const Model& m) const;
+  Keys keys_of(layout::SectionKind kind) const;
+  std::array<Keys, layout::kSectionKinds + 1> keys_;
 };
 
 }  // namespace panwright::pan::internal

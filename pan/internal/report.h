@@ -64,6 +64,12 @@ inline bool is_array(std::uint32_t kind) {
 // A section and its byte range, for messages: "section 'nodes' (bytes 128 to 512)".
 std::string section_words(const layout::DirectoryEntry& entry);
 
+// Elements of a section; of string_offsets, strings.
+std::uint64_t count_of(const Model& model, layout::SectionKind kind);
+
+// Checks the rules that all tables have in common: of fields, order, numbers of records.
+Problems rule_problems(const Model& model);
+
 // Checks the records of all tables and the strings. Without problems, the runs of every mesh and
 // texture lie within their arrays and every reference between tables holds.
 Problems table_problems(const Model& model);

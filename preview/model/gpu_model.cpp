@@ -55,6 +55,12 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
                       model.meshes()[i].triangle_count, kMeshTriangles));
       return false;
     }
+  if (model.header().required_features & layout::kFeatureLongRuns) {
+    log.report_file(Code::E5003, model.name(),
+                    fmt::format("{} vertices; the preview takes {}", model.positions().size(),
+                                std::uint64_t{1} << 32));
+    return false;
+  }
   positions_ = uploaded(model.positions());
   normals_ = uploaded(model.normals());
   texcoords_ = uploaded(model.texcoords());

@@ -94,4 +94,20 @@ for fixed in ("Header", "DirectoryEntry", "Float3"):
     size = 8 if fixed != "Float3" else 4
     more = {"type": "u64", **new} if size == 8 else new
     sound &= refused(f"growth of {fixed}", layout_with(fixed, [field("a", **{**new, **more})], size=size))
+
+
+def table(kind, **says):
+    """The layout of today, where a section says more."""
+    layout = copy.deepcopy(LAYOUT)
+    next(section for section in layout["section"] if section["kind"] == kind).update(says)
+    return layout
+
+
+generate_pan.validate(table("frames", order=["node"], each="nodes"))
+sound &= refused("a line with a field that is not there", table("frames", info="frame {nme}"))
+sound &= refused("a key of a later section", table("instances", key=["texture"]))
+sound &= refused("differences without a key", table("sources", diff=True, words="source {file}"))
+sound &= refused("an order of an array", table("positions", order=["x"]))
+sound &= refused("as many as a section that is not there", table("frames", each="framez"))
+sound &= refused("two records exactly", table("budget", records="2"))
 sys.exit(0 if sound else 1)
