@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "preview/gl/programs.h"
 #include "preview/model/draw_list.h"
@@ -24,10 +25,8 @@ inline void copy_floats(const Mat3& from, float* to) {
   }
 }
 
-// Copies a vector, padded to 4.
 inline void copy_floats(const Vec3& from, float* to) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
-  to[3] = 0;
 }
 
 // Returns the irradiance in parts of which shading.frag tells errors: that of the Sun's strongest
@@ -45,11 +44,12 @@ inline void cull(const GladGLContext& gl, Sides drawn) {
   gl.CullFace(drawn == Sides::back ? GL_FRONT : GL_BACK);
 }
 
-// Copies the repeat of an item's maps, and the sign of their bumps: a back's point out of it.
+// Copies the repeat of an item's maps, and the directions of their bumps: a back's point out of it.
 inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
+  constexpr std::uint32_t kTurned[] = {kBumpsTurnedU, kBumpsTurnedV};
   for (int axis = 0; axis < 2; ++axis) {
     block.repeat[axis] = static_cast<float>(item.repeat[axis]);
-    block.repeat[axis + 2] = (item.repeat[axis] < 0) != (item.sides == Sides::back) ? -1.0f : 1.0f;
+    if ((item.repeat[axis] < 0) != (item.sides == Sides::back)) block.flags |= kTurned[axis];
   }
 }
 

@@ -16,21 +16,19 @@ namespace {
 
 void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawBlock& block) {
   for (int axis = 0; axis < 2; ++axis) {
-    block.cells[axis] = static_cast<float>(cells.count[axis]);
-    block.cells[axis + 2] = static_cast<float>(cells.gap[axis]);
+    block.cell_count[axis] = static_cast<float>(cells.count[axis]);
+    block.cell_gaps[axis] = static_cast<float>(cells.gap[axis]);
   }
   copy_floats(cells.gap_color, block.gap_color);
   copy_floats(cells.finger_color, block.finger_color);
-  block.gap_color[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
-  block.finger_color[3] = static_cast<float>(cells.finger_width);
-  std::copy_n(coat_return, 3, block.normal_offset + 1);
+  block.fingers = static_cast<float>(std::floor(cells.fingers + 0.5));
+  block.finger_width = static_cast<float>(cells.finger_width);
+  std::copy_n(coat_return, 3, block.coat_return);
 }
 
 // what the fragments of a tile share
-//
-//   errors  ViewBlock::irradiance
 ViewBlock view_block(const world::Camera& camera, const world::World& world, const Tile& tile,
-                     unsigned samples, float errors) {
+                     unsigned samples) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 view_ray = axes[2];
   Vec3 right(0);
@@ -44,16 +42,17 @@ ViewBlock view_block(const world::Camera& camera, const world::World& world, con
   ViewBlock block{};
   // from infinity: the same everywhere
   const light::Incidence sunlight = light::incidence(world.sun(), camera.position);
-  copy_floats(view_ray, block.view_ray);
-  block.view_ray[3] = static_cast<float>(sunlight.limb);
-  copy_floats(right, block.view_ray_right);
-  copy_floats(down, block.view_ray_down);
+  copy_floats(view_ray, block.ray);
+  block.limb_darkening = static_cast<float>(sunlight.limb);
+  copy_floats(right, block.ray_right);
+  copy_floats(down, block.ray_down);
   copy_floats(sunlight.to_light, block.to_sun);
-  block.to_sun[3] = static_cast<float>(sunlight.alpha2);
+  block.sun_alpha2 = static_cast<float>(sunlight.alpha2);
   copy_floats(sunlight.irradiance, block.irradiance);
-  block.irradiance[3] = errors;
   copy_floats(world.white(), block.white);
-  block.white[3] = static_cast<float>(told_irradiance(world));
+  block.told_irradiance = static_cast<float>(told_irradiance(world));
+  block.first_sample[0] = tile.x * samples;
+  block.first_sample[1] = tile.y * samples;
   return block;
 }
 
@@ -195,8 +194,9 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
                     bool predicting) {
   // texels of imposters are samples of their pixels
   const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
-  const float errors = predicting ? 1.0f : scene.texels > 0 ? -1.0f : 0.0f;
-  const ViewBlock shared = view_block(scene.camera, scene.world, tile.tile, samples, errors);
+  ViewBlock shared = view_block(scene.camera, scene.world, tile.tile, samples);
+  shared.cell_parts = static_cast<float>(parts);
+  shared.flags = predicting ? kPredictsErrors : scene.texels > 0 ? kTellsRelief : 0;
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);
@@ -217,11 +217,8 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
                                    visible.boxes[target.drawn[k]].camera_from_mesh),
                     block.clip_from_mesh);
         copy_floats(rotation * item.model_normal_from_mesh, block.world_normal_from_mesh);
-        block.id[0] = visible.first_id + index + 1;
-        block.id[1] = tile.tile.x * samples;
-        block.id[2] = tile.tile.y * samples;
+        block.id = visible.first_id + index + 1;
         copy_floats(item.diffuse, block.diffuse);
-        block.diffuse[3] = static_cast<float>(parts);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
         if (scene.shadows)
@@ -323,7 +320,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     if (other_program) gl_.UseProgram(program(scene, model, item.variant, pass, instanced));
     if (pass == Pass::geometry && scene.specular_filter && item.variant.curved &&
         (other_program || item.material != last->material))
-      gl_.Uniform2f(kLobeLocation, static_cast<float>(item.lobe), disc_width(scene));
+      gl_.Uniform2f(kNarrowestLobeLocation, static_cast<float>(item.lobe), disc_width(scene));
     if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
@@ -353,12 +350,12 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
     places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal());
   // whose the sample is, is read from a layer of the framebuffer: the barrier makes that sound
-  gl_.BindTextureUnit(kNormalUnit, seen.id());
+  gl_.BindTextureUnit(kLayerUnits[kNormalLayer], seen.id());
   gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
-  for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
+  for (GLuint layer = 0; layer < kLayers; ++layer) {
     const GLboolean albedo = layer == kAlbedoLayer;
     gl_.ColorMaski(layer, albedo, albedo, albedo, GL_FALSE);
   }
@@ -398,15 +395,12 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
                     apart ? blocks.rows : tile.tile.height};
   gl_.Viewport(0, 0, static_cast<GLsizei>(window.width * samples),
                static_cast<GLsizei>(window.height * samples));
-  gl_.BindTextureUnit(kBlocksUnit, apart ? blocks.pixels : no_pixels_texture_.id());
+  gl_.BindTextureUnit(kPixelPlacesUnit, apart ? blocks.pixels : no_pixels_texture_.id());
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
-  constexpr std::pair<Layer, GLuint> kUnits[] = {
-      {kNormalLayer, kNormalUnit},           {kAlbedoLayer, kAlbedoUnit},
-      {kRoughnessLayer, kRoughnessUnit},     {kTangentLayer, kTangentUnit},
-      {kReflectanceLayer, kReflectanceUnit}, {kSunLayer, kSunUnit}};
-  for (const auto& [layer, unit] : kUnits)
-    if (g_buffer.colors[layer]) gl_.BindTextureUnit(unit, g_buffer.colors[layer].id());
+  for (unsigned layer = 0; layer < kLayers; ++layer)
+    if (g_buffer.colors[layer])
+      gl_.BindTextureUnit(kLayerUnits[layer], g_buffer.colors[layer].id());
   gl_.BindVertexArray(screen_.id());
   gl_.Enable(GL_SCISSOR_TEST);
   // Where no class is asked for, the depth test leaves nothing to run. Nothing is cleared before:
@@ -421,8 +415,8 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     apart ? scissor(window, window, samples)
           : scissor(tile.tile, first ? tile.tile : target.part, samples);
     model.gpu.bind_items();
-    gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
-    gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
+    gl_.Uniform2ui(kSampleBlocksLocation, samples, blocks.a_row);
+    gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id,
                    static_cast<GLuint>(scene.state(target.visible).items().size()), first_class,
                    first);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -442,10 +436,11 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
       gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model],
                                               model.layers_for(scene.specular_filter),
                                               one.one_material, scene.shadows != nullptr));
-      gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
-      gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
-      gl_.Uniform1f(kDepthLocation, static_cast<float>(first_classes_[t] + one.brdf_model + 1) *
-                                        (1.0f / 1048576.0f));
+      gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+      gl_.Uniform2ui(kSampleBlocksLocation, samples, blocks.a_row);
+      gl_.Uniform1f(
+          kScreenDepthLocation,
+          static_cast<float>(first_classes_[t] + one.brdf_model + 1) * (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     }
   }

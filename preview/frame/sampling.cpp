@@ -159,9 +159,9 @@ bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
   gl_.BindVertexArray(passes_.screen());
-  gl_.BindTextureUnit(kSamplesUnit, color_.colors[0].id());
+  gl_.BindTextureUnit(kColorSamplesUnit, color_.colors[0].id());
   gl_.UseProgram(program);
-  gl_.Uniform1ui(0, samples);
+  gl_.Uniform1ui(kSamplesASideLocation, samples);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   return true;
 }
@@ -497,20 +497,20 @@ void Sampling::upload(const GlBuffer& buffer, std::span<const std::uint32_t> num
 // Makes the pixels of the runs the only ones that are drawn, and empty.
 void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, bool first) {
   gl_.BindVertexArray(passes_.screen());
-  gl_.BindTextureUnit(kBlocksUnit, runs_texture_.id());
+  gl_.BindTextureUnit(kPixelPlacesUnit, runs_texture_.id());
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthFunc(GL_ALWAYS);
-  for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
+  for (GLuint layer = 0; layer < kLayers; ++layer) {
     const GLboolean on = first && layer == kNormalLayer;
     gl_.ColorMaski(layer, on, on, on, on);
   }
   gl_.UseProgram(device_.programs.runs());
-  gl_.Uniform2f(1, 2.0f / static_cast<float>(tile.width * samples),
+  gl_.Uniform2f(kRunScaleLocation, 2.0f / static_cast<float>(tile.width * samples),
                 2.0f / static_cast<float>(tile.height * samples));
   const float nearest = 1;
   gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
-  gl_.Uniform2ui(0, samples, 0);
-  gl_.Uniform1f(2, 0.0f);
+  gl_.Uniform1ui(kSamplesASideLocation, samples);
+  gl_.Uniform1f(kScreenDepthLocation, 0.0f);
   for (GLsizei at = 0; at < count; at += static_cast<GLsizei>(kMostBlocks)) {
     const GLsizei some = std::min(count - at, static_cast<GLsizei>(kMostBlocks));
     gl_.TextureBufferRange(runs_texture_.id(), GL_RG32UI, runs_.id(), GLintptr{8} * at,

@@ -13,19 +13,6 @@
 namespace panwright::preview {
 namespace {
 
-// Uniform block of the shadow shaders, in std140.
-struct alignas(16) ShadowBlock {
-  float texel_depth;  // what one texel measures, as a share of the map's depth
-  float half_width;   // texels
-  float half_height;
-  std::int32_t tiles;
-  float inside[4 * kMostShadowTiles];
-  float sun[2 * kMostSunPoints];
-  std::int32_t points;
-  float width_of_texel;  // in the texture, which may be larger than the map
-  float height_of_texel;
-};
-
 // Software contexts build every program again for textures whose sides are powers of two, and tiles
 // make sides of any length: no side is one, as with other targets (gl_objects.h).
 GLsizei texture_side(std::size_t texels, std::uint32_t most) {
@@ -108,11 +95,10 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
   // 2^-20 of the size: what rounding to float leaves (2^-24) and no chord is as small as
   const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
   const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
-  block.id[3] = own_shape && !flat ? 1 : 0;
+  if (own_shape && !flat) block.flags |= kOwnShape;
   // A chord is as deep below the smooth surface as others stand out of it; slivers are placed and
   // drawn into maps with errors of their own.
-  block.normal_offset[0] =
-      flat ? 0.0f : static_cast<float>(std::max(2.0 * mesh.error, item.rounding));
+  block.normal_offset = flat ? 0.0f : static_cast<float>(std::max(2.0 * mesh.error, item.rounding));
 }
 
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
@@ -288,6 +274,8 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
     stream_.emplace(gl);
+    constexpr ViewBlock kNoTile{};
+    view_ = make_buffer(gl, &kNoTile, sizeof kNoTile);
   }
   group(scene, cells);
   lay_out_all(scene, {side, cells, context.framebuffer_side / side, scene.pixel, 0}, soft_side,
@@ -326,7 +314,7 @@ void ShadowMaps::add_draws(const LightSpace& frame, const Vec2& sun_point, std::
         continue;
       DrawBlock block{};
       copy_floats(sun_from_mesh, block.clip_from_mesh);
-      block.id[0] = i + 1;
+      block.id = i + 1;
       copy_repeat(list[i], block);
       draws_.push_back({t, i, tile});
       blocks_.resize(blocks_.size() + stride_);
@@ -397,6 +385,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
   const float nothing = 0;
   gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_.id());
   const DrawItem* last = nullptr;
   std::uint32_t last_target = ~0u;
   std::uint32_t last_tile = ~0u;

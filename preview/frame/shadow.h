@@ -198,6 +198,7 @@ class ShadowMaps {
   std::vector<Place> places_;
   std::size_t stride_ = 0;  // bytes, of blocks_
   std::optional<StreamBuffer> stream_;
+  GlBuffer view_;  // of maps, which are whole
   std::uint64_t update_ = 0;
   std::uint64_t image_ = 0;  // the first update of it
   std::uint64_t drawn_ = 0;

@@ -12,6 +12,7 @@
 #include "preview/frame/light_space.h"
 #include "preview/frame/projection.h"
 #include "preview/frame/view_pieces.h"
+#include "preview/gl/uniforms.h"
 #include "preview/model/mesh_runs.h"
 
 namespace panwright::preview {
@@ -20,8 +21,6 @@ namespace panwright::preview {
 // to 0.75 pixels (0.375 texels measured, bench/case_shadows.cpp).
 inline constexpr double kMostPixelsATexel = 2;
 inline constexpr double kEdgeOfTexel = 0.375;  // texels: error of 99 of 100 edges
-
-inline constexpr std::size_t kMostShadowTiles = 12;  // draw.glsl
 
 // Square part of a map.
 struct ShadowTile {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "preview/gl/uniforms.h"
 
 namespace panwright::preview {
 
@@ -37,8 +38,7 @@ unsigned sun_points_for(double error);
 // Returns the share of the disc's light within a share of its radius, 0 to 1.
 double light_within(double radius, double limb_darkening);
 
-inline constexpr std::size_t kMostSunPoints = 256;  // shadow.glsl
-inline constexpr unsigned kFewSunPoints = 8;        // more have coarser maps
+inline constexpr unsigned kFewSunPoints = 8;  // more have coarser maps
 
 // Smallest visible width of a penumbra, pixels.
 inline constexpr double kShownPenumbra = 0.5;

@@ -36,7 +36,8 @@ std::string cutout_text(bool cutout) {
 GlProgram Programs::requested(const std::string& vertex, const std::string& fragment) {
   const auto start = std::chrono::steady_clock::now();
   ++built_;
-  GlProgram program = request_program(gl_, vertex, fragment);
+  const std::string head = std::string(kVersion) + uniforms_glsl;
+  GlProgram program = request_program(gl_, head + vertex, head + fragment);
   waiting_.push_back(program.id());
   seconds_ += seconds_since(start);
   return program;
@@ -81,7 +82,7 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
   if (!program) {
     const bool mapped =
         v.albedo_map || v.normal_map || v.roughness_map || v.reflectance_map || v.cutout;
-    const std::string version = kVersion + defined("INSTANCED", instanced);
+    const std::string version = defined("INSTANCED", instanced);
     const std::string head =
         defined("GEOMETRY", true) + layer_names(layers) + defined("TEXTURED", v.textured) +
         defined("COLOURED", v.colored) + defined("ALBEDO_MAP", v.albedo_map) +
@@ -102,30 +103,28 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
                          bool shadows) {
   GlProgram& program = shading_[{brdf_model, (layers * 2 + one_material) * 2 + shadows}];
   if (!program) {
-    std::string head = kVersion;
-    head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
-            defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
-                                      brdf_model.specular == materials::SpecularModel::ggx) +
-            defined("ONE_MATERIAL", one_material);
+    std::string head =
+        sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
+        defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
+                                  brdf_model.specular == materials::SpecularModel::ggx) +
+        defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
-    program = requested(std::string(kVersion) + screen_vert, head + shading_frag);
+    program = requested(screen_vert, head + shading_frag);
   }
   return program.id();
 }
 
 GLuint Programs::classes() {
-  if (!classes_)
-    classes_ = requested(std::string(kVersion) + screen_vert,
-                         std::string(kVersion) + sample_place_glsl + classes_frag);
+  if (!classes_) classes_ = requested(screen_vert, std::string(sample_place_glsl) + classes_frag);
   return classes_.id();
 }
 
 GLuint Programs::shadow(bool cutout, bool instanced) {
   GlProgram& program = shadow_[2 * cutout + instanced];
   if (!program) {
-    const std::string version = kVersion + defined("INSTANCED", instanced);
+    const std::string version = defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
     program = requested(version + defined("VERTEX", true) + head + model_vert,
                         version + head + cutout_text(cutout) + shadow_frag);
@@ -136,7 +135,7 @@ GLuint Programs::shadow(bool cutout, bool instanced) {
 GLuint Programs::ids(bool cutout, bool instanced) {
   GlProgram& program = ids_[2 * cutout + instanced];
   if (!program) {
-    const std::string version = kVersion + defined("INSTANCED", instanced);
+    const std::string version = defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
     program = requested(version + defined("VERTEX", true) + head + model_vert,
                         version + head + cutout_text(cutout) + ids_frag);
@@ -146,29 +145,24 @@ GLuint Programs::ids(bool cutout, bool instanced) {
 
 GLuint Programs::decal() {
   if (!decal_)
-    decal_ = requested(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                       std::string(kVersion) + draw_glsl + decal_frag);
+    decal_ = requested(defined("DECAL", true) + draw_glsl + model_vert,
+                       std::string(draw_glsl) + decal_frag);
   return decal_.id();
 }
 
 GLuint Programs::resolve(bool spread) {
   GlProgram& program = resolve_[spread];
-  if (!program)
-    program = requested(std::string(kVersion) + screen_vert,
-                        kVersion + defined("SPREAD", spread) + resolve_frag);
+  if (!program) program = requested(screen_vert, defined("SPREAD", spread) + resolve_frag);
   return program.id();
 }
 
 GLuint Programs::runs() {
-  if (!runs_)
-    runs_ = requested(std::string(kVersion) + runs_vert, std::string(kVersion) + nothing_frag);
+  if (!runs_) runs_ = requested(runs_vert, nothing_frag);
   return runs_.id();
 }
 
 GLuint Programs::bare() {
-  if (!bare_)
-    bare_ = requested(std::string(kVersion) + draw_glsl + model_vert,
-                      std::string(kVersion) + bare_frag);
+  if (!bare_) bare_ = requested(std::string(draw_glsl) + model_vert, bare_frag);
   return bare_.id();
 }
 

@@ -3,6 +3,7 @@
 
 namespace panwright::preview {
 
+extern const char* const uniforms_glsl;
 extern const char* const draw_glsl;
 extern const char* const cutout_glsl;
 extern const char* const model_vert;

@@ -26,7 +26,4 @@ struct Variant {
   auto operator<=>(const Variant&) const = default;
 };
 
-// Items of one draw: as many blocks as every context can bind.
-inline constexpr std::size_t kInstancesAtOnce = 32;
-
 }  // namespace panwright::preview

@@ -12,6 +12,7 @@
 #include "image/image.h"
 #include "materials/material.h"
 #include "pan/model.h"
+#include "preview/gl/uniforms.h"
 #include "preview/gl/variant.h"
 #include "world/evaluation.h"
 

@@ -15,8 +15,6 @@ namespace {
 
 namespace layout = pan::layout;
 
-constexpr GLuint kTangentAttribute = 4;
-
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
 
@@ -74,10 +72,10 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
     gl.VertexArrayAttribFormat(array, index, components, GL_FLOAT, GL_FALSE, 0);
     gl.VertexArrayAttribBinding(array, index, index);
   };
-  attribute(0, 3);
-  attribute(1, 3);
-  attribute(2, 2);
-  attribute(3, 3);
+  attribute(kPositionAttribute, 3);
+  attribute(kNormalAttribute, 3);
+  attribute(kTexcoordAttribute, 2);
+  attribute(kColorAttribute, 3);
   return fits(gl, "vertices", log) && upload_materials(model, list, brdf_models, log) &&
          upload_decals(model, list, log) && upload_textures(model, list, log, job) &&
          upload_tangents(model, list, log, job);
@@ -291,15 +289,15 @@ void GpuModel::bind_vertices(const layout::Mesh& mesh, std::size_t mesh_index) c
   gl.BindVertexArray(array);
   // note: meshes without texcoords, colours or tangents leave them to shaders that do not read them
   if (const Repeated* own = own_vertices(mesh_index)) {
-    bind(0, own->positions, 0, sizeof(layout::Float3));
-    bind(1, own->normals, 0, sizeof(layout::Float3));
-    bind(2, own->texcoords, 0, sizeof(layout::Float2));
-    bind(3, own->colors, 0, sizeof(layout::Float3));
+    bind(kPositionAttribute, own->positions, 0, sizeof(layout::Float3));
+    bind(kNormalAttribute, own->normals, 0, sizeof(layout::Float3));
+    bind(kTexcoordAttribute, own->texcoords, 0, sizeof(layout::Float2));
+    bind(kColorAttribute, own->colors, 0, sizeof(layout::Float3));
   } else {
-    bind(0, positions_, mesh.first_vertex, sizeof(layout::Float3));
-    bind(1, normals_, mesh.first_vertex, sizeof(layout::Float3));
-    bind(2, texcoords_, mesh.first_texcoord, sizeof(layout::Float2));
-    bind(3, colors_, mesh.first_color, sizeof(layout::Float3));
+    bind(kPositionAttribute, positions_, mesh.first_vertex, sizeof(layout::Float3));
+    bind(kNormalAttribute, normals_, mesh.first_vertex, sizeof(layout::Float3));
+    bind(kTexcoordAttribute, texcoords_, mesh.first_texcoord, sizeof(layout::Float2));
+    bind(kColorAttribute, colors_, mesh.first_color, sizeof(layout::Float3));
   }
   if (!tangents_at_.empty())
     gl.VertexArrayVertexBuffer(array, kTangentAttribute, tangents_.id(),
@@ -369,8 +367,8 @@ void GpuModel::draw_decal(std::size_t decal) const {
   gl_->VertexArrayElementBuffer(vertex_array_.id(), decal_indices_.id());
   gl_->BindBufferRange(GL_UNIFORM_BUFFER, kDecalBinding, decal_blocks_.id(),
                        static_cast<GLintptr>(decal * decal_stride_), sizeof(DecalBlock));
-  gl_->BindTextureUnit(kDecalUnit, textures_.id(range.texture));
-  gl_->BindSampler(kDecalUnit, decal_sampler_.id());
+  gl_->BindTextureUnit(kDecalMapUnit, textures_.id(range.texture));
+  gl_->BindSampler(kDecalMapUnit, decal_sampler_.id());
   gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.count), GL_UNSIGNED_INT,
                     reinterpret_cast<const void*>(range.first));
 }

@@ -1,5 +1,4 @@
 // Whether a sample lies on the surface or in a hole of it.
-layout(binding = 10) uniform sampler2D cutout_map;  // map_levels.h, cutout
 layout(location = 3) in vec2 map_texcoord;
 
 // lowbias32 by C. Wellons, 2018
@@ -14,9 +13,9 @@ uint scrambled(uint x) {
 // along the Morton curve); squares and surfaces are independent of each other, but for surfaces of
 // one instance that lie behind each other and face the same way.
 float dither() {
-  uvec2 at = uvec2(gl_FragCoord.xy) + draw.id.yz;
+  uvec2 at = uvec2(gl_FragCoord.xy) + view.first_sample;
   uint seed = scrambled((at.x >> 3) + scrambled((at.y >> 3) + scrambled(
-                  2u * draw.id.x + uint(gl_FrontFacing))));
+                  2u * draw.id + uint(gl_FrontFacing))));
   uint flips[2] = uint[2](scrambled(seed ^ 0x9e3779b9u), scrambled(seed ^ 0x3c6ef372u));
   uint number = 0u;
   uint path = 1u;  // a node of the tree of halves: a leading 1, then the halves before scrambling

@@ -1,17 +1,14 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
-// front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
+// front: version, uniforms.glsl, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them, and
 // BRUSHED), CELLS
 // with its formulas, CUTOUT with cutout.glsl, CURVED with turning.glsl (BRUSHED is defined then), and SHADOWED with light_space.glsl.
 
-#ifdef FLAT
-layout(binding = 1) uniform samplerBuffer triangle_normals;
-#else
+#ifndef FLAT
 layout(location = 0) in vec3 mesh_normal;
 #endif
 #ifdef TEXTURED
-layout(binding = 0) uniform sampler2D diffuse_map;
 layout(location = 1) in vec2 surface_texcoord;
 #endif
 #ifdef COLOURED
@@ -20,48 +17,32 @@ layout(location = 2) in vec3 surface_color;
 #if defined(MAPPED) && !defined(CUTOUT)
 layout(location = 3) in vec2 map_texcoord;
 #endif
-#ifdef ALBEDO_MAP
-layout(binding = 7) uniform sampler2D albedo_map;
-#endif
-#ifdef BUMPED
-layout(binding = 8) uniform sampler2D normal_map;
-layout(binding = 20) uniform sampler2D slope_map;
-#endif
 #ifdef TANGENTS
 layout(location = 4) in vec4 mesh_tangent;
-#endif
-#ifdef ROUGHNESS_MAP
-layout(binding = 9) uniform sampler2D roughness_map;
-#endif
-#ifdef REFLECTANCE_MAP
-layout(binding = 16) uniform sampler2D reflectance_map;
 #endif
 #ifdef CELLS
 layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
-#ifdef CURVED
-layout(location = 0) uniform vec2 narrowest_lobe;  // squared slopes: its own, and what the Sun's disc adds
-#endif
 
 // xyz: world normal of any length, on the side that is seen (where it turns: as long as the squared slope of the narrowest
 // lobe); w: item + 1, exact in a float
-layout(location = 0) out vec4 normal_sample;
+layout(location = kNormalLayer) out vec4 normal_sample;
 #ifdef PAINTED
-layout(location = 1) out vec4 albedo;  // diffuse colour; a: length of the mean normal
+layout(location = kAlbedoLayer) out vec4 albedo;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
 // factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none, below 0: there are none, but the
 // normal turns from sample to sample, by as much (turning.glsl); share of
 // cells with their fingers, and in these of cells without
-layout(location = 2) out vec4 roughness_sample;
+layout(location = kRoughnessLayer) out vec4 roughness_sample;
 #endif
 #ifdef BRUSHED
 // world direction along the tangent, of any length; where there are unseen bumps its length is their
 // squared slope across the brush, and w what their slopes along and across have in common
-layout(location = 3) out vec4 brush;
+layout(location = kTangentLayer) out vec4 brush;
 #endif
 #ifdef REFLECTANCE_MAP
-layout(location = 4) out vec4 reflectance;  // RGB; what has no map is not asked
+layout(location = kReflectanceLayer) out vec4 reflectance;  // RGB; what has no map is not asked
 #endif
 
 #ifdef CUTOUT
@@ -131,7 +112,10 @@ void main() {
   vec3 shares = vec3(1.0, 0.0, 0.0);
 #ifdef BUMPED
   vec4 bump = texture(normal_map, map_texcoord);
-  bump.xy *= draw.repeat.zw;
+  bool turned_u = (draw.flags & kBumpsTurnedU) != 0u;
+  bool turned_v = (draw.flags & kBumpsTurnedV) != 0u;
+  if (turned_u) bump.x = -bump.x;
+  if (turned_v) bump.y = -bump.y;
   mat3 frame = bump_frame(normal);
   normal = frame * bump.xyz;
   length_of_mean = min(length(bump.xyz), 1.0);
@@ -155,7 +139,7 @@ void main() {
 #endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
-  normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
+  normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id));
 #if defined(BUMPED) || defined(CURVED)
   vec3 facing = unit_or_zero(normal_sample.xyz);
   vec3 direction = unit_or_zero(brush.xyz - facing * (dot(facing, brush.xyz) / max(dot(facing, facing), 1e-30)));
@@ -163,7 +147,7 @@ void main() {
 #ifdef BUMPED
   vec2 squares = texture(slope_map, map_texcoord).rg;
   if (squares.x + squares.y > 0.0)
-    slopes = max(world_slopes(vec3(squares.x, bump.a * draw.repeat.z * draw.repeat.w, squares.y), frame, normal,
+    slopes = max(world_slopes(vec3(squares.x, turned_u == turned_v ? bump.a : -bump.a, squares.y), frame, normal,
                               bump.z, direction, cross(facing, direction)), vec3(1e-12, -1e30, 1e-12));
 #endif
 #ifdef CURVED
@@ -196,27 +180,27 @@ void main() {
 #ifdef COLOURED
   color *= surface_color;
 #endif
-  color *= draw.diffuse.rgb;
+  color *= draw.diffuse;
 #ifdef CELLS
   // The footprint is a parallelogram: so many parts along each side, and for each the box of its
   // variances along u and v.
   vec2 right = dFdx(cell_place);
   vec2 down = dFdy(cell_place);
-  int parts = int(draw.diffuse.a);
-  float step = 1.0 / draw.diffuse.a;
+  int parts = int(view.cell_parts);
+  float step = 1.0 / view.cell_parts;
   vec2 size = sqrt(right * right + down * down) * step;
   shares = vec3(0.0);
   for (int y = 0; y < parts; ++y)
     for (int x = 0; x < parts; ++x) {
       vec2 at = cell_place + ((float(x) + 0.5) * step - 0.5) * right + ((float(y) + 0.5) * step - 0.5) * down;
-      shares += cell_shares(at.x, at.y, size.x, size.y, draw.cells.z, draw.cells.w, draw.gap_color.a,
-                            draw.finger_color.a);
+      shares += cell_shares(at.x, at.y, size.x, size.y, draw.cell_gaps.x, draw.cell_gaps.y, draw.fingers,
+                            draw.finger_width);
     }
   shares *= step * step;
   // light goes back and forth between each part and the glass: c/(1 - c r) is what is mixed
-  vec3 back = draw.normal_offset.yzw;
+  vec3 back = draw.coat_return;
   vec3 cell = color / max(1.0 - min(color, vec3(1.0)) * back, vec3(1e-10));
-  vec3 line = draw.finger_color.rgb;
+  vec3 line = draw.finger_color;
   line = line / max(1.0 - min(line, vec3(1.0)) * back, vec3(1e-10));
   color = (shares.x * cell + shares.y * line) / max(1.0 - shares.z, 1e-20);
   color = color / (1.0 + color * back);

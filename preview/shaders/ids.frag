@@ -1,9 +1,10 @@
-// Which triangle of which instance is seen. Defined in front: version, draw.glsl, and CUTOUT with
+// Which triangle of which instance is seen. Defined in front: version, uniforms.glsl,
+// draw.glsl, and CUTOUT with
 // cutout.glsl.
 layout(location = 0) out uvec2 triangle_id;
 
 void main() {
-  triangle_id = uvec2(draw.id.x, uint(gl_PrimitiveID));
+  triangle_id = uvec2(draw.id, uint(gl_PrimitiveID));
 #ifdef CUTOUT
   if (!is_there()) discard;
 #endif

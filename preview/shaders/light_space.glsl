@@ -1,15 +1,8 @@
 // Where a sample stands in light space, and how its surface slopes there.
 layout(location = 7) in vec3 light_space_position;
-layout(location = 5) out uvec4 sun_sample;  // x, y, z as floats; the slopes of z along x and y
+layout(location = kSunLayer) out uvec4 sun_sample;  // x, y, z as floats; the slopes of z along x and y
 
-layout(std140, binding = 4) uniform Shadow {
-  float texel_depth;
-  float half_width;
-  float half_height;
-  int tiles;        // of the map; 0: it is one
-  vec4 inside[12];  // of each tile: x and y from, x and y to
-}
-shadow;
+SHADOW_BLOCK
 
 // The finest tile that holds a place. Where none does, nothing shades it: it is out of view.
 vec3 place_in_tile(vec3 place) {
@@ -43,13 +36,13 @@ vec3 normal_of_triangle(vec3 mean) {
 // smooth normals is lit as what it stands for: the point is moved out past the chord error.
 uvec4 light_space_sample(vec3 outwards) {
   float square = dot(outwards, outwards);
-  vec3 normal_offset = square > 0.0 ? outwards * (draw.normal_offset.x * inversesqrt(square)) : vec3(0.0);
+  vec3 normal_offset = square > 0.0 ? outwards * (draw.normal_offset * inversesqrt(square)) : vec3(0.0);
   vec3 place = light_space_position;
   for (int row = 0; row < 3; ++row) place[row] += dot(draw.sun_from_mesh[row].xyz, normal_offset);
   place = place_in_tile(place);
   vec3 normal = draw.sun_normal_from_mesh * outwards;
 #ifndef FLAT
-  if (draw.id.w != 0u) normal = normal_of_triangle(normal);
+  if ((draw.flags & kOwnShape) != 0u) normal = normal_of_triangle(normal);
 #endif
   vec2 slope = normal.z != 0.0 ? -normal.xy / normal.z : vec2(0.0);
   return uvec4(floatBitsToUint(place), packHalf2x16(clamp(slope, vec2(-6e4), vec2(6e4))));

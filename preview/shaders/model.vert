@@ -1,10 +1,10 @@
-// The vertices of one instance. Defined in front: version, draw.glsl, and any of GEOMETRY TEXTURED
+// The vertices of one instance. Defined in front: version, uniforms.glsl, draw.glsl, and any of GEOMETRY TEXTURED
 // COLOURED FLAT MAPPED BUMPED TANGENTS CELLS DECAL SHADOWED.
-layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
-layout(location = 1) in vec3 normal;    // mesh frame
-layout(location = 2) in vec2 texcoord;
-layout(location = 3) in vec3 color;
-layout(location = 4) in vec4 tangent;  // mesh frame; w: -1 where the texture is mirrored
+layout(location = kPositionAttribute) in vec3 position;  // metres, relative to the mesh's origin
+layout(location = kNormalAttribute) in vec3 normal;    // mesh frame
+layout(location = kTexcoordAttribute) in vec2 texcoord;
+layout(location = kColorAttribute) in vec3 color;
+layout(location = kTangentAttribute) in vec4 tangent;  // mesh frame; w: -1 where the texture is mirrored
 
 #ifdef GEOMETRY
 #ifndef FLAT
@@ -32,11 +32,7 @@ layout(location = 7) out vec3 light_space_position;
 #endif
 
 #ifdef DECAL
-layout(std140, binding = 3) uniform Decal {
-  vec4 place[3];  // times (position, 1): texcoords of the texture, height over its depth
-  vec4 outwards;  // xyz: its normal in the mesh frame
-}
-decal;
+DECAL_BLOCK
 layout(location = 5) out vec3 decal_place;
 layout(location = 6) out float decal_facing;
 #endif
@@ -64,10 +60,10 @@ void main() {
 #endif
 #endif
 #ifdef MAPPED
-  map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-kFarOut), vec2(kFarOut));
+  map_texcoord = clamp(texcoord * draw.repeat, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef CELLS
-  cell_place = clamp(texcoord * draw.cells.xy, vec2(-kFarOut), vec2(kFarOut));
+  cell_place = clamp(texcoord * draw.cell_count, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef TANGENTS
   mesh_tangent = tangent;
@@ -79,6 +75,6 @@ void main() {
 #ifdef DECAL
   vec4 at = vec4(position, 1.0);
   decal_place = vec3(dot(decal.place[0], at), dot(decal.place[1], at), dot(decal.place[2], at));
-  decal_facing = dot(decal.outwards.xyz, normal);
+  decal_facing = dot(decal.outwards, normal);
 #endif
 }

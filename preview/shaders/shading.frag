@@ -1,46 +1,16 @@
-// The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
+// The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
 // ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL, sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
-layout(std140, binding = 0) uniform View {
-  vec4 view_ray;        // world direction through the tile's upper left corner, any length; w: limb
-                        // darkening of the Sun's disc
-  vec4 view_ray_right;  // its change from sample to sample
-  vec4 view_ray_down;
-  vec4 to_sun;      // world, unit; w: an eighth of the square of its disc's radius
-  vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted, below 0 of imposters
-  vec4 white;       // RGB of emission 1, times pi; w: the irradiance in parts of which errors are told
-}
-view;
-
-// of the target that this pass shades: its first item
-layout(location = 0) uniform uvec4 range;
-layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: class
-#ifndef SHADOWED
-layout(binding = 2) uniform sampler2D normal_samples;  // as geometry.frag leaves them
-#endif
-#ifdef PAINTED
-layout(binding = 3) uniform sampler2D albedo_samples;
-#endif
-#ifdef ROUGH
-layout(binding = 6) uniform sampler2D roughness_samples;
-#endif
-#ifdef BRUSHED
-layout(binding = 15) uniform sampler2D brushes;
-#endif
-
-#ifdef REFLECTING
-layout(binding = 17) uniform sampler2D reflectances;
-#endif
+VIEW_BLOCK
 
 #ifdef ONE_MATERIAL
 const int first_row = 0;
 // a material record of a pan file as it stands
-layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[kMaterialRows]; }
+layout(std140, binding = kMaterialBinding) uniform MaterialRecord { vec4 rows[kMaterialRows]; }
 material;
 vec4 material_row(int i) { return material.rows[i]; }
 #else
-layout(binding = 4) uniform samplerBuffer materials;  // kMaterialRows texels a record
 vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
@@ -59,20 +29,20 @@ vec3 unit_or_zero(vec3 v) {
 // The radius of a disc of one brightness as far from its centre on average as the Sun's, which is darker at
 // its limb.
 float sun_radius() {
-  float darkened = view.view_ray.w;
-  return sqrt(8.0 * view.to_sun.w) * (1.0 - 0.410951 * darkened) / (1.0 - 0.333333 * darkened);
+  float darkened = view.limb_darkening;
+  return sqrt(8.0 * view.sun_alpha2) * (1.0 - 0.410951 * darkened) / (1.0 - 0.333333 * darkened);
 }
 
 // The direction to the Sun; where the horizon cuts its disc, lifted until the cosine is the mean over the
 // disc, as of what stands above: (2 + t²)·sqrt(1 - t²) + 3 t·asin(t), over 3 pi, by its series within 6e-5.
 vec3 to_mean_sun(vec3 normal) {
   float radius = sun_radius();
-  float cosine = dot(normal, view.to_sun.xyz);
+  float cosine = dot(normal, view.to_sun);
   float t = cosine / radius;
   float square = t * t;
-  if (!(square < 1.0)) return view.to_sun.xyz;
+  if (!(square < 1.0)) return view.to_sun;
   float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
-  return view.to_sun.xyz + normal * (max(mean, 0.0) * radius - cosine);
+  return view.to_sun + normal * (max(mean, 0.0) * radius - cosine);
 }
 
 #ifdef ROUGH
@@ -152,13 +122,13 @@ void main() {
   vec4 normal_sample = texelFetch(normal_samples, place, 0);
   // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
 #ifndef ONE_MATERIAL
-  int item = int(normal_sample.w) - 1 - int(range.x);
+  int item = int(normal_sample.w) - 1 - int(item_range.x);
   int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far
-  vec3 view_ray = view.view_ray.xyz + (float(place.x) + 0.5) * view.view_ray_right.xyz +
-               (float(place.y) + 0.5) * view.view_ray_down.xyz;
+  vec3 view_ray = view.ray + (float(place.x) + 0.5) * view.ray_right +
+               (float(place.y) + 0.5) * view.ray_down;
   vec3 to_viewer = -normalize(view_ray);
 
   Surface surface = surface_of(first_row);
@@ -177,10 +147,10 @@ void main() {
 #endif
 
 #ifdef REFLECTING
-  surface.reflectance = texelFetch(reflectances, place, 0).rgb;
+  surface.reflectance = texelFetch(reflectance_samples, place, 0).rgb;
 #endif
 #ifdef BRUSHED
-  vec4 brush_sample = texelFetch(brushes, place, 0);
+  vec4 brush_sample = texelFetch(tangent_samples, place, 0);
   vec3 brush = unit_or_zero(brush_sample.xyz);
   vec3 facing = unit_or_zero(normal_sample.xyz);
   surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
@@ -188,15 +158,15 @@ void main() {
     add_bumps(surface, vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), facing);
   else if (roughness_sample.y < 0.0)
     add_turning(surface, vec3(-roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), length(normal_sample.xyz),
-                view.to_sun.xyz, to_viewer, facing);
+                view.to_sun, to_viewer, facing);
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
   vec3 normal = unit_or_zero(normal_sample.xyz);
   vec3 to_sun = to_mean_sun(normal);
-  Incidence sun = Incidence(to_sun, view.irradiance.rgb, view.to_sun.w, view.view_ray.w);
-  vec3 emitted = surface_emission(surface, view.white.rgb);
+  Incidence sun = Incidence(to_sun, view.irradiance, view.sun_alpha2, view.limb_darkening);
+  vec3 emitted = surface_emission(surface, view.white);
 #ifdef ROUGH
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
@@ -207,7 +177,7 @@ void main() {
     surface.weights.y = shine * shares.x;
   }
   // a loop, so that the formulas stand in the program once
-  for (int again = has_cells && view.irradiance.w > 0.0 ? 1 : 0; again >= 0; --again) {
+  for (int again = has_cells && (view.flags & kPredictsErrors) != 0u ? 1 : 0; again >= 0; --again) {
     if (again == 1) {
       mean_cells(first_row, whole_cell, surface.diffuse, shares);
       surface.weights.y = shine * shares.x;
@@ -219,7 +189,7 @@ void main() {
     if (has_cells) {
       float lit = max(dot(normal, to_sun), 0.0) * 0.31830988618379067;
       radiance.rgb = shares.y * radiance.rgb + (1.0 - shares.y) * (lit * albedo.a) *
-                                                   material_gap_color(first_row) * view.irradiance.rgb;
+                                                   material_gap_color(first_row) * view.irradiance;
     }
     if (again == 1) {
       patternless = sqrt(dot(radiance.rgb, radiance.rgb) / 3.0);
@@ -228,20 +198,20 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
   }
-  radiance.a += patternless / view.white.w;
+  radiance.a += patternless / view.told_irradiance;
 #endif
 #ifdef SHADOWED
   if (dot(normal, to_sun) > 0.0) {
-    vec2 visibility = sun_visibility(place, dot(normal, view.to_sun.xyz) < 0.0);
+    vec2 visibility = sun_visibility(place, dot(normal, view.to_sun) < 0.0);
     // what is left where the Sun does not shine
     vec3 shaded = emitted;
 #ifdef ROUGH
     if (has_cells) shaded *= shares.y;
 #endif
     // never below 0, whatever rounding does
-    if (view.irradiance.w < 0.0)
+    if ((view.flags & kTellsRelief) != 0u)
       radiance.a += max(visibility.y - visibility.x, 0.0) * dot(radiance.rgb - shaded, vec3(1.0 / 3.0)) /
-                    view.white.w;
+                    view.told_irradiance;
     radiance.rgb = mix(shaded, radiance.rgb, visibility.x);
   }
 #endif

@@ -1,11 +1,6 @@
 // What the Sun sees first: its depth, and how the depth changes along x and y, each from -1 to 1
-// across the map. Defined in front: version, draw.glsl, and CUTOUT with cutout.glsl.
-layout(std140, binding = 4) uniform Shadow {
-  float texel_depth;
-  float half_width;  // texels
-  float half_height;
-}
-shadow;
+// across the map. Defined in front: version, uniforms.glsl, draw.glsl, and CUTOUT with cutout.glsl.
+SHADOW_BLOCK
 
 layout(location = 0) out vec2 slope;
 

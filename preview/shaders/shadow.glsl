@@ -1,21 +1,5 @@
 // How much of the Sun a sample sees, from the shadow map around it.
-layout(std140, binding = 4) uniform Shadow {
-  float texel_depth;  // what one texel measures, as a share of the map's depth
-  float half_width;   // texels
-  float half_height;
-  int tiles;
-  vec4 inside[12];
-  vec4 sun[128];  // how x and y change along rays to points of the Sun's disc, two a row
-  int points;     // of these; they are layers of the map
-  float width_of_texel;  // in the texture, which may be larger than the map
-  float height_of_texel;
-}
-shadow;
-
-layout(binding = 2) uniform sampler2D normal_samples;    // as geometry.frag leaves them
-layout(binding = 12) uniform usampler2D sun_samples;   // as light_space.glsl leaves them
-layout(binding = 13) uniform sampler2DArray shadow_depths;  // 1 towards the Sun, 0 away from it
-layout(binding = 14) uniform sampler2DArray shadow_slopes;
+SHADOW_BLOCK
 
 // Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
 // in texels (a context's grid for vertices and half floats for slopes come to 1/100)
@@ -85,7 +69,7 @@ vec2 sun_visibility(ivec2 sample_at, bool below) {
   vec2 slope = unpackHalf2x16(found.w);
   vec2 seen = vec2(0.0);
   float sum = 0.0;
-  bool in_parts = shadow.points >= 8 && (blocks.x & 3u) == 0u;
+  bool in_parts = shadow.points >= 8 && (sample_blocks.x & 3u) == 0u;
   ivec2 turned = (sample_at >> 1) ^ sample_at.yx;
   int first = in_parts ? (turned.x & 1) + 2 * (turned.y & 1) : 0;
   for (int k = first; k < shadow.points; k += in_parts ? 4 : 1) {
