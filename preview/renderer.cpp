@@ -22,9 +22,6 @@ constexpr std::uint32_t kMaxSide = 16384;
 // N of N×N samples, at most
 constexpr unsigned kMostSamplesASide = 64;
 
-// items are told apart by floats, which count exactly to 2^24
-constexpr std::uint64_t kMostItems = (1u << 24) - 1;
-
 [[maybe_unused]] bool is_shadow_side(unsigned texels) {
   return texels == 0 || (texels >= 16 && texels <= kMaxSide);
 }
@@ -80,7 +77,7 @@ const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; 
 SamplingReport Renderer::sampling() const { return impl_->report; }
 
 Renderer::Counts Renderer::counts() const {
-  return {impl_->states.placed(), impl_->shadow_maps.drawn()};
+  return {impl_->states.placed(), impl_->lights.maps_drawn()};
 }
 
 void Renderer::Impl::set_state() const {
@@ -193,21 +190,6 @@ void Renderer::Impl::drop() {
   used_frames = 0;
 }
 
-void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& options) {
-  sun_disc = {};
-  if (options.shadows == Shadows::hard ||
-      (options.shadows == Shadows::automatic && options.samples > 0))
-    return;
-  sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
-  sun_disc.limb_darkening = sun.limb_darkening;
-  sun_disc.always = options.shadows == Shadows::soft;
-  sun_disc.limited = !sun_disc.always && options.work > 0;
-  sun_disc.most = options.sun_points;
-  sun_disc.points = sun_disc.always
-                        ? options.sun_points
-                        : std::min(options.sun_points, sun_points_for(options.pixel_error));
-}
-
 // Of two images that are parts of one.
 static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
   return {a.samples + b.samples,
@@ -231,8 +213,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   make_passes();
   set_state();
   if (!update(world, camera, options, log)) return false;
-  shadow_maps.begin_image();
-  set_disc(world.sun(), options);
+  lights.begin_image(world.sun(), options);
   SamplingReport total;
   sum_radiance.clear();
   sum_coverage.clear();

@@ -11,17 +11,17 @@
 
 namespace panwright::preview {
 
-class ShadowMaps;
+class Lights;
 
 struct FrameScene {
   const world::World& world;
   const world::Camera& camera;
   const TargetStates& states;
   const VisibleSet& visible;
-  const ShadowMaps* shadows = nullptr;  // of the visible targets; null: none
-  double pixel = 1;             // size in camera pixels: of the image, or of an imposter's texel
-  std::uint32_t texels = 0;     // of an imposter, along its longer side; 0: of an image
-  bool specular_filter = true;  // RenderOptions
+  const Lights* lights = nullptr;  // on the visible targets; null: nothing is shaded
+  double pixel = 1;                // size in camera pixels: of the image, or of an imposter's texel
+  std::uint32_t texels = 0;        // of an imposter, along its longer side; 0: of an image
+  bool specular_filter = true;     // RenderOptions
   unsigned sun_points = kMostSunPoints;  // at most
 
   const TargetState& state(std::size_t visible_target) const {

@@ -10,6 +10,7 @@
 
 #include "light/light.h"
 #include "preview/frame/blocks.h"
+#include "preview/frame/lights.h"
 
 namespace panwright::preview {
 namespace {
@@ -40,15 +41,9 @@ ViewBlock view_block(const world::Camera& camera, const world::World& world, con
     down = axes[1] / (camera.focal.y * samples);
   }
   ViewBlock block{};
-  // from infinity: the same everywhere
-  const light::Incidence sunlight = light::incidence(world.sun(), camera.position);
   copy_floats(view_ray, block.ray);
-  block.limb_darkening = static_cast<float>(sunlight.limb);
   copy_floats(right, block.ray_right);
   copy_floats(down, block.ray_down);
-  copy_floats(sunlight.to_light, block.to_sun);
-  block.sun_alpha2 = static_cast<float>(sunlight.alpha2);
-  copy_floats(sunlight.irradiance, block.irradiance);
   copy_floats(world.white(), block.white);
   block.told_irradiance = static_cast<float>(told_irradiance(world));
   block.first_sample[0] = tile.x * samples;
@@ -60,6 +55,30 @@ ViewBlock view_block(const world::Camera& camera, const world::World& world, con
 // samples see at least. A box along u and v is exact where a pixel's sides lie along these, and up
 // to twice as wide as the pixel elsewhere.
 unsigned cell_parts(unsigned samples) { return samples < 4 ? (3 + samples) / samples : 1; }
+
+bool has_shadows(const FrameScene& scene) { return scene.lights && scene.lights->shadows(); }
+
+Mat4 rigid_inverse(const Mat4& matrix) {
+  const Mat3 turn = glm::transpose(Mat3(matrix));
+  Mat4 inverse(turn);
+  inverse[3] = Vec4(-(turn * Vec3(matrix[3])), 1);
+  return inverse;
+}
+
+// Sets the members of a block that place an item's samples. flat: shaded by its triangles' normals.
+void place_samples(const Mat4& sample_from_mesh, const pan::layout::Mesh& mesh,
+                   const DrawItem& item, bool flat, DrawBlock& block) {
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      block.sample_from_mesh[4 * row + column] = static_cast<float>(sample_from_mesh[column][row]);
+  // 2^-20 of the size: what rounding to float leaves (2^-24) and no chord is as small as
+  const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
+  const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
+  if (own_shape && !flat) block.flags |= kOwnShape;
+  // A chord is as deep below the smooth surface as others stand out of it; slivers are placed and
+  // drawn into maps with errors of their own.
+  block.normal_offset = flat ? 0.0f : static_cast<float>(std::max(2.0 * mesh.error, item.rounding));
+}
 
 bool is_flat(Pass pass) { return pass == Pass::flat_geometry; }
 bool is_shaded(Pass pass) { return pass == Pass::geometry || pass == Pass::flat_geometry; }
@@ -134,7 +153,7 @@ Passes::Passes(Device::Impl& device)
 
 GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
                        Pass pass, bool instanced) {
-  const bool shadows = scene.shadows != nullptr;
+  const bool shadows = has_shadows(scene);
   const LayerSet layers = model.layers_for(scene.specular_filter);
   variant.curved = variant.curved && scene.specular_filter;
   switch (pass) {
@@ -151,7 +170,7 @@ GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& mode
 }
 
 bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
-  const bool shadows = scene.shadows != nullptr;
+  const bool shadows = has_shadows(scene);
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
     const TargetState& state = scene.state(v);
     ModelResources::Impl& model = state.resources->impl();
@@ -178,9 +197,10 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         if (!model.gpu.decals().empty()) device_.programs.decal();
         const std::uint32_t brdf_model = model.brdf_models.of_material[item.material];
         device_.programs.classes();
-        device_.programs.shading(model.brdf_models.all[brdf_model],
-                                 model.layers_for(scene.specular_filter),
-                                 model.brdf_models.materials[brdf_model] == 1, shadows);
+        for (std::size_t light = 0; light < scene.lights->count(); ++light)
+          device_.programs.shading(
+              model.brdf_models.all[brdf_model], model.layers_for(scene.specular_filter),
+              model.brdf_models.materials[brdf_model] == 1, shadows, light > 0);
         if (shadows)
           for (const bool instanced : {false, true})
             device_.programs.shadow(item.variant.cutout, instanced);
@@ -207,6 +227,9 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
       const TargetState& state = scene.state(target.visible);
       const pan::Model& model = *state.model().model;
       const Mat3 rotation = glm::mat3_cast(scene.world[visible.target].pose().rotation);
+      const Mat4 sample_from_model =
+          has_shadows(scene) ? rigid_inverse(scene.lights->model_from_sample(target.visible))
+                             : Mat4(1);
       const std::size_t first = view_stride_ + target.first_block * draw_stride_;
       blocks_.resize(std::max(blocks_.size(), first + target.drawn.size() * draw_stride_));
       for (std::size_t k = 0; k < target.drawn.size(); ++k) {
@@ -221,9 +244,9 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         copy_floats(item.diffuse, block.diffuse);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
-        if (scene.shadows)
-          light_space_sample(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
-                             flat, block);
+        if (has_shadows(scene))
+          place_samples(sample_from_model * item.model_from_mesh, model.meshes()[item.mesh], item,
+                        flat, block);
         std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
       }
     }
@@ -255,7 +278,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
   };
   if (clear) {
     // by groups below
-  } else if (pass == Pass::ids) {
+  } else if (pass != Pass::bare) {
     constexpr GLuint kNothing[4] = {};
     within();
     gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
@@ -301,11 +324,9 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   const VisibleTarget& visible = scene.visible.targets[target.visible];
-  const bool shadows = scene.shadows != nullptr;
   const auto item_at = [&](std::size_t k) -> const DrawItem& {
     return state.items()[visible.items[target.drawn[k]]];
   };
-  if (shadows && is_shaded(pass)) scene.shadows->bind_limits(gl_, target.visible);
   const DrawItem* last = nullptr;
   bool were_instanced = false;
   std::size_t at_once = 1;
@@ -387,6 +408,27 @@ void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const
               sample(part.height));
 }
 
+// Adds one light to a target. Expects: its blocks and maps bound.
+//
+//   first_class  of classes.frag
+//   added        to a light before it
+void Passes::shade_target(const FrameScene& scene, const TileTarget& target, unsigned samples,
+                          std::uint32_t a_row, GLuint first_class, bool added) {
+  const ModelResources::Impl& model = scene.state(target.visible).model();
+  model.gpu.bind_materials();
+  for (const TileTarget::ShadingClass& one : target.classes) {
+    if (one.one_material) model.gpu.bind_one_material(one.material);
+    gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model],
+                                            model.layers_for(scene.specular_filter),
+                                            one.one_material, has_shadows(scene), added));
+    gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+    gl_.Uniform2ui(kSampleBlocksLocation, samples, a_row);
+    gl_.Uniform1f(kScreenDepthLocation,
+                  static_cast<float>(first_class + one.brdf_model + 1) * (1.0f / 1048576.0f));
+    gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+}
+
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
                    const RenderTarget& g_buffer, const RenderTarget& color, const Blocks& blocks) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
@@ -425,25 +467,20 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   }
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
-  for (std::size_t t = 0; t < tile.targets.size(); ++t) {
-    const TileTarget& target = tile.targets[t];
-    const ModelResources::Impl& model = scene.state(target.visible).model();
-    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
-    if (scene.shadows) scene.shadows->bind(gl_, target.visible);
-    model.gpu.bind_materials();
-    for (const TileTarget::ShadingClass& one : target.classes) {
-      if (one.one_material) model.gpu.bind_one_material(one.material);
-      gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model],
-                                              model.layers_for(scene.specular_filter),
-                                              one.one_material, scene.shadows != nullptr));
-      gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
-      gl_.Uniform2ui(kSampleBlocksLocation, samples, blocks.a_row);
-      gl_.Uniform1f(
-          kScreenDepthLocation,
-          static_cast<float>(first_classes_[t] + one.brdf_model + 1) * (1.0f / 1048576.0f));
-      gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  for (std::size_t light = 0; light < scene.lights->count(); ++light) {
+    // each adds to those before it
+    if (light == 1) {
+      gl_.Enable(GL_BLEND);
+      gl_.BlendFunc(GL_ONE, GL_ONE);
+    }
+    for (std::size_t t = 0; t < tile.targets.size(); ++t) {
+      const TileTarget& target = tile.targets[t];
+      apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
+      scene.lights->bind(gl_, light, target.visible);
+      shade_target(scene, target, samples, blocks.a_row, first_classes_[t], light > 0);
     }
   }
+  gl_.Disable(GL_BLEND);
   gl_.DepthFunc(GL_GREATER);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_SCISSOR_TEST);

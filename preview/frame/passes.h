@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "preview/frame/frame_scene.h"
-#include "preview/frame/shadow.h"
 #include "preview/frame/target_states.h"
 #include "preview/frame/visible_set.h"
 #include "preview/gl/gl_objects.h"
@@ -74,7 +73,8 @@ class Passes {
             const RenderTarget& target, const Job& job,
             const std::function<void(bool first)>& clear = {});
 
-  // Shades the visible surfaces, target by target, the materials of one BRDF model after the other.
+  // Shades the visible surfaces, light by light, target by target, the materials of one BRDF model
+  // after the other.
   void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
              const RenderTarget& g_buffer, const RenderTarget& color, const Blocks& blocks = {});
 
@@ -87,6 +87,8 @@ class Passes {
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
+  void shade_target(const FrameScene& scene, const TileTarget& target, unsigned samples,
+                    std::uint32_t a_row, GLuint first_class, bool added);
   void draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen);
 
   Device::Impl& device_;

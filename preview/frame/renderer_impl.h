@@ -13,13 +13,12 @@
 #include "preview/frame/ground_truth.h"
 #include "preview/frame/imposters.h"
 #include "preview/frame/level_states.h"
+#include "preview/frame/lights.h"
 #include "preview/frame/outline.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
 #include "preview/frame/sampling.h"
-#include "preview/frame/shadow.h"
-#include "preview/frame/sun_points.h"
 #include "preview/frame/texel_areas.h"
 #include "preview/renderer.h"
 
@@ -74,7 +73,6 @@ struct Renderer::Impl {
   void make_passes();
   bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log);
-  void set_disc(const world::Sun& sun, const RenderOptions& options);
   const VisibleSet* look(const world::World& world, const world::Camera& camera,
                          const LevelState& levels, VisibleSetFinder& finder, DiagnosticLog& log);
   bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
@@ -113,8 +111,7 @@ struct Renderer::Impl {
   Device::Impl& shared;
   const GladGLContext& gl;
   TargetStates states;
-  ShadowMaps shadow_maps;
-  SunDisc sun_disc;                    // of the current image
+  Lights lights;
   std::unique_ptr<Passes> passes;      // made when the context is first current
   std::unique_ptr<Sampling> sampling;  // the same
   std::optional<Ring> radiance;        // the same

@@ -107,7 +107,7 @@ bool Renderer::Impl::draw_to_error(const world::World& world, const world::Camer
     if (draw > 0) break;
     if (0.5 * relief > kMuchRelief && !options.shadow_side) {
       imposter.fine_shadows = true;
-      options.shadow_side = sun_disc.points > 1 ? kFineSide : kFineHardSide;
+      options.shadow_side = lights.disc().points > 1 ? kFineSide : kFineHardSide;
     }
     if (over <= 1 || imposter.texels >= most_side) {
       if (imposter.fine_shadows) continue;

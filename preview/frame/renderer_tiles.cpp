@@ -16,30 +16,11 @@ constexpr GLenum kIdFormats[] = {GL_RG32UI};
 
 std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
   std::array<GLenum, kLayers> formats{};
-  for (unsigned layer = 0; layer < kSunLayer; ++layer)
-    formats[layer] = has(layers, Layer{layer}) ? GL_RGBA32F : GL_NONE;
-  formats[kSunLayer] = shadows ? GL_RGBA32UI : GL_NONE;
+  if (shadows) layers |= 1u << kPositionLayer;
+  for (unsigned layer = 0; layer < kLayers; ++layer)
+    if (has(layers, Layer{layer}))
+      formats[layer] = kLayerHasIntegers[layer] ? GL_RGBA32UI : GL_RGBA32F;
   return formats;
-}
-
-constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
-
-// What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
-// Imposters' come in steps of a half octave, so that one map serves draws that differ little.
-unsigned shadow_side_for(std::uint32_t texels, unsigned samples) {
-  constexpr double kOfTexels = 5;
-  constexpr double kLeast = 256;
-  constexpr double kMost = 2896;
-  if (texels == 0) return samples > 0 ? kShadowSide : static_cast<unsigned>(kMost);
-  const double step = std::round(2 * std::log2(kOfTexels * texels)) / 2;
-  return static_cast<unsigned>(std::clamp(std::exp2(step), kLeast, kMost)) / 16 * 16;
-}
-
-void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
-  report.shadow_edge = std::max(report.shadow_edge, maps.edge_error());
-  report.penumbra = std::max(report.penumbra, maps.penumbra());
-  report.sun_points = std::max(report.sun_points, maps.disc_points());
-  report.sun_error = error_of_sun_points(report.sun_points);
 }
 
 }  // namespace
@@ -113,24 +94,17 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   LayerSet layers = 0;
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v)
     layers |= scene.state(v).model().layers_for(scene.specular_filter);
-  const unsigned map_side =
-      options.shadow_side.value_or(shadow_side_for(scene.texels, options.samples));
-  const bool shadows = map_side > 0;
-  const auto formats = layer_formats(layers, shadows);
+  lights.begin_scene(scene, options);
+  scene.lights = &lights;
+  const auto formats = layer_formats(layers, lights.shadows());
   const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
   if (!adaptive && (!ensure_target(g_buffer, formats, true, width, height, log) ||
                     (options.samples > 1 &&
                      !ensure_target(color_target, kRadianceFormats, true, width, height, log))))
     return false;
-  if (shadows) scene.shadows = &shadow_maps;
-  if (!passes->prepare(scene, pass, log)) return false;
-  if (shadows &&
-      !shadow_maps.update(shared, scene,
-                          {map_side, options.shadow_side.value_or(std::min(map_side, kShadowSide)),
-                           options.max_shadow_bytes, sun_disc},
-                          log, job))
+  if (!passes->prepare(scene, pass, log) ||
+      !lights.update(shared, scene, frames[frame].report, log, job))
     return false;
-  if (shadows) add_shadows(shadow_maps, frames[frame].report);
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
@@ -158,7 +132,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
         !sampling->resolve(pixels, tile.width, tile.height, options.samples, false, log))
       return false;
     if (!submit_tile(*radiance, {frame, *whole, tile}, log)) {
-      shadow_maps.forget();  // what failed may have been one of them
+      lights.forget();  // what failed may have been one of them
       return false;
     }
   }
@@ -178,7 +152,7 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
   frames[frame].report.flux = sampled_report.flux;
   frames[frame].report.limited = sampled_report.limited;
   if (shared.went_well(log)) return true;
-  shadow_maps.forget();  // what failed may have been one of them
+  lights.forget();  // what failed may have been one of them
   return false;
 }
 

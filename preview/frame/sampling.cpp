@@ -439,7 +439,7 @@ bool Sampling::look_at_corners(const Frame& frame) {
                          .camera = shifted,
                          .states = frame.scene.states,
                          .visible = frame.scene.visible,
-                         .shadows = frame.scene.shadows,
+                         .lights = frame.scene.lights,
                          .pixel = frame.scene.pixel,
                          .texels = frame.scene.texels,
                          .specular_filter = frame.scene.specular_filter};

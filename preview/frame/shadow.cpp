@@ -20,6 +20,11 @@ GLsizei texture_side(std::size_t texels, std::uint32_t most) {
   return static_cast<GLsizei>(std::has_single_bit(side) && side + 64 <= most ? side + 64 : side);
 }
 
+void copy_half_map(const ShadowTiles& tiles, float half_map[2]) {
+  half_map[0] = static_cast<float>(tiles.columns * tiles.side) / 2;
+  half_map[1] = static_cast<float>(tiles.rows * tiles.side) / 2;
+}
+
 // The layer of a map that is drawn next.
 void show_layer(const GladGLContext& gl, GLuint framebuffer, GLuint depths, GLuint slopes,
                 GLint layer) {
@@ -47,58 +52,49 @@ world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model) {
   return {turn * (model.translation - anchor.translation), turn * model.rotation};
 }
 
-namespace {
-
-void copy_rows(const Mat4& from, float* to) {
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      to[4 * row + column] = static_cast<float>(from[column][row]);
-}
-
-// The tiles that an item may be seen on: its positions are those of the finest.
-LightSpace finest_tile(const ShadowTiles& tiles, const Mat4& model_from_mesh, const DrawItem& item,
-                       double error, DrawBlock& block) {
-  const Mat4 light_from_mesh = Mat4(tiles.light_from_model) * model_from_mesh;
-  AxisBox box;
-  for (const Vec3& corner : corners(item.low - 2 * error, item.high + 2 * error))
-    box.add(Vec3(light_from_mesh * Vec4(corner, 1)));
-  const auto meets = [&](const ShadowTile& tile) {
-    const Vec3 end = tile.low + tile.texel * Vec3(tile.side, tile.side, tiles.depth);
-    return glm::all(glm::lessThanEqual(box.low, end)) &&
-           glm::all(glm::greaterThanEqual(box.high, tile.low));
-  };
-  std::size_t finest = 0;
-  while (finest + 1 < tiles.tiles.size() && !meets(tiles.tiles[finest])) ++finest;
+void ShadowMaps::add_to(LightView& view, std::size_t receiver,
+                        const Mat4& model_from_sample) const {
+  const Place& place = places_[receiver];
+  const Map& map = maps_[place.map];
+  const ShadowTiles& tiles = map.layout.tiles;
+  const bool tiled = !tiles.tiles.empty();
+  const LightSpace frame = tiled ? light_space_in_map(tiles, 0) : map.layout.whole;
+  const Mat4 anchor_from_sample = place.anchor_from_model * model_from_sample;
+  Mat4 map_from_sample = frame.sun_from_model * anchor_from_sample;
+  const Mat3 planes = frame.sun_normal_from_model * Mat3(anchor_from_sample);
+  LightBlock& block = view.block;
   for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
-    const bool met = t == finest || meets(tiles.tiles[t]);
-    const Vec4 there = met ? tile_from_tile(tiles, t, finest) : Vec4(-9, -9, -9, 0);
+    const Mat4 tile_from_sample = light_space_in_map(tiles, t).sun_from_model * anchor_from_sample;
+    copy_floats(Vec3(tile_from_sample[3]), block.tile_place + 4 * t);
+    block.tile_place[4 * t + 3] =
+        static_cast<float>(tiles.tiles.front().texel / tiles.tiles[t].texel);
+    const Vec4 inside = inside_of_tile(tiles, t);
     for (int k = 0; k < 4; ++k)
-      block.tiles[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(there[k]);
+      block.tile_inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
   }
-  return light_space_in_map(tiles, finest);
-}
-
-}  // namespace
-
-void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
-                        bool flat, DrawBlock& block) {
-  const Mat4 model_from_mesh =
-      place.anchor ? item.model_from_mesh : place.anchor_from_model * item.model_from_mesh;
-  const LightSpace& frame =
-      place.tiles ? finest_tile(*place.tiles, model_from_mesh, item, mesh.error, block)
-                  : place.frame;
-  copy_rows(frame.sun_from_model * model_from_mesh, block.sun_from_mesh);
-  copy_floats(frame.sun_normal_from_model * (place.anchor
-                                                 ? item.model_normal_from_mesh
-                                                 : place.anchor_turn * item.model_normal_from_mesh),
-              block.sun_normal_from_mesh);
-  // 2^-20 of the size: what rounding to float leaves (2^-24) and no chord is as small as
-  const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
-  const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
-  if (own_shape && !flat) block.flags |= kOwnShape;
-  // A chord is as deep below the smooth surface as others stand out of it; slivers are placed and
-  // drawn into maps with errors of their own.
-  block.normal_offset = flat ? 0.0f : static_cast<float>(std::max(2.0 * mesh.error, item.rounding));
+  if (tiled) map_from_sample[3] = Vec4(0, 0, 0, 1);
+  copy_floats(map_from_sample, block.map_from_sample);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      block.map_plane_from_sample[4 * row + column] = static_cast<float>(planes[column][row]);
+  copy_half_map(tiles, block.half_map);
+  block.texel_size[0] = 1 / static_cast<float>(map.width);
+  block.texel_size[1] = 1 / static_cast<float>(map.height);
+  const Vec3& extent = map.layout.whole.extent;
+  const double texel = std::max(extent.x, extent.y) / tiles.side;
+  block.texel_depth = static_cast<float>(tiled ? 1 / tiles.depth : texel / extent.z);
+  block.tiles = static_cast<std::int32_t>(tiles.tiles.size());
+  block.points = static_cast<std::int32_t>(map.layout.points);
+  const Vec3 size =
+      tiled ? Vec3(tiles.columns, tiles.rows, 1) * Vec3(tiles.side, tiles.side, tiles.depth)
+            : extent;
+  for (std::size_t k = 0; k < map.points.size(); ++k) {
+    const Vec2 shear = sun_shear(size, map.points[k]);
+    for (int axis = 0; axis < 2; ++axis)
+      block.disc[2 * k + static_cast<std::size_t>(axis)] = static_cast<float>(shear[axis]);
+  }
+  view.depths = map.depths.id();
+  view.slopes = map.slopes.id();
 }
 
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
@@ -113,8 +109,9 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
   map.width = width;
   map.height = height;
-  map.limits = make_stream_buffer(gl);
-  gl.NamedBufferStorage(map.limits.id(), sizeof(ShadowBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  ViewBlock view{};  // the map is one tile
+  copy_half_map(map.layout.tiles, view.half_map);
+  map.view = make_buffer(gl, &view, sizeof view);
   for (const GlTexture* texture : {&map.depths, &map.slopes}) {
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -274,8 +271,6 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
     stream_.emplace(gl);
-    constexpr ViewBlock kNoTile{};
-    view_ = make_buffer(gl, &kNoTile, sizeof kNoTile);
   }
   group(scene, cells);
   lay_out_all(scene, {side, cells, context.framebuffer_side / side, scene.pixel, 0}, soft_side,
@@ -284,14 +279,8 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   if (!assign(context, gl, most, log)) return false;
   for (Group& group : groups_) {
     if (!refresh(device, scene, group, log, job)) return false;
-    const Layout& layout = maps_[group.map].layout;
-    for (std::size_t k = 0; k < group.receivers.size(); ++k) {
-      const world::Pose& pose = group.members[k].anchor_from_model;
-      places_[group.receivers[k]] = {
-          {layout.whole, k == 0, pose.matrix(), glm::mat3_cast(pose.rotation),
-           layout.tiles.tiles.empty() ? nullptr : &layout.tiles},
-          group.map};
-    }
+    for (std::size_t k = 0; k < group.receivers.size(); ++k)
+      places_[group.receivers[k]] = {group.members[k].anchor_from_model.matrix(), group.map};
   }
   return true;
 }
@@ -333,42 +322,13 @@ void ShadowMaps::upload(const Map& map, const Vec2& sun_point, const TargetState
   first_block_ = stream_->upload(blocks_, kInstancesAtOnce * stride_);
 }
 
-void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
-  ShadowBlock limits{};
-  const ShadowTiles& tiles = map.layout.tiles;
-  const Vec3& extent = map.layout.whole.extent;
-  const unsigned side = tiles.side;
-  const double texel = std::max(extent.x, extent.y) / side;
-  limits.texel_depth = static_cast<float>(tiles.tiles.empty() ? texel / extent.z : 1 / tiles.depth);
-  limits.half_width = static_cast<float>(tiles.columns * side) / 2;
-  limits.half_height = static_cast<float>(tiles.rows * side) / 2;
-  limits.tiles = static_cast<std::int32_t>(tiles.tiles.size());
-  for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
-    const Vec4 inside = inside_of_tile(tiles, t);
-    for (int k = 0; k < 4; ++k)
-      limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
-  }
-  const Vec3 size =
-      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
-  limits.points = static_cast<std::int32_t>(map.layout.points);
-  limits.width_of_texel = 1 / static_cast<float>(map.width);
-  limits.height_of_texel = 1 / static_cast<float>(map.height);
-  for (std::size_t k = 0; k < sun_places_.size(); ++k)
-    for (int axis = 0; axis < 2; ++axis)
-      limits.sun[2 * k + static_cast<std::size_t>(axis)] =
-          static_cast<float>(sun_shear(size, sun_places_[k])[axis]);
-  gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
-}
-
 // False: the job is cancelled.
-bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
-                      const Job& job) {
+bool ShadowMaps::draw(Device::Impl& device, Map& map, const TargetStates& states, const Job& job) {
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
-  find_sun_points(disc_, map.layout.points, sun_places_);
-  set_limits(gl, map);
-  for (std::size_t layer = 0; layer < sun_places_.size(); ++layer) {
-    upload(map, sun_places_[layer], states);
+  find_sun_points(disc_, map.layout.points, map.points);
+  for (std::size_t layer = 0; layer < map.points.size(); ++layer) {
+    upload(map, map.points[layer], states);
     show_layer(gl, map.framebuffer.id(), map.depths.id(), map.slopes.id(),
                static_cast<GLint>(layer));
     if (!draw_layer(device, map, states, job)) return false;
@@ -384,8 +344,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
   gl.Enable(GL_DEPTH_TEST);
   const float nothing = 0;
   gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_.id());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, map.view.id());
   const DrawItem* last = nullptr;
   std::uint32_t last_target = ~0u;
   std::uint32_t last_tile = ~0u;
@@ -434,17 +393,6 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
   }
   gl.Disable(GL_DEPTH_CLAMP);
   return true;
-}
-
-void ShadowMaps::bind_limits(const GladGLContext& gl, std::size_t receiver) const {
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, maps_[places_[receiver].map].limits.id());
-}
-
-void ShadowMaps::bind(const GladGLContext& gl, std::size_t receiver) const {
-  const Map& map = maps_[places_[receiver].map];
-  gl.BindTextureUnit(kShadowDepthsUnit, map.depths.id());
-  gl.BindTextureUnit(kShadowSlopesUnit, map.slopes.id());
-  bind_limits(gl, receiver);
 }
 
 }  // namespace panwright::preview

@@ -12,6 +12,7 @@
 #include "preview/context.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
+#include "preview/frame/light_view.h"
 #include "preview/frame/shadow_tiles.h"
 #include "preview/frame/sun_points.h"
 #include "preview/frame/target_states.h"
@@ -23,20 +24,6 @@ namespace panwright::preview {
 
 // Returns a pose relative to another one: anchor_from_model of two world_from_model.
 world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model);
-
-// Placement of a target in light space: on the map of one receiver, or of several that share it.
-struct SunPlace {
-  LightSpace frame;  // of the anchor: the first receiver of the map
-  bool anchor = true;
-  Mat4 anchor_from_model{1};  // if it is not the anchor itself
-  Mat3 anchor_turn{1};
-  const ShadowTiles* tiles = nullptr;  // of the map, if tiled: replaces the frame
-};
-
-// Sets the rows of a block that place an item in light space. flat: shaded by its triangles'
-// normals.
-void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
-                        bool flat, DrawBlock& block);
 
 // Shadow maps: depths and slopes of the surfaces towards the Sun. A surface shadows a point if each
 // lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow neither
@@ -75,10 +62,8 @@ class ShadowMaps {
   // Begins another image, whose maps take precedence over older ones.
   void begin_image() { image_ = update_ + 1; }
 
-  // Results for the geometry and shading steps. receiver: into those of the last update.
-  const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
-  void bind(const GladGLContext& gl, std::size_t receiver) const;
-  void bind_limits(const GladGLContext& gl, std::size_t receiver) const;  // the uniforms alone
+  // Sets the map of a view. receiver: into those of the last update.
+  void add_to(LightView& view, std::size_t receiver, const Mat4& model_from_sample) const;
 
   // Frees all maps: the next update redraws them.
   void forget() { maps_.clear(); }
@@ -146,7 +131,8 @@ class ShadowMaps {
     GlTexture depths;
     GlTexture slopes;
     GlFramebuffer framebuffer;
-    GlBuffer limits;
+    std::vector<Vec2> points;  // of the Sun's disc
+    GlBuffer view;             // ViewBlock of drawing it
   };
   // Target, placed in the frame of a map's anchor.
   struct Drawn {
@@ -156,7 +142,7 @@ class ShadowMaps {
     Member member;
   };
   struct Place {
-    SunPlace place;
+    Mat4 anchor_from_model{1};
     std::size_t map = 0;
   };
 
@@ -187,8 +173,7 @@ class ShadowMaps {
   static bool make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
                    DiagnosticLog& log);
   void add_casters(const FrameScene& scene, std::span<const Drawn> receivers, bool soft);
-  void set_limits(const GladGLContext& gl, const Map& map) const;
-  bool draw(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
+  bool draw(Device::Impl& device, Map& map, const TargetStates& states, const Job& job);
   bool draw_layer(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
   void upload(const Map& map, const Vec2& sun_point, const TargetStates& states);
   void add_draws(const LightSpace& frame, const Vec2& sun_point, std::uint32_t tile,
@@ -198,7 +183,6 @@ class ShadowMaps {
   std::vector<Place> places_;
   std::size_t stride_ = 0;  // bytes, of blocks_
   std::optional<StreamBuffer> stream_;
-  GlBuffer view_;  // of maps, which are whole
   std::uint64_t update_ = 0;
   std::uint64_t image_ = 0;  // the first update of it
   std::uint64_t drawn_ = 0;
@@ -212,7 +196,6 @@ class ShadowMaps {
   std::vector<Member> casters_;  // of these
   std::vector<DrawItem> placed_;
   std::vector<ShownItem> shown_;
-  std::vector<Vec2> sun_places_;    // of one map
   std::vector<LightSpace> frames_;  // of the tiles of one map, or of all of it
   ShadowTileFinder finder_;
   struct Draw {

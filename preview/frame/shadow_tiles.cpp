@@ -85,17 +85,6 @@ LightSpace light_space_in_map(const ShadowTiles& tiles, std::size_t tile) {
   return light_space(tiles, one, Vec2(one.x, one.y), map_size(tiles));
 }
 
-Vec4 tile_from_tile(const ShadowTiles& tiles, std::size_t to, std::size_t from) {
-  if (to == from) return {0, 0, 0, 1};
-  const ShadowTile& a = tiles.tiles[from];
-  const ShadowTile& b = tiles.tiles[to];
-  const double scale = a.texel / b.texel;
-  const Vec2 half = 0.5 * map_size(tiles);
-  const Vec3 apart = (a.low - b.low) / b.texel;
-  const Vec2 across = (Vec2(b.x, b.y) + (half - Vec2(a.x, a.y)) * scale + Vec2(apart)) / half - 1.0;
-  return {across, apart.z / tiles.depth, scale};
-}
-
 Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile) {
   const ShadowTile& one = tiles.tiles[tile];
   const Vec2 half = 0.5 * map_size(tiles);

@@ -50,9 +50,6 @@ struct ShadowTiles {
 LightSpace light_space_of_tile(const ShadowTiles& tiles, std::size_t tile);
 LightSpace light_space_in_map(const ShadowTiles& tiles, std::size_t tile);
 
-// Returns the map from the light space of one tile to that of another: times w, plus xyz.
-Vec4 tile_from_tile(const ShadowTiles& tiles, std::size_t to, std::size_t from);
-
 // Returns the range of a tile in the map: x and y from, x and y to.
 Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile);
 

@@ -89,9 +89,9 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         defined("BUMPED", v.normal_map) + defined("ROUGHNESS_MAP", v.roughness_map) +
         defined("REFLECTANCE_MAP", v.reflectance_map) + defined("MAPPED", mapped) +
         defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
-        defined("CURVED", v.curved && !flat) + defined("SHADOWED", shadows) + draw_glsl;
+        defined("CURVED", v.curved && !flat) + defined("PLACED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
-    const std::string place = shadows ? light_space_glsl : "";
+    const std::string place = shadows ? sample_position_glsl : "";
     program = requested(version + defined("VERTEX", true) + head + model_vert,
                         version + head + pattern + cutout_text(v.cutout) + place +
                             (v.curved && !flat ? turning_glsl : "") + geometry_frag);
@@ -100,14 +100,15 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
 }
 
 GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                         bool shadows) {
-  GlProgram& program = shading_[{brdf_model, (layers * 2 + one_material) * 2 + shadows}];
+                         bool shadows, bool added) {
+  GlProgram& program =
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 2 + added}];
   if (!program) {
     std::string head =
         sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
         defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
                                   brdf_model.specular == materials::SpecularModel::ggx) +
-        defined("ONE_MATERIAL", one_material);
+        defined("ONE_MATERIAL", one_material) + defined("ADDED", added);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;

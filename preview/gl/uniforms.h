@@ -11,9 +11,11 @@ namespace panwright::preview {
 
 inline constexpr unsigned kMostShadowTiles = 12;  // of one shadow map
 inline constexpr unsigned kMostSunPoints = 256;  // of the Sun's disc
-inline constexpr unsigned kInstancesAtOnce = 32;  // items of one draw: blocks that every context can bind, 16 KiB
+inline constexpr unsigned kInstancesAtOnce = 64;  // items of one draw: blocks that every context can bind, 16 KiB
+inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of samples have 30 bits
 
 // Flags.
+inline constexpr std::uint32_t kTurns = 1u << 31;  // of normal_samples.w: the normal turns from sample to sample (turning.glsl)
 inline constexpr std::uint32_t kPredictsErrors = 1u << 0;  // of View.flags: shading also writes the inputs of error prediction
 inline constexpr std::uint32_t kTellsRelief = 1u << 1;  // of View.flags: shading also writes what relief finer than shadow texels may add
 inline constexpr std::uint32_t kOwnShape = 1u << 0;  // of Draw.flags: the triangles are the shape itself: shadows are theirs
@@ -29,17 +31,17 @@ inline constexpr unsigned kTangentAttribute = 4;
 
 // Data of samples, kept between the geometry pass and shading.
 enum Layer : unsigned {
-  kNormalLayer,  // shading normal and item
+  kNormalLayer,  // shading normal, item and flags
   kAlbedoLayer,  // diffuse colour
   kRoughnessLayer,  // roughness, unseen bumps, shares of solar cells
   kTangentLayer,  // direction of the brush
   kReflectanceLayer,  // of mapped microfacets
-  kSunLayer,  // position in light space, with shadows
+  kPositionLayer,  // position and normal of the surface, with shadows
   kLayers
 };
 // Texture units of the layers.
 inline constexpr unsigned kLayerUnits[kLayers] = {2, 3, 6, 15, 17, 12};
-inline constexpr bool kLayerHasIntegers[kLayers] = {false, false, false, false, false, true};
+inline constexpr bool kLayerHasIntegers[kLayers] = {true, false, false, false, false, true};
 
 // Texture units.
 inline constexpr unsigned kDiffuseMapUnit = 0;  // of the instance
@@ -71,9 +73,9 @@ inline constexpr unsigned kViewBinding = 0;
 inline constexpr unsigned kDrawBinding = 1;
 inline constexpr unsigned kMaterialBinding = 2;
 inline constexpr unsigned kDecalBinding = 3;
-inline constexpr unsigned kShadowBinding = 4;
+inline constexpr unsigned kLightBinding = 4;
 
-// Camera, tile and light. std140.
+// Camera and tile. std140.
 struct alignas(16) ViewBlock {
   float ray[3];  // world direction through the tile's upper left corner, any length
   float cell_parts;  // parts a side for averaging solar cells
@@ -82,15 +84,11 @@ struct alignas(16) ViewBlock {
   float ray_down[3];  // the same down
   float told_irradiance;  // unit of the errors that shading writes
   float white[3];  // RGB of emission 1, times pi
-  float limb_darkening;  // of the Sun's disc
-  float to_sun[3];  // world, unit
-  float sun_alpha2;  // an eighth of the square of the disc's radius
-  float irradiance[3];  // RGB, on a plane that faces the Sun
-  float padding_92[1];
+  float padding_60[1];
   std::uint32_t first_sample[2];  // samples of the image left of and above the tile
-  float padding_104[2];
+  float half_map[2];  // of a shadow map that is drawn: half its width and height, texels
 };
-static_assert(sizeof(ViewBlock) == 112);
+static_assert(sizeof(ViewBlock) == 80);
 static_assert(offsetof(ViewBlock, ray) == 0);
 static_assert(offsetof(ViewBlock, cell_parts) == 12);
 static_assert(offsetof(ViewBlock, ray_right) == 16);
@@ -98,11 +96,8 @@ static_assert(offsetof(ViewBlock, flags) == 28);
 static_assert(offsetof(ViewBlock, ray_down) == 32);
 static_assert(offsetof(ViewBlock, told_irradiance) == 44);
 static_assert(offsetof(ViewBlock, white) == 48);
-static_assert(offsetof(ViewBlock, limb_darkening) == 60);
-static_assert(offsetof(ViewBlock, to_sun) == 64);
-static_assert(offsetof(ViewBlock, sun_alpha2) == 76);
-static_assert(offsetof(ViewBlock, irradiance) == 80);
-static_assert(offsetof(ViewBlock, first_sample) == 96);
+static_assert(offsetof(ViewBlock, first_sample) == 64);
+static_assert(offsetof(ViewBlock, half_map) == 72);
 
 // Instance in one view and tile. std140.
 struct alignas(16) DrawBlock {
@@ -121,12 +116,9 @@ struct alignas(16) DrawBlock {
   float finger_width;  // part of their pitch
   float coat_return[3];  // share of diffuse light that the glass over cells returns
   float padding_204[1];
-  float sun_from_mesh[12];  // rows, as in LightSpace
-  float sun_normal_from_mesh[12];  // columns, each padded to 4
-  float tiles[48];  // of the shadow map: transforms from tile to tile, times w, plus xyz
-  float spare[4];  // to a multiple of 256 bytes, which any context aligns blocks to
+  float sample_from_mesh[12];  // rows: position in world axes from the origin of the target's samples (light_view.h)
 };
-static_assert(sizeof(DrawBlock) == 512);
+static_assert(sizeof(DrawBlock) == 256);
 static_assert(offsetof(DrawBlock, clip_from_mesh) == 0);
 static_assert(offsetof(DrawBlock, world_normal_from_mesh) == 64);
 static_assert(offsetof(DrawBlock, id) == 112);
@@ -141,10 +133,7 @@ static_assert(offsetof(DrawBlock, fingers) == 172);
 static_assert(offsetof(DrawBlock, finger_color) == 176);
 static_assert(offsetof(DrawBlock, finger_width) == 188);
 static_assert(offsetof(DrawBlock, coat_return) == 192);
-static_assert(offsetof(DrawBlock, sun_from_mesh) == 208);
-static_assert(offsetof(DrawBlock, sun_normal_from_mesh) == 256);
-static_assert(offsetof(DrawBlock, tiles) == 304);
-static_assert(offsetof(DrawBlock, spare) == 496);
+static_assert(offsetof(DrawBlock, sample_from_mesh) == 208);
 
 // Placement of a decal. std140.
 struct alignas(16) DecalBlock {
@@ -156,27 +145,37 @@ static_assert(sizeof(DecalBlock) == 64);
 static_assert(offsetof(DecalBlock, place) == 0);
 static_assert(offsetof(DecalBlock, outwards) == 48);
 
-// Shadow map. std140.
-struct alignas(16) ShadowBlock {
-  float texel_depth;  // of one texel, as a share of the map's depth
-  float half_width;  // texels
-  float half_height;  // texels
+// One light for one receiver, and its shadow map (light_view.h). std140.
+struct alignas(16) LightBlock {
+  float to_light[3];  // world, unit
+  float alpha2;  // an eighth of the square of its disc's radius
+  float irradiance[3];  // RGB, on a plane that faces it
+  float limb_darkening;  // of its disc
+  float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
+  float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose
+  float half_map[2];  // half its width and height, texels
+  float texel_size[2];  // in the texture, which may be larger than the map
+  float texel_depth;  // of one texel, as a share of the map's depth, times w of a place
+  std::int32_t points;  // of the light's disc; they are layers of the map
   std::int32_t tiles;  // of the map; 0: it is one
-  float inside[48];  // of each tile: x and y from, x and y to
-  float sun[512];  // shears of rays to points of the Sun's disc, two a row
-  std::int32_t points;  // of these; they are layers of the map
-  float width_of_texel;  // in the texture, which may be larger than the map
-  float height_of_texel;  // the same
-  float padding_2268[1];
+  float padding_172[1];
+  float tile_place[48];  // of each tile: a place times w, plus xyz
+  float tile_inside[48];  // of each tile: x and y from, x and y to
+  float disc[512];  // shears of rays to points of the disc, two a row
 };
-static_assert(sizeof(ShadowBlock) == 2272);
-static_assert(offsetof(ShadowBlock, texel_depth) == 0);
-static_assert(offsetof(ShadowBlock, half_width) == 4);
-static_assert(offsetof(ShadowBlock, half_height) == 8);
-static_assert(offsetof(ShadowBlock, tiles) == 12);
-static_assert(offsetof(ShadowBlock, inside) == 16);
-static_assert(offsetof(ShadowBlock, sun) == 208);
-static_assert(offsetof(ShadowBlock, points) == 2256);
-static_assert(offsetof(ShadowBlock, width_of_texel) == 2260);
-static_assert(offsetof(ShadowBlock, height_of_texel) == 2264);
+static_assert(sizeof(LightBlock) == 2608);
+static_assert(offsetof(LightBlock, to_light) == 0);
+static_assert(offsetof(LightBlock, alpha2) == 12);
+static_assert(offsetof(LightBlock, irradiance) == 16);
+static_assert(offsetof(LightBlock, limb_darkening) == 28);
+static_assert(offsetof(LightBlock, map_from_sample) == 32);
+static_assert(offsetof(LightBlock, map_plane_from_sample) == 96);
+static_assert(offsetof(LightBlock, half_map) == 144);
+static_assert(offsetof(LightBlock, texel_size) == 152);
+static_assert(offsetof(LightBlock, texel_depth) == 160);
+static_assert(offsetof(LightBlock, points) == 164);
+static_assert(offsetof(LightBlock, tiles) == 168);
+static_assert(offsetof(LightBlock, tile_place) == 176);
+static_assert(offsetof(LightBlock, tile_inside) == 368);
+static_assert(offsetof(LightBlock, disc) == 560);
 }  // namespace panwright::preview

@@ -86,8 +86,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   const GladGLContext& gl = *gl_;
   const std::uint64_t texels = integer(gl, GL_MAX_TEXTURE_BUFFER_SIZE);
   const std::uint64_t rows = sizeof(layout::Material) / (4 * sizeof(float));
-  // note: items are told apart by floats, which count exactly to 2^24
-  const std::uint64_t most_items = std::min<std::uint64_t>(texels, (1u << 24) - 1);
+  const std::uint64_t most_items = std::min<std::uint64_t>(texels, kMostItems);
   if (model.materials().size() > texels / rows || list.size() > most_items) {
     log.report_file(
         Code::E5003, model.name(),

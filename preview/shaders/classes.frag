@@ -6,7 +6,7 @@ layout(location = 0) out vec4 radiance;
 
 void main() {
   radiance = vec4(0.0);
-  int item = int(texelFetch(normal_samples, sample_place(), 0).w) - 1 - int(item_range.x);
+  int item = int(texelFetch(normal_samples, sample_place(), 0).w & ~kTurns) - 1 - int(item_range.x);
   bool mine = item >= 0 && item < int(item_range.y);
   if (!mine && item_range.w == 0u) discard;
   // exact: a power of two, and numbers far below 2^23

@@ -16,6 +16,6 @@ void main() {
   albedo = textureLod(decal_map, at, max(level, 0.0));
   bool inside = at == decal_place.xy && abs(decal_place.z) <= 1.0 &&
                 (gl_FrontFacing ? decal_facing : -decal_facing) > 0.0;
-  bool own = texelFetch(normal_samples, ivec2(gl_FragCoord.xy), 0).w == float(draw.id);
+  bool own = (texelFetch(normal_samples, ivec2(gl_FragCoord.xy), 0).w & ~kTurns) == draw.id;
   if (!inside || !own) discard;
 }

@@ -3,7 +3,7 @@
 // front: version, uniforms.glsl, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them, and
 // BRUSHED), CELLS
-// with its formulas, CUTOUT with cutout.glsl, CURVED with turning.glsl (BRUSHED is defined then), and SHADOWED with light_space.glsl.
+// with its formulas, CUTOUT with cutout.glsl, CURVED with turning.glsl (BRUSHED is defined then), and PLACED with sample_position.glsl.
 
 #ifndef FLAT
 layout(location = 0) in vec3 mesh_normal;
@@ -25,14 +25,14 @@ layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
 
 // xyz: world normal of any length, on the side that is seen (where it turns: as long as the squared slope of the narrowest
-// lobe); w: item + 1, exact in a float
-layout(location = kNormalLayer) out vec4 normal_sample;
+// lobe), as floats; w: item + 1, and kTurns
+layout(location = kNormalLayer) out uvec4 normal_sample;
 #ifdef PAINTED
 layout(location = kAlbedoLayer) out vec4 albedo;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
-// factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none, below 0: there are none, but the
-// normal turns from sample to sample, by as much (turning.glsl); share of
+// factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none; of a normal that turns from
+// sample to sample, by how much (turning.glsl); share of
 // cells with their fingers, and in these of cells without
 layout(location = kRoughnessLayer) out vec4 roughness_sample;
 #endif
@@ -104,8 +104,8 @@ void main() {
   // a linear map may come after the interpolation, where several threads share the work
   vec3 normal = mesh_normal;
 #endif
-#ifdef SHADOWED
-  sun_sample = light_space_sample(gl_FrontFacing ? normal : -normal);
+#ifdef PLACED
+  position_sample = placed_sample(gl_FrontFacing ? normal : -normal);
 #endif
   float length_of_mean = 1.0;
   vec2 roughness = vec2(1.0, 0.0);
@@ -139,9 +139,10 @@ void main() {
 #endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
-  normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id));
+  vec3 seen_normal = gl_FrontFacing ? normal : -normal;
+  uint id = draw.id;
 #if defined(BUMPED) || defined(CURVED)
-  vec3 facing = unit_or_zero(normal_sample.xyz);
+  vec3 facing = unit_or_zero(seen_normal);
   vec3 direction = unit_or_zero(brush.xyz - facing * (dot(facing, brush.xyz) / max(dot(facing, facing), 1e-30)));
   vec3 slopes = vec3(0.0);
 #ifdef BUMPED
@@ -159,9 +160,10 @@ void main() {
   float lobe = max(narrowest_lobe.x * roughness.x * roughness.x, min(narrowest_lobe.x, 1e-8)) + narrowest_lobe.y;
   // note: lobes over bumps are wide by them
   if (!(slopes.x > 0.0) && kMostTurning * (turned.x + turned.z) > lobe) {
-    roughness.y = -max(turned.x, 1e-12);
+    roughness.y = max(turned.x, 1e-12);
     brush = vec4(direction * max(turned.z, 1e-12), turned.y);
-    normal_sample.xyz = facing * lobe;
+    seen_normal = facing * lobe;
+    id |= kTurns;
   }
 #endif
   if (slopes.x > 0.0) {
@@ -169,6 +171,7 @@ void main() {
     brush = vec4(direction * slopes.z, slopes.y);
   }
 #endif
+  normal_sample = uvec4(floatBitsToUint(seen_normal), id);
 #ifdef PAINTED
   vec3 color = vec3(1.0);
 #ifdef TEXTURED

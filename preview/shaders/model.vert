@@ -1,5 +1,5 @@
 // The vertices of one instance. Defined in front: version, uniforms.glsl, draw.glsl, and any of GEOMETRY TEXTURED
-// COLOURED FLAT MAPPED BUMPED TANGENTS CELLS DECAL SHADOWED.
+// COLOURED FLAT MAPPED BUMPED TANGENTS CELLS DECAL PLACED.
 layout(location = kPositionAttribute) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = kNormalAttribute) in vec3 normal;    // mesh frame
 layout(location = kTexcoordAttribute) in vec2 texcoord;
@@ -27,8 +27,8 @@ layout(location = 4) out vec4 mesh_tangent;
 layout(location = 9) out vec2 cell_place;
 #endif
 
-#ifdef SHADOWED
-layout(location = 7) out vec3 light_space_position;
+#ifdef PLACED
+layout(location = 7) out vec3 place_in_target;
 #endif
 
 #ifdef DECAL
@@ -68,9 +68,9 @@ void main() {
 #ifdef TANGENTS
   mesh_tangent = tangent;
 #endif
-#ifdef SHADOWED
+#ifdef PLACED
   for (int row = 0; row < 3; ++row)
-    light_space_position[row] = dot(draw.sun_from_mesh[row], vec4(position, 1.0));
+    place_in_target[row] = dot(draw.sample_from_mesh[row], vec4(position, 1.0));
 #endif
 #ifdef DECAL
   vec4 at = vec4(position, 1.0);

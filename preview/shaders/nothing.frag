@@ -1,4 +1,4 @@
 // Nothing is seen here yet.
-layout(location = 0) out vec4 normal_sample;
+layout(location = kNormalLayer) out uvec4 normal_sample;
 
-void main() { normal_sample = vec4(0.0); }
+void main() { normal_sample = uvec4(0u); }

@@ -1,8 +1,11 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL, sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (a light after the first), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
+#ifndef SHADOWED
+LIGHT_BLOCK
+#endif
 
 #ifdef ONE_MATERIAL
 const int first_row = 0;
@@ -14,11 +17,16 @@ vec4 material_row(int i) { return material.rows[i]; }
 vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
-// a: 1. Where errors are predicted (sampling.h), of solar cells, whose pattern is filtered to the sample
+// a: 1, once for all lights. Where errors are predicted (sampling.h), of solar cells, whose pattern is filtered to the sample
 // already: 1 and what the mean of the pattern shows, rms over the channels, in parts of
 // the irradiance's largest. Of imposters, 1 and what relief finer than the shadow map's texels may add, the
 // mean of the channels, in the same parts.
 layout(location = 0) out vec4 radiance;
+#ifdef ADDED
+const float kCoverage = 0.0;
+#else
+const float kCoverage = 1.0;
+#endif
 
 // Zero stays zero: such a point is not lit, and never a NaN.
 vec3 unit_or_zero(vec3 v) {
@@ -26,23 +34,28 @@ vec3 unit_or_zero(vec3 v) {
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
 
-// The radius of a disc of one brightness as far from its centre on average as the Sun's, which is darker at
-// its limb.
-float sun_radius() {
-  float darkened = view.limb_darkening;
-  return sqrt(8.0 * view.sun_alpha2) * (1.0 - 0.410951 * darkened) / (1.0 - 0.333333 * darkened);
+// The light of this pass at a sample, unoccluded: from infinity, the same everywhere.
+Incidence light_at(ivec2 place) {
+  return Incidence(light.to_light, light.irradiance, light.alpha2, light.limb_darkening);
 }
 
-// The direction to the Sun; where the horizon cuts its disc, lifted until the cosine is the mean over the
+// The radius of a disc of one brightness as far from its centre on average as the light's, which is darker
+// at its limb.
+float disc_radius(Incidence from) {
+  float darkened = from.limb;
+  return sqrt(8.0 * from.alpha2) * (1.0 - 0.410951 * darkened) / (1.0 - 0.333333 * darkened);
+}
+
+// The direction to a light; where the horizon cuts its disc, lifted until the cosine is the mean over the
 // disc, as of what stands above: (2 + t²)·sqrt(1 - t²) + 3 t·asin(t), over 3 pi, by its series within 6e-5.
-vec3 to_mean_sun(vec3 normal) {
-  float radius = sun_radius();
-  float cosine = dot(normal, view.to_sun);
+vec3 to_mean_light(vec3 normal, Incidence from) {
+  float radius = disc_radius(from);
+  float cosine = dot(normal, from.to_light);
   float t = cosine / radius;
   float square = t * t;
-  if (!(square < 1.0)) return view.to_sun;
+  if (!(square < 1.0)) return from.to_light;
   float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
-  return view.to_sun + normal * (max(mean, 0.0) * radius - cosine);
+  return from.to_light + normal * (max(mean, 0.0) * radius - cosine);
 }
 
 #ifdef ROUGH
@@ -90,9 +103,9 @@ void add_bumps(inout Surface surface, vec3 bumps, vec3 normal) {
 
 #ifdef BRUSHED
 // A normal that turns from sample to sample (turning.glsl).
-void add_turning(inout Surface surface, vec3 squares, float lobe, vec3 to_sun, vec3 to_viewer, vec3 normal) {
+void add_turning(inout Surface surface, vec3 squares, float lobe, vec3 to_light, vec3 to_viewer, vec3 normal) {
   // both cosines are to the viewer: here, and where the normal is the half vector
-  float mirroring = max(0.5 * length(to_sun + to_viewer), 1e-3);
+  float mirroring = max(0.5 * length(to_light + to_viewer), 1e-3);
   float ratio = max(dot(normal, to_viewer), 0.0) / mirroring;
   vec3 slopes = turning_slopes(squares, min(ratio * ratio, kMostTurning), mirroring, lobe);
   if (!(slopes.x + slopes.z > 0.0)) return;
@@ -119,10 +132,11 @@ void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
 
 void main() {
   ivec2 place = sample_place();
-  vec4 normal_sample = texelFetch(normal_samples, place, 0);
+  uvec4 found = texelFetch(normal_samples, place, 0);
+  vec3 normal_sample = uintBitsToFloat(found.xyz);
   // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
 #ifndef ONE_MATERIAL
-  int item = int(normal_sample.w) - 1 - int(item_range.x);
+  int item = int(found.w & ~kTurns) - 1 - int(item_range.x);
   int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
@@ -131,6 +145,7 @@ void main() {
                (float(place.y) + 0.5) * view.ray_down;
   vec3 to_viewer = -normalize(view_ray);
 
+  Incidence from = light_at(place);
   Surface surface = surface_of(first_row);
 #ifdef ROUGH
   vec3 whole_cell = surface.weights.x * surface.diffuse;
@@ -152,21 +167,25 @@ void main() {
 #ifdef BRUSHED
   vec4 brush_sample = texelFetch(tangent_samples, place, 0);
   vec3 brush = unit_or_zero(brush_sample.xyz);
-  vec3 facing = unit_or_zero(normal_sample.xyz);
+  vec3 facing = unit_or_zero(normal_sample);
   surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
-  if (roughness_sample.y > 0.0)
-    add_bumps(surface, vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), facing);
-  else if (roughness_sample.y < 0.0)
-    add_turning(surface, vec3(-roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), length(normal_sample.xyz),
-                view.to_sun, to_viewer, facing);
+  vec3 slopes = vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz));
+  if ((found.w & kTurns) != 0u)
+    add_turning(surface, slopes, length(normal_sample), from.to_light, to_viewer, facing);
+  else if (slopes.x > 0.0)
+    add_bumps(surface, slopes, facing);
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
-  vec3 normal = unit_or_zero(normal_sample.xyz);
-  vec3 to_sun = to_mean_sun(normal);
-  Incidence sun = Incidence(to_sun, view.irradiance, view.sun_alpha2, view.limb_darkening);
+  vec3 normal = unit_or_zero(normal_sample);
+  vec3 to_middle = from.to_light;
+  from.to_light = to_mean_light(normal, from);
+#ifdef ADDED
+  const vec3 emitted = vec3(0.0);
+#else
   vec3 emitted = surface_emission(surface, view.white);
+#endif
 #ifdef ROUGH
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
@@ -183,13 +202,13 @@ void main() {
       surface.weights.y = shine * shares.x;
     }
 #endif
-  radiance = vec4(surface_radiance(surface, sun, to_viewer, normal) + emitted, 1.0);
+  radiance = vec4(surface_radiance(surface, from, to_viewer, normal) + emitted, kCoverage);
 #ifdef ROUGH
     // Lambert's gaps between cells, without cover glass
     if (has_cells) {
-      float lit = max(dot(normal, to_sun), 0.0) * 0.31830988618379067;
+      float lit = max(dot(normal, from.to_light), 0.0) * 0.31830988618379067;
       radiance.rgb = shares.y * radiance.rgb + (1.0 - shares.y) * (lit * albedo.a) *
-                                                   material_gap_color(first_row) * view.irradiance;
+                                                   material_gap_color(first_row) * from.irradiance;
     }
     if (again == 1) {
       patternless = sqrt(dot(radiance.rgb, radiance.rgb) / 3.0);
@@ -201,9 +220,9 @@ void main() {
   radiance.a += patternless / view.told_irradiance;
 #endif
 #ifdef SHADOWED
-  if (dot(normal, to_sun) > 0.0) {
-    vec2 visibility = sun_visibility(place, dot(normal, view.to_sun) < 0.0);
-    // what is left where the Sun does not shine
+  if (dot(normal, from.to_light) > 0.0) {
+    vec2 visibility = light_visibility(place, dot(normal, to_middle) < 0.0);
+    // what is left where the light does not shine
     vec3 shaded = emitted;
 #ifdef ROUGH
     if (has_cells) shaded *= shares.y;

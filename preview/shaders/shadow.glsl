@@ -1,5 +1,5 @@
-// How much of the Sun a sample sees, from the shadow map around it.
-SHADOW_BLOCK
+// How much of a light a sample sees, from the shadow map around it.
+LIGHT_BLOCK
 
 // Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
 // in texels (a context's grid for vertices and half floats for slopes come to 1/100)
@@ -21,13 +21,13 @@ const float kMostDown = 16.0;
 // sample, and the texel above the sample's. Along an edge one of the two fails, whichever way it bends,
 // so no bias is needed that grows with the slope. y: the same if relief of parallel planes may be as deep
 // as other relief: between the two lies the truth of what is finer than texels.
-vec2 point_visibility(int layer, vec3 place, vec2 slope) {
-  vec2 half_size = vec2(shadow.half_width, shadow.half_height);
+vec2 point_visibility(int layer, vec3 place, vec2 slope, float texel_depth) {
+  vec2 half_size = light.half_map;
   vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
   vec2 first = floor(at);
   vec2 share = at - first;
   // between the four, far from where rounding would take others
-  vec3 among = vec3((first + 1.0) * vec2(shadow.width_of_texel, shadow.height_of_texel), float(layer));
+  vec3 among = vec3((first + 1.0) * light.texel_size, float(layer));
   // texels here: below left, below right, above right, above left
   vec4 depth = textureGather(shadow_depths, among);
   vec4 its_slope_x = textureGather(shadow_slopes, among, 0);
@@ -37,11 +37,11 @@ vec2 point_visibility(int layer, vec3 place, vec2 slope) {
   vec2 reach = kTexelSlack / half_size;
   // how far the planes come apart over a texel
   vec4 apart = abs(its_slope_x - slope.x) / half_size.x + abs(its_slope_y - slope.y) / half_size.y;
-  float most = kRelief * shadow.texel_depth;
-  vec4 relief = min(kReliefOfPlanes * shadow.texel_depth + kReliefOfSlopes * apart, vec4(most));
+  float most = kRelief * texel_depth;
+  vec4 relief = min(kReliefOfPlanes * texel_depth + kReliefOfSlopes * apart, vec4(most));
   // by how much the texel lies above the sample's plane, and its plane above the sample
   vec4 above = depth - (place.z + (slope.x * step_x + slope.y * step_y) + (kDepthSlack + dot(abs(slope), reach)));
-  vec4 down = min(its_slope_x * step_x + its_slope_y * step_y, vec4(kMostDown * shadow.texel_depth));
+  vec4 down = min(its_slope_x * step_x + its_slope_y * step_y, vec4(kMostDown * texel_depth));
   vec4 below = depth - down - (place.z + kDepthSlack + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
   vec4 height = min(above, below);
   // note: where nothing was drawn, depth 0, slopes are those of another map
@@ -59,30 +59,60 @@ vec2 point_visibility(int layer, vec3 place, vec2 slope) {
   return rows.xz + (rows.yw - rows.xz) * share.y;
 }
 
-// The mean over the points of the Sun's disc that stand above the surface's horizon, by the light that they
+// See packed_normal() in sample_position.glsl.
+vec3 unpacked_normal(uint bits) {
+  vec2 at = unpackSnorm2x16(bits);
+  vec3 normal = vec3(at, 1.0 - abs(at.x) - abs(at.y));
+  vec2 upper = mix(vec2(-1.0), vec2(1.0), greaterThanEqual(at, vec2(0.0)));
+  if (normal.z < 0.0) normal.xy = (1.0 - abs(at.yx)) * upper;
+  return normal;
+}
+
+// The finest tile that holds a place. Where none does, nothing shades it: it is out of view.
+bool find_tile(inout vec3 place) {
+  for (int i = 0; i < light.tiles; ++i) {
+    vec3 there = place * light.tile_place[i].w + light.tile_place[i].xyz;
+    vec4 inside = light.tile_inside[i];
+    if (all(greaterThan(there, vec3(inside.xy, 0.0))) && all(lessThan(there, vec3(inside.zw, 1.0)))) {
+      place = there;
+      return true;
+    }
+  }
+  return light.tiles == 0;
+}
+
+// The mean over the points of the light's disc that stand above the surface's horizon, by the light that they
 // bring: each looks along a direction of its own. In light space sheared by it rays to that point run
 // along z. below: the disc's centre is below the horizon. Of N×N samples, N a multiple of four, each takes
 // one of four parts of the disc: all four fall in each quarter of a pixel and on each of its rows.
-vec2 sun_visibility(ivec2 sample_at, bool below) {
-  uvec4 found = texelFetch(sun_samples, sample_at, 0);
-  vec3 place = uintBitsToFloat(found.xyz);
-  vec2 slope = unpackHalf2x16(found.w);
+vec2 light_visibility(ivec2 sample_at, bool below) {
+  uvec4 found = texelFetch(position_samples, sample_at, 0);
+  vec3 at = uintBitsToFloat(found.xyz);
+  vec3 normal = unpacked_normal(found.w);
+  vec4 on_map = light.map_from_sample * vec4(at, 1.0);
+  vec3 place = on_map.xyz / on_map.w;
+  float texel_depth = light.texel_depth / on_map.w;
+  bool held = find_tile(place);
+  vec4 plane = vec4(normal, -dot(normal, at));
+  vec3 across = vec3(dot(light.map_plane_from_sample[0], plane), dot(light.map_plane_from_sample[1], plane),
+                     dot(light.map_plane_from_sample[2], plane));
+  vec2 slope = across.z != 0.0 ? clamp(-across.xy / across.z, vec2(-6e4), vec2(6e4)) : vec2(0.0);
   vec2 seen = vec2(0.0);
   float sum = 0.0;
-  bool in_parts = shadow.points >= 8 && (sample_blocks.x & 3u) == 0u;
+  bool in_parts = light.points >= 8 && (sample_blocks.x & 3u) == 0u;
   ivec2 turned = (sample_at >> 1) ^ sample_at.yx;
   int first = in_parts ? (turned.x & 1) + 2 * (turned.y & 1) : 0;
-  for (int k = first; k < shadow.points; k += in_parts ? 4 : 1) {
-    vec4 pair = shadow.sun[k >> 1];
+  for (int k = first; k < light.points; k += in_parts ? 4 : 1) {
+    vec4 pair = light.disc[k >> 1];
     vec2 shear = (k & 1) == 0 ? pair.xy : pair.zw;
     // the cosine to this point, in parts of that to the centre
     float facing = 1.0 - dot(slope, shear);
     // one point stands for all
-    float light = below && shadow.points > 1 ? -facing : facing;
-    if (light <= 0.0) continue;
+    float brought = below && light.points > 1 ? -facing : facing;
+    if (brought <= 0.0) continue;
     vec3 there = vec3(place.xy - shear * (place.z - 0.5), place.z);
-    seen += light * point_visibility(k, there, slope / facing);
-    sum += light;
+    seen += brought * (held ? point_visibility(k, there, slope / facing, texel_depth) : vec2(1.0));
+    sum += brought;
   }
   return sum > 0.0 ? seen / sum : vec2(0.0);
 }

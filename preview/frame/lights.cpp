@@ -1,0 +1,103 @@
+#include "preview/frame/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "light/light.h"
+#include "preview/frame/blocks.h"
+
+namespace panwright::preview {
+namespace {
+
+constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
+
+// What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
+// Imposters' come in steps of a half octave, so that one map serves draws that differ little.
+unsigned shadow_side_for(std::uint32_t texels, unsigned samples) {
+  constexpr double kOfTexels = 5;
+  constexpr double kLeast = 256;
+  constexpr double kMost = 2896;
+  if (texels == 0) return samples > 0 ? kShadowSide : static_cast<unsigned>(kMost);
+  const double step = std::round(2 * std::log2(kOfTexels * texels)) / 2;
+  return static_cast<unsigned>(std::clamp(std::exp2(step), kLeast, kMost)) / 16 * 16;
+}
+
+void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
+  report.shadow_edge = std::max(report.shadow_edge, maps.edge_error());
+  report.penumbra = std::max(report.penumbra, maps.penumbra());
+  report.sun_points = std::max(report.sun_points, maps.disc_points());
+  report.sun_error = error_of_sun_points(report.sun_points);
+}
+
+void copy_light(const light::Incidence& light, LightBlock& block) {
+  copy_floats(light.to_light, block.to_light);
+  copy_floats(light.irradiance, block.irradiance);
+  block.alpha2 = static_cast<float>(light.alpha2);
+  block.limb_darkening = static_cast<float>(light.limb);
+}
+
+}  // namespace
+
+void Lights::begin_image(const world::Sun& sun, const RenderOptions& options) {
+  maps_.begin_image();
+  SunDisc& disc = limits_.disc;
+  disc = {};
+  if (options.shadows == Shadows::hard ||
+      (options.shadows == Shadows::automatic && options.samples > 0))
+    return;
+  disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
+  disc.limb_darkening = sun.limb_darkening;
+  disc.always = options.shadows == Shadows::soft;
+  disc.limited = !disc.always && options.work > 0;
+  disc.most = options.sun_points;
+  disc.points = disc.always ? options.sun_points
+                            : std::min(options.sun_points, sun_points_for(options.pixel_error));
+}
+
+void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) {
+  limits_.side = options.shadow_side.value_or(shadow_side_for(scene.texels, options.samples));
+  limits_.soft_side = options.shadow_side.value_or(std::min(limits_.side, kShadowSide));
+  limits_.bytes = options.max_shadow_bytes;
+}
+
+bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingReport& report,
+                    DiagnosticLog& log, const Job& job) {
+  const GladGLContext& gl = device.context->gl();
+  if (shadows()) {
+    if (!maps_.update(device, scene, limits_, log, job)) return false;
+    add_shadows(maps_, report);
+  }
+  const std::size_t receivers = scene.visible.targets.size();
+  samples_.clear();
+  views_.assign(receivers, {});
+  // from infinity: the same everywhere
+  const light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  for (std::size_t r = 0; r < receivers; ++r) {
+    const VisibleTarget& visible = scene.visible.targets[r];
+    samples_.push_back(preview::model_from_sample(scene.camera, scene.world[visible.target].pose(),
+                                                  *scene.state(r).bounds, visible));
+    copy_light(sunlight, views_[r].block);
+    if (shadows()) maps_.add_to(views_[r], r, samples_[r]);
+  }
+  if (!stream_) {
+    stride_ = block_stride(gl, sizeof(LightBlock));
+    stream_.emplace(gl);
+  }
+  blocks_.resize(views_.size() * stride_);
+  for (std::size_t i = 0; i < views_.size(); ++i)
+    std::memcpy(blocks_.data() + i * stride_, &views_[i].block, sizeof(LightBlock));
+  first_ = stream_->upload(blocks_);
+  return true;
+}
+
+void Lights::bind(const GladGLContext& gl, std::size_t light, std::size_t receiver) const {
+  const std::size_t i = light * samples_.size() + receiver;
+  gl.BindBufferRange(GL_UNIFORM_BUFFER, kLightBinding, stream_->id(),
+                     static_cast<GLintptr>(first_ + i * stride_), sizeof(LightBlock));
+  if (views_[i].depths == 0) return;
+  gl.BindTextureUnit(kShadowDepthsUnit, views_[i].depths);
+  gl.BindTextureUnit(kShadowSlopesUnit, views_[i].slopes);
+}
+
+}  // namespace panwright::preview
