@@ -14,8 +14,8 @@
 
 namespace panwright::preview {
 
-// Set of layers, the Sun's apart, a bit for each: the first always, paint below roughness and
-// roughness below tangents.
+// Set of layers, that of positions apart, a bit for each: the first always, paint below roughness
+// and roughness below tangents.
 using LayerSet = unsigned;
 constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; }
 
