@@ -75,8 +75,8 @@ void Model::add_meshes(const Job& job) {
 
 std::span<const Model::Part> Model::levels(std::uint32_t instance) const {
   const auto all = std::span(parts_).subspan(model_->instances().size());
-  const auto found = std::ranges::equal_range(all, instance, {}, &Part::instance);
-  return {found.begin(), found.end()};
+  return {std::ranges::lower_bound(all, instance, {}, &Part::instance),
+          std::ranges::upper_bound(all, instance, {}, &Part::instance)};
 }
 
 Placement Model::placement(std::uint32_t part, const PlacedNodes& nodes) const {

@@ -15,7 +15,7 @@ import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 FLAGS = ["-std=c++20", "-ffp-contract=off", "-DGLM_FORCE_CTOR_INIT", f"-I{ROOT}", "-w"]
-LIBRARIES = ["-lfmt", "-lxxhash", "-lsleef", "-lpng", "-ltbb", "-lpthread"]
+LIBRARIES = ["-lfmt", "-lxxhash", "-lsleef", "-lpng", "-ltbb", "-ltomlplusplus", "-lyaml-cpp", "-lpthread"]
 
 
 def run(command):
@@ -38,7 +38,8 @@ def built(compiler, level, base, folder):
         objects.append(os.path.join(here, os.path.relpath(source, ROOT).replace("/", "_") + ".o"))
         run([*cache, compiler, *FLAGS, level, "-c", source, "-o", objects[-1]])
     program = os.path.join(here, "mli_sheets")
-    run([compiler, *objects, base, *LIBRARIES, "-o", program])
+    # base is one object with math.cpp in it: the one compiled here stands first
+    run([compiler, "-Wl,--allow-multiple-definition", *objects, base, *LIBRARIES, "-o", program])
     return program
 
 
