@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "sensor/internal/dual.h"
 
@@ -12,6 +13,9 @@ namespace {
 
 // Places farther out than any image: beyond them a ray is rounding.
 constexpr double kFarPlace = 1e9;
+
+// Steps of this share of a number, and smaller ones, are its rounding.
+constexpr double kRoundings = 4e-16;
 
 // Ends of searches for a fold: tangents of angles to the boresight.
 constexpr double kNearest = 1e-3;
@@ -83,8 +87,8 @@ double inverse(const Model& model, double limit, double value) {
     const double miss = at.value - value;
     (miss > 0 ? high : low) = t;
     double next = t - miss / at.slope;
+    if (std::fabs(next - t) <= kRoundings * t) return t;
     if (!(next > low && next < high)) next = (low + high) / 2;
-    if (std::fabs(next - t) <= 1e-16 * t) return next;
     t = next;
   }
   return t;
@@ -255,6 +259,7 @@ std::optional<LensRay> from(const Brown& lens, const Domain& domain, const Vec2&
   Vec2 at = *target;
   if (r > 0) at *= inverse(lens, domain.limit, std::min(r, domain.limit_image)) / r;
   double miss = 0;
+  double last = std::numeric_limits<double>::infinity();  // of changes near the end
   for (int step = 0; other_terms && step < 40; ++step) {
     const Bent here = bent(lens, at, *target);
     miss = glm::length(*target - here.value);
@@ -262,7 +267,8 @@ std::optional<LensRay> from(const Brown& lens, const Domain& domain, const Vec2&
     const double change = glm::length(here.step);
     at += here.step;
     if (const double now = glm::length(at); now > domain.limit) at *= domain.limit / now;
-    if (change <= 1e-16 * glm::length(at)) break;
+    if (change <= kRoundings * glm::length(at) || change >= last) break;
+    last = change < 1e-12 ? change : last;
   }
   if (!(miss <= 1e-14 * (1 + r))) return std::nullopt;
   return LensRay{.direction = glm::normalize(Vec3(at, 1))};

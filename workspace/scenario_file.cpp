@@ -18,6 +18,7 @@
 #include "scenario/simulators.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/quantities.h"
+#include "workspace/targets.h"
 
 namespace panwright::workspace {
 
@@ -108,6 +109,7 @@ class ScenarioReader {
     read_sources(reader);
     reader.finish();
     if (!reader.ok() || !good_) return failed;
+    place_others(settings);
     auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
     if (!made) return failed;
     return Scenario{*std::move(made), std::move(settings), begin, end, step, std::move(files_)};
@@ -330,6 +332,26 @@ class ScenarioReader {
     return *source;
   }
 
+  // Targets that nothing places stand at the origin.
+  void place_others(const Settings& settings) {
+    scenario::Frame frame;
+    for (const std::string& target : *settings.targets) {
+      const std::string name = target_file(target).name;
+      const scenario::Channel position{scenario::Quantity::position, name, {}};
+      const bool placed =
+          std::ranges::any_of(parts_,
+                              [&](const scenario::Part& part) {
+                                return std::ranges::count(part.source->info().channels, position) >
+                                       0;
+                              }) ||
+          std::ranges::any_of(*settings.pose, [&](const PoseSetting& pose) {
+            return pose.target == name || pose.target.empty();
+          });
+      if (!placed) frame.target(name).placement.position = Vec3(0);
+    }
+    if (!frame.targets.empty()) parts_.push_back({scenario::fixed_source("the origin", frame), 0});
+  }
+
   // Settings of all frames, as members of a view.
   void read_view(ConfigTable& reader, Settings& settings) {
     const Table* table = reader.find("view");
@@ -375,11 +397,11 @@ class ScenarioReader {
       return reader.fail(value, fmt::format("view has no setting {}", in_quotes(name)),
                          near && *near != member ? fmt::format("did you mean '{}'?", *near) : "");
     }
-    const nlohmann::json json = as_json(value);
-    if (const std::string wrong = wrong_type(id, json); !wrong.empty())
+    const nlohmann::json read = as_json(value);
+    if (const std::string wrong = wrong_type(id, read); !wrong.empty())
       return reader.fail(value, fmt::format("{} has the wrong type{}", in_quotes(name), wrong));
     DiagnosticLog apart = log_.apart();
-    if (!read_setting(id, json, settings, apart))
+    if (!read_setting(id, read, settings, apart))
       for (const Diagnostic& problem : apart.entries()) reader.fail(value, problem.message);
   }
 

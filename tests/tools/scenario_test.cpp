@@ -191,7 +191,11 @@ TEST_F(Scenarios, CameraFilesWithDistortion) {
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_TRUE(contents(image) == contents(again));
   EXPECT_THAT(panwright({"render", box_, "-o", image, "--distortion", "brown -0.2"}).err,
-              HasSubstr("--distortion"));
+              HasSubstr("requires --engine reference"));
+  EXPECT_THAT(panwright({"render", box_, "-o", image, "--engine", "reference", "--distortion",
+                         "brown -0.2"})
+                  .err,
+              HasSubstr("expected --intrinsics beside it"));
   EXPECT_THAT(panwright({"render", box_, "-o", image, "--camera-file", camera, "--fov", "3"}).err,
               HasSubstr("--camera-file cannot be combined"));
 }
