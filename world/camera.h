@@ -28,7 +28,7 @@ struct Camera {
   Vec2 focal{1024};     // pixels; orthographic: pixels per metre; > 0
   Vec2 principal{512};  // pixels
   std::shared_ptr<const sensor::DistortionMap> distortion;  // perspective only; null: none
-  Vec3 position{0};     // world, metres
+  Vec3 position{0};                                         // world, metres
   Quat world_from_camera{1, 0, 0, 0};
 };
 
@@ -71,8 +71,8 @@ std::optional<Vec2> project(const Camera& camera, const Vec3& point);
 // The solid angle of any pixel, steradians, to a relative 1e-15 (7e-16 measured; of one that spans
 // 179.9 degrees 4e-14). A sum of L·pixel_solid_angle over an image is the irradiance at the camera.
 // With distortion: of the spherical quadrilateral of its corners, so that pixels add up to the
-// polygon of the outermost ones; to a relative 1e-16 over the pixel's angle; 0: a corner has no ray.
-// Expects: perspective; column < width, row < height.
+// polygon of the outermost ones; to a relative 1e-16 over the pixel's angle; 0: a corner has no
+// ray. Expects: perspective; column < width, row < height.
 double pixel_solid_angle(const Camera& camera, std::uint32_t column, std::uint32_t row);
 
 // The area of one pixel on the scene, m². Expects: orthographic.
