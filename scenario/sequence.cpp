@@ -128,7 +128,7 @@ bool Sequence::add(Part part, DiagnosticLog& log) {
   double offset = part.offset;
   if (info.epoch) {
     assert(info_.epoch);
-    offset = seconds_between(*info_.epoch, *info.epoch);
+    offset += seconds_between(*info_.epoch, *info.epoch);
     if (info.system != info_.system &&
         (info.system == TimeSystem::utc || info_.system == TimeSystem::utc) &&
         !leap_seconds_known(*info.epoch))

@@ -14,7 +14,7 @@ namespace panwright::scenario {
 
 struct Part {
   SourcePtr source;
-  double offset = 0;  // of its time 0 after the scenario's epoch, seconds; without an epoch only
+  double offset = 0;  // seconds by which its times move; without a date after the scenario's epoch
 };
 
 // Camera that turns towards a point: its rotation follows from its position.

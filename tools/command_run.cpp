@@ -15,6 +15,7 @@
 #include "tools/frame_json.h"
 #include "tools/render_report.h"
 #include "tools/scenario_options.h"
+#include "workspace/record.h"
 #include "workspace/session.h"
 
 namespace panwright::tools {
@@ -53,7 +54,8 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.input);
   arguments
       .add("-o,--output", options.folder,
-           "Folder of the images and of frames.jsonl, a line for each frame")
+           "Folder of the images, of frames.jsonl, a line for each frame, and run.json, the "
+           "settings")
       .required()
       .type("FOLDER");
   arguments
@@ -128,14 +130,22 @@ class SequenceRun {
     const workspace::RunListener listener = report.listener();
     const workspace::View any(opened_->scenario.settings);
     const world::World* world = session.world(any, listener, log_, context_.job());
-    if (world == nullptr) return false;
-    std::string manifest;
-    if (!describe(*world, manifest)) return false;
+    if (world == nullptr || log_.has_errors()) return false;
+    std::string manifest, settings;
+    if (!describe(*world, manifest) || !describe_settings(*world, settings)) return false;
     std::error_code error;
     fs::create_directories(options_.folder, error);
+    if (!fs::is_directory(options_.folder, error)) {
+      log_.report_file(Code::E0103, options_.folder, "it is no folder, and cannot be made one");
+      return false;
+    }
     FolderLock lock;
-    if (!lock.take(options_.folder, log_) || !begin(manifest)) return false;
-    if (!render(session, *world, listener)) return false;
+    if (!lock.take(options_.folder, log_) || !begin(manifest, settings)) return false;
+    if (!render(session, *world, listener)) {
+      if (log_.contains(Code::E0001) && !options_.common.json)
+        fmt::print(stderr, "complete frames are kept; --resume goes on\n");
+      return false;
+    }
     if (kept_ > 0 && !options_.common.json)
       fmt::print(stderr, "{} kept\n", counted(kept_, "frame"));
     report.summary();
@@ -153,6 +163,13 @@ class SequenceRun {
     if (!options_.targets.empty()) typed->targets = options_.targets;
     if (!open_.parameters.empty()) typed->define = std::exchange(open_.parameters, {});
     workspace::Settings& settings = opened_->scenario.settings;
+    if (settings.camera_file && (typed->size || typed->fov || typed->ifov || typed->intrinsics ||
+                                 typed->ortho || typed->distortion)) {
+      log_.report(Code::E0201, {},
+                  "--size and other lenses cannot be combined with the camera_file of the scenario",
+                  "--camera-file FILE replaces it");
+      return false;
+    }
     settings = workspace::with_defaults(*std::move(typed), settings);
     if (!settings.targets) {
       log_.report_file(Code::E8013, options_.input.file, "the scenario names no model of a target",
@@ -187,14 +204,13 @@ class SequenceRun {
 
   // All frames, a line each, before any is drawn: errors of the scenario come first.
   bool describe(const world::World& world, std::string& manifest) {
-    std::set<std::string> stems;
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
       if (k % kChunk == 0) context_.job().poll();
       const std::uint64_t number = opened_->first + k;
       const auto frame = workspace::frame_at(opened_->scenario, opened_->times[k], log_);
       if (!frame) return false;
       const std::string stem = stem_of(*frame, number);
-      if (!stems.insert(stem).second) {
+      if (!stems_.insert(stem).second) {
         log_.report_file(Code::E8013, options_.input.file,
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
@@ -208,23 +224,58 @@ class SequenceRun {
     return true;
   }
 
-  // Writes the manifest, or compares it with that of the run to go on with.
-  bool begin(const std::string& manifest) {
-    const fs::path path = fs::path(options_.folder) / "frames.jsonl";
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) return write_file(path, as_bytes(manifest), log_);
-    if (!options_.resume) {
-      log_.report_file(Code::E8014, options_.folder, "the folder has the frames of a run",
-                       "--resume goes on with it; or choose another folder");
-      return false;
+  // All else that decides the images: program, models, settings, the camera's file.
+  bool describe_settings(const world::World& world, std::string& text) {
+    Json out{{"program", workspace::recorded_program()}};
+    for (const world::Instance& target : world.instances())
+      out["targets"].push_back(
+          {{"name", target.name()}, {"build_id", target.model()->build_id().hex()}});
+    const workspace::Settings& settings = opened_->scenario.settings;
+    for (std::size_t k = 0; k < std::size(workspace::kSettings); ++k) {
+      const auto id = static_cast<SettingId>(k);
+      if (id == SettingId::targets || !workspace::has_value(id, settings)) continue;
+      out["settings"][std::string(workspace::info_of(id).name)] =
+          workspace::setting_texts(id, settings);
     }
-    const auto before = read_file(path, kMostManifestBytes, log_);
-    if (!before) return false;
-    if (*before == manifest) return true;
-    log_.report_file(Code::E8014, options_.folder,
-                     "the folder has the frames of another run: frames.jsonl differs",
-                     "choose another folder");
-    return false;
+    if (settings.camera_file) {
+      constexpr std::uint64_t kMostBytes = 1 << 20;
+      const auto camera = read_file(*settings.camera_file, kMostBytes, log_);
+      if (!camera) return false;
+      out["camera"] = *camera;
+    }
+    text = out.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
+    return true;
+  }
+
+  // Writes what the run is, or compares it with the run to go on with.
+  bool begin(const std::string& manifest, const std::string& settings) {
+    const fs::path folder = options_.folder;
+    const auto refuse = [&](const std::string& message, const std::string& hint) {
+      log_.report_file(Code::E8014, options_.folder, message, hint);
+      return false;
+    };
+    std::error_code ignored;
+    if (!fs::exists(folder / "frames.jsonl", ignored)) {
+      for (const std::string& stem : stems_)
+        for (const std::string& output : outputs_of(stem))
+          if (fs::exists(folder / output, ignored))
+            return refuse("the folder has a file " + in_quotes(output) + " of no run",
+                          "choose another folder");
+      return write_file(folder / "run.json", as_bytes(settings), log_) &&
+             write_file(folder / "frames.jsonl", as_bytes(manifest), log_);
+    }
+    if (!options_.resume)
+      return refuse("the folder has the frames of a run",
+                    "--resume goes on with it; or choose another folder");
+    for (const auto& [name, expected] :
+         {std::pair("frames.jsonl", &manifest), std::pair("run.json", &settings)}) {
+      const auto before = read_file(folder / name, kMostManifestBytes, log_);
+      if (!before) return false;
+      if (*before != *expected)
+        return refuse(fmt::format("the folder has the frames of another run: {} differs", name),
+                      "choose another folder");
+    }
+    return true;
   }
 
   bool render(workspace::ViewSession& session, const world::World& world,
@@ -263,6 +314,7 @@ class SequenceRun {
   ScenarioInput::Opened* opened_ = nullptr;
   workspace::OpenOptions open_;
   std::vector<std::string> types_;
+  std::set<std::string> stems_;  // of all frames' files
   std::size_t kept_ = 0;
 };
 

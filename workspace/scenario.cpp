@@ -41,15 +41,23 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
     if (step) return fail("steps of time need frames with times; these have an order alone");
     for (std::size_t k = 0; k < sequence.frames(); ++k) times.push_back(static_cast<double>(k));
   } else {
-    const double begin = scenario.begin.value_or(-HUGE_VAL), end = scenario.end.value_or(HUGE_VAL);
+    const std::vector<scenario::TimeSpan>& spans = sequence.spans();
+    if (spans.empty()) return fail("the sources have no time in common");
+    const scenario::TimeSpan whole{spans.front().begin, spans.back().end};
+    const double begin = scenario.begin.value_or(whole.begin),
+                 end = scenario.end.value_or(whole.end);
+    if (begin < whole.begin || end > whole.end || begin > end) {
+      log.report_file(Code::E8003, scenario.files.front(),
+                      fmt::format("frames from {:.9g} s to {:.9g} s; the sources cover {:.9g} s to "
+                                  "{:.9g} s",
+                                  begin, end, whole.begin, whole.end));
+      return failed;
+    }
     if (step) {
-      for (const scenario::TimeSpan& span : sequence.spans()) {
-        const double first = std::max(span.begin, begin), last = std::min(span.end, end);
-        if (!std::isfinite(first) || !std::isfinite(last))
-          return fail("steps of time need a begin and an end", "begin and end in the scenario");
-        if (first <= last && !add_steps(first, last, *step, times))
-          return fail(fmt::format("more than {} frames", kMostFrames));
-      }
+      if (!std::isfinite(begin) || !std::isfinite(end))
+        return fail("steps of time need a begin and an end", "begin and end in the scenario");
+      if (!add_steps(begin, end, *step, times))
+        return fail(fmt::format("more than {} frames", kMostFrames));
     } else {
       for (const double time : sequence.times())
         if (time >= begin && time <= end) times.push_back(time);
@@ -60,8 +68,10 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
   if (times.size() > kMostFrames) return fail(fmt::format("more than {} frames", kMostFrames));
   if (choice.numbers) {
     const auto [first, last] = *choice.numbers;
-    if (first >= times.size())
-      return fail(fmt::format("--frames begins at {}; there are {}", first,
+    constexpr std::uint64_t kToTheEnd = ~std::uint64_t{0};
+    if (first >= times.size() || (last != kToTheEnd && last >= times.size()))
+      return fail(fmt::format("--frames asks for frame {}; there are {}, from 0",
+                              first >= times.size() ? first : last,
                               counted(times.size(), "frame")));
     times.erase(times.begin() + static_cast<std::ptrdiff_t>(
                                     std::min<std::uint64_t>(last, times.size() - 1) + 1),

@@ -24,7 +24,7 @@ struct ScenarioOptions {
 struct FrameChoice {
   std::vector<double> at;       // seconds; empty: all
   std::optional<double> every;  // seconds between frames, > 0; none: those of the scenario
-  // Of these, by order from 0, the first and the last; the last may be beyond the end.
+  // Of these, by order from 0, the first and the last; ~0: to the end.
   std::optional<std::pair<std::uint64_t, std::uint64_t>> numbers;
 };
 

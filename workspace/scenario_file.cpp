@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/config_text.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "scenario/aem.h"
 #include "scenario/csv.h"
@@ -101,10 +102,10 @@ class ScenarioReader {
                step = reader.number("step");
     if (step && !(*step > 0)) reader.fail(*root.find("step"), "step is not above 0 seconds");
     if (begin && end && *begin > *end) reader.fail(*root.find("end"), "end is before begin");
-    read_mount(reader, sequence);
-    read_look_at(reader, sequence);
     Settings settings;
     read_targets(reader, settings);
+    read_mount(reader, sequence);
+    read_look_at(reader, sequence);
     read_view(reader, settings);
     read_sources(reader);
     reader.finish();
@@ -140,6 +141,7 @@ class ScenarioReader {
     mount.target = part.text("target").value_or("");
     mount.turns = part.flag("turns").value_or(false);
     if (mount.target.empty()) part.fail(*table, "mount has no target");
+    check_name(part, part.find("target"), mount.target);
     part.finish();
     good_ = good_ && part.ok();
     sequence.mount = mount;
@@ -151,15 +153,29 @@ class ScenarioReader {
     scenario::LookAt look;
     if (const auto* name = std::get_if<std::string>(&table->data)) {
       look.target = *name;
+      check_name(reader, table, look.target);
     } else {
       ConfigTable part(*table, "look_at", Code::E8013, log_);
       look.target = part.text("target").value_or("");
+      check_name(part, part.find("target"), look.target);
       look.point = vector(part, "point").value_or(Vec3(0));
       look.up = vector(part, "up");
       part.finish();
       good_ = good_ && part.ok();
     }
     sequence.look_at = look;
+  }
+
+  // Where the scenario names its targets, others are mistakes.
+  void check_name(ConfigTable& part, const Table* at, const std::string& name) const {
+    if (at == nullptr || name.empty() || names_.empty() ||
+        std::ranges::find(names_, name) != names_.end())
+      return;
+    const std::vector<std::string_view> names(names_.begin(), names_.end());
+    const auto near = nearest_name(name, names);
+    part.fail(*at, fmt::format("no target has the name {}", in_quotes(name)),
+              near ? fmt::format("did you mean '{}'?", *near)
+                   : fmt::format("the targets are {}", fmt::join(names, ", ")));
   }
 
   void read_targets(ConfigTable& reader, Settings& settings) {
@@ -172,6 +188,8 @@ class ScenarioReader {
         return reader.fail(value, fmt::format("{} is {}, expected the file of a model",
                                               in_quotes(name), type_name(value)));
       targets.push_back(name + "=" + (folder_ / *file).string());
+      names_.push_back(name);
+      good_ = require_file(folder_ / *file, log_) && good_;
     };
     const auto* map = std::get_if<Table::Map>(&table->data);
     if (map == nullptr) return reader.fail(*table, "targets is not a table of files by name");
@@ -203,32 +221,13 @@ class ScenarioReader {
   std::optional<scenario::SourcePtr> of_file(ConfigTable& part, const std::string& file) {
     SourceOptions options;
     options.strict = options_.strict;
-    options.target = owner(part.text("target"));
-    options.frame_rate = part.number("frame_rate");
-    if (const auto method = part.text("interpolation")) {
-      if (const auto named = method_named(*method))
-        options.csv.method = *named;
-      else
-        part.fail(*part.find("interpolation"),
-                  "interpolation is not linear, cubic, lagrange or hermite");
-    }
-    if (const auto degree = part.number("degree")) {
-      if (*degree >= 1 && *degree <= 31 && *degree == std::floor(*degree))
-        options.csv.degree = static_cast<std::size_t>(*degree);
-      else
-        part.fail(*part.find("degree"), "degree is not a whole number from 1 to 31");
-    }
-    if (const Table* objects = part.find("objects"); objects != nullptr) {
-      const auto* map = std::get_if<Table::Map>(&objects->data);
-      if (map == nullptr) part.fail(*objects, "objects is not a table of targets by number");
-      for (std::size_t k = 0; map != nullptr && k < map->size(); ++k) {
-        const auto* name = std::get_if<std::string>(&(*map)[k].second.data);
-        if (name == nullptr)
-          part.fail((*map)[k].second, "expected the name of a target");
-        else
-          options.objects[(*map)[k].first] = *name;
-      }
-    }
+    const std::string extension = lower_extension(file);
+    if (extension == ".csv")
+      read_csv_options(part, options.csv);
+    else if (extension == ".fli")
+      read_fli_options(part, options);
+    else if (extension != ".json")
+      options.target = target_of(part);
     if (!part.ok()) return std::nullopt;
     const fs::path path = folder_ / file;
     files_.push_back(path.string());
@@ -237,12 +236,46 @@ class ScenarioReader {
     return *source;
   }
 
+  // Owner of a source's channels; empty: the camera.
+  std::string target_of(ConfigTable& part) const {
+    const std::string target = owner(part.text("target"));
+    check_name(part, part.find("target"), target);
+    return target;
+  }
+
+  static void read_csv_options(ConfigTable& part, scenario::CsvOptions& csv) {
+    if (const auto method = part.text("interpolation")) {
+      if (const auto named = method_named(*method))
+        csv.method = *named;
+      else
+        part.fail(*part.find("interpolation"),
+                  "interpolation is not linear, cubic, lagrange or hermite");
+    }
+    if (const auto degree = part.number("degree")) {
+      if (*degree >= 1 && *degree <= 31 && *degree == std::floor(*degree))
+        csv.degree = static_cast<std::size_t>(*degree);
+      else
+        part.fail(*part.find("degree"), "degree is not a whole number from 1 to 31");
+    }
+  }
+
+  void read_fli_options(ConfigTable& part, SourceOptions& options) const {
+    options.frame_rate = part.number("frame_rate");
+    const Table* objects = part.find("objects");
+    if (objects == nullptr) return;
+    const auto* map = std::get_if<Table::Map>(&objects->data);
+    if (map == nullptr) return part.fail(*objects, "objects is not a table of targets by number");
+    for (const auto& [number, value] : *map) {
+      const auto* name = std::get_if<std::string>(&value.data);
+      if (name == nullptr) return part.fail(value, "expected the name of a target");
+      check_name(part, &value, *name);
+      options.objects[number] = *name;
+    }
+  }
+
   std::optional<scenario::SourcePtr> of_formula(ConfigTable& part, const Table& table) {
     const auto formula = part.text("formula");
-    const std::string target = owner(part.text("target"));
-    const auto position = vector(part, "position");
-    const scenario::OrbitState state{position.value_or(Vec3(0)),
-                                     vector(part, "velocity").value_or(Vec3(0))};
+    const std::string target = target_of(part);
     if (!formula) {
       part.fail(table, "a source has neither file nor formula");
       return std::nullopt;
@@ -253,11 +286,12 @@ class ScenarioReader {
         part.fail(table, "clohessy_wiltshire needs the rate of the orbit, rad/s, above 0");
         return std::nullopt;
       }
-      return scenario::clohessy_wiltshire_source(target, state, *rate);
+      return scenario::clohessy_wiltshire_source(target, orbit_state(part), *rate);
     }
     if (*formula == "two_body") {
       const double mu = part.number("mu").value_or(3.986004418e14);
       const auto span = part.number("span");
+      const scenario::OrbitState state = orbit_state(part);
       if (!(mu > 0)) part.fail(table, "mu is not above 0 m³/s²");
       if (!part.ok()) return std::nullopt;
       auto source = scenario::two_body_source(target, state, mu, {0, span.value_or(86400)}, log_);
@@ -266,8 +300,8 @@ class ScenarioReader {
     }
     if (*formula == "fixed") {
       scenario::Frame frame;
-      scenario::Placement place{position, quaternion(part, "quat")};
-      if (position || place.rotation)
+      const scenario::Placement place{vector(part, "position"), quaternion(part, "quat")};
+      if (place.position || place.rotation)
         (target.empty() ? frame.camera : frame.target(target).placement) = place;
       frame.sun_direction = vector(part, "sun");
       if (frame.sun_direction && glm::length(*frame.sun_direction) > 0)
@@ -289,6 +323,10 @@ class ScenarioReader {
     part.fail(*part.find("formula"), fmt::format("formula is {}, expected {}", in_quotes(*formula),
                                                  fmt::join(kFormulas, ", ")));
     return std::nullopt;
+  }
+
+  static scenario::OrbitState orbit_state(ConfigTable& part) {
+    return {vector(part, "position").value_or(Vec3(0)), vector(part, "velocity").value_or(Vec3(0))};
   }
 
   static std::optional<Vec3> vector(ConfigTable& part, std::string_view name) {
@@ -359,7 +397,9 @@ class ScenarioReader {
     const auto* map = std::get_if<Table::Map>(&table->data);
     if (map == nullptr) return reader.fail(*table, "view is not a table of settings");
     for (const auto& [name, value] : *map) read_setting_of(reader, name, value, settings);
-    if (settings.camera_file) settings.camera_file = (folder_ / *settings.camera_file).string();
+    if (!settings.camera_file) return;
+    settings.camera_file = (folder_ / *settings.camera_file).string();
+    good_ = require_file(*settings.camera_file, log_) && good_;
   }
 
   static nlohmann::json as_json(const Table& value) {
@@ -409,6 +449,7 @@ class ScenarioReader {
   const ScenarioOptions& options_;
   DiagnosticLog& log_;
   std::vector<std::string> files_;
+  std::vector<std::string> names_;  // of the targets
   std::vector<scenario::Part> parts_;
   bool good_ = true;
 };

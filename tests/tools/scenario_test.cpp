@@ -101,17 +101,28 @@ TEST_F(Scenarios, GoesOnWithWhatIsMissing) {
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(contents(entry.path().string()) == contents(folder_ / ("part/" + name))) << name;
   }
-  EXPECT_EQ(files, 4u);
-  // other frames are another run
-  EXPECT_THAT(run("part", {"--resume", "--every", "2"}).err, HasSubstr("differs"));
+  EXPECT_EQ(files, 5u);
+  // other frames, settings and models are another run
+  EXPECT_THAT(run("part", {"--resume", "--every", "2"}).err, HasSubstr("frames.jsonl differs"));
+  EXPECT_THAT(run("part", {"--resume", "--samples", "3"}).err, HasSubstr("run.json differs"));
+  folder_.write("box.pxn",
+                "<pangu_model ver=\"1\"><joint name=\"lid\" type=\"revolute\" "
+                "lower=\"0\" upper=\"90deg\"><box size=\"2\"/></joint></pangu_model>");
+  EXPECT_THAT(run("part", {"--resume"}).err, HasSubstr("run.json differs"));
+  // files of no run are not written over
+  fs::create_directories(folder_ / "own");
+  folder_.write("own/000002.npy", "mine");
+  EXPECT_THAT(run("own").err, HasSubstr("'000002.npy' of no run"));
+  EXPECT_EQ(contents(folder_ / "own/000002.npy"), "mine");
+  EXPECT_THAT(run("run.toml").err, HasSubstr("it is no folder"));
 }
 
 TEST_F(Scenarios, FramesAreChosen) {
   const auto numbers = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"scenario", scenario_, "--json"});
-    const Outcome done = panwright(words);
+    const json done = json::parse(panwright(words).out);
     std::vector<double> out;
-    for (const json& frame : json::parse(done.out)["frames"]) out.push_back(frame["time"]);
+    for (const json& frame : done["frames"]) out.push_back(frame["time"]);
     return out;
   };
   using Times = std::vector<double>;
@@ -121,7 +132,7 @@ TEST_F(Scenarios, FramesAreChosen) {
   EXPECT_EQ(numbers({"--at", "1", "--at", "0.25"}), Times({1, 0.25}));
   for (const auto& [words, expected] :
        std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--frames", "3"}, "--frames begins at 3; there are 3 frames"},
+           {{"--frames", "3"}, "--frames asks for frame 3; there are 3 frames, from 0"},
            {{"--frames", "2..1"}, "expected N, N..M or N.."},
            {{"--at", "11"}, "E8003"},
            {{"--at", "soon"}, "expected seconds"},
@@ -163,12 +174,61 @@ TEST_F(Scenarios, MistakesAreAtTheirPlaces) {
   EXPECT_FALSE(fs::exists(folder_ / "bare"));
 }
 
+// Sources move by their offset, dates or not; what lies outside of them is never cut in silence.
+TEST_F(Scenarios, TimesAreThoseOfTheSources) {
+  folder_.write("dated.csv",
+                "time[UTC],camera.x[m],camera.y[m],camera.z[m]\n"
+                "2026-01-01T00:00:00,0,0,0\n2026-01-01T00:01:00,60,0,0\n");
+  const auto camera = [&](const std::string& source, const std::string& time) {
+    const std::string file = folder_.write(
+        "offset.toml",
+        "epoch = \"2026-01-01T00:00:00 UTC\"\n[[source]]\nfile = \"dated.csv\"\n" + source);
+    return json::parse(
+               panwright({"scenario", file, "--at", time, "--json"}).out)["frames"][0]["camera"][0]
+        .get<double>();
+  };
+  EXPECT_EQ(camera("", "30"), 30);
+  EXPECT_EQ(camera("offset = 10\n", "30"), 20);
+  EXPECT_EQ(camera("offset = -20\n", "30"), 50);
+  for (const char* bounds : {"end = 11\n", "begin = -1\n", "begin = 20\nend = 30\n"}) {
+    const std::string text = contents(scenario_);
+    const Outcome done = panwright({"scenario", folder_.write("cut.toml", bounds + text)});
+    EXPECT_THAT(done.err, HasSubstr("the sources cover 0 s to 10 s")) << bounds;
+    EXPECT_THAT(done.err, HasSubstr("E8003"));
+  }
+  EXPECT_THAT(panwright({"scenario", scenario_, "--frames", "1..3"}).err,
+              HasSubstr("asks for frame 3"));
+}
+
+TEST_F(Scenarios, NamesOfTargetsAreChecked) {
+  const auto problem = [&](const std::string& text) {
+    return panwright(
+               {"scenario", folder_.write("names.toml", "[targets]\nbox = \"box.pxn\"\n" + text)})
+        .err;
+  };
+  EXPECT_THAT(problem("[[source]]\nformula = \"fixed\"\ntarget = \"bx\"\n"),
+              HasSubstr("names.toml:5:10: error: no target has the name 'bx'"));
+  EXPECT_THAT(problem("[look_at]\ntarget = \"bax\"\n[[source]]\nfile = \"way.csv\"\n"),
+              HasSubstr("did you mean 'box'?"));
+  // members of another kind of source
+  EXPECT_THAT(problem("[[source]]\nformula = \"fixed\"\nvelocity = [1, 0, 0]\n"),
+              HasSubstr("'velocity' is no member of a source"));
+  EXPECT_THAT(problem("[[source]]\nfile = \"way.csv\"\nobjects = {}\n"),
+              HasSubstr("'objects' is no member of a source"));
+  // files that only a run reads
+  EXPECT_THAT(panwright({"scenario", folder_.write("none.toml",
+                                                   "[targets]\nbox = \"none.pan\"\n"
+                                                   "[[source]]\nfile = \"way.csv\"\n")})
+                  .err,
+              HasSubstr("E0101"));
+}
+
 TEST_F(Scenarios, CourseIsDrawn) {
   const std::string svg = folder_ / "course.svg";
   const Outcome done = panwright({"scenario", scenario_, "--plot", svg});
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("3 frames, 0 s to 10 s"));
-  EXPECT_THAT(done.out, HasSubstr("the rotation of 'box'"));
+  EXPECT_THAT(done.out, HasSubstr("the rotation of target 'box'"));
   EXPECT_THAT(contents(svg), HasSubstr("Range"));
   EXPECT_THAT(contents(svg), HasSubstr("Phase angle"));
 }
