@@ -85,10 +85,10 @@ class TomlConverter {
         return std::pair(x.line, x.column) < std::pair(y.line, y.column);
       });
       auto& map = value.data.emplace<ConfigValue::Map>();
-      for (const auto& [key, item] : members)
-        if (!convert(*item, depth + 1,
-                     map.emplace_back(std::string(key->str()), ConfigValue{}).second))
-          return false;
+      for (const auto& [key, item] : members) {
+        map.push_back({std::string(key->str()), {}});
+        if (!convert(*item, depth + 1, map.back().value)) return false;
+      }
       return true;
     }
     if (const auto* list = node.as_array()) {
@@ -159,9 +159,8 @@ class YamlConverter {
           repeated.where = reader_.at_offset(static_cast<std::size_t>(member.first.Mark().pos));
           return reader_.fail(repeated.where, fmt::format("{} is given twice", in_quotes(name)));
         }
-        if (!convert(member.second, depth + 1,
-                     map.emplace_back(std::move(name), ConfigValue{}).second))
-          return false;
+        map.push_back({std::move(name), {}});
+        if (!convert(member.second, depth + 1, map.back().value)) return false;
       }
       return true;
     }
@@ -221,8 +220,8 @@ bool add_numbers(const ConfigValue& value, std::vector<double>& out) {
 const ConfigValue* ConfigValue::find(std::string_view name) const {
   const auto* map = std::get_if<Map>(&data);
   if (map == nullptr) return nullptr;
-  const auto found = std::ranges::find(*map, name, &Map::value_type::first);
-  return found == map->end() ? nullptr : &found->second;
+  const auto found = std::ranges::find(*map, name, &ConfigMember::name);
+  return found == map->end() ? nullptr : &found->value;
 }
 
 std::string_view type_name(const ConfigValue& value) {

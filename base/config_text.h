@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -15,9 +14,11 @@
 
 namespace panwright {
 
+struct ConfigMember;
+
 struct ConfigValue {
   using List = std::vector<ConfigValue>;
-  using Map = std::vector<std::pair<std::string, ConfigValue>>;  // in the order of the text
+  using Map = std::vector<ConfigMember>;  // in the order of the text
 
   // Null; flags; numbers; text (dates of TOML too).
   std::variant<std::monostate, bool, double, std::string, List, Map> data;
@@ -25,6 +26,11 @@ struct ConfigValue {
 
   // Returns the member of a name; null: this is no map, or has none of it.
   const ConfigValue* find(std::string_view name) const;
+};
+
+struct ConfigMember {
+  std::string name;
+  ConfigValue value;
 };
 
 // Returns "text", "a number", "a list", … for messages.

@@ -126,9 +126,7 @@ void KeptImport::report_again() {
   std::map<FileId, FileId> files;  // then and now, in the order by which entries are sorted
   for (const Entry& entry : found_)
     if (entry.file != kNoFile) files.emplace(entry.file, kNoFile);
-  for (auto& [then, now] : files)
-    now = file_of(*std::find_if(found_.begin(), found_.end(),
-                                [&](const Entry& entry) { return entry.file == then; }));
+  for (auto& [then, now] : files) now = file_of(*std::ranges::find(found_, then, &Entry::file));
   for (Entry& entry : found_) {
     if (entry.file != kNoFile) entry.said.where.file = files.at(entry.file);
     log_.report(entry.said.code, entry.said.where, std::move(entry.said.message),

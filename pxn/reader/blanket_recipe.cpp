@@ -29,8 +29,8 @@ mli::Recipe square_recipe(double side, double cell) {
   return recipe;
 }
 
-// Those of a sheet that is so high, in metres. Of a blanket that leaves its cells open, what is too
-// fine for them is left out: slope_rms keeps the slopes that the others have.
+}  // namespace
+
 std::vector<mli::Operation> operations_for(const Blanket& how, double height, double cell) {
   std::vector<mli::Operation> out;
   if (auto preset = mli::preset_operations(how.preset, height)) out = *std::move(preset);
@@ -46,8 +46,6 @@ std::vector<mli::Operation> operations_for(const Blanket& how, double height, do
   std::ranges::remove_copy_if(out, std::back_inserter(kept), too_fine);
   return std::ranges::any_of(kept, has_relief) ? kept : out;
 }
-
-}  // namespace
 
 mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
   return [&how, cell, seed](double width, double height, std::uint32_t seed_offset) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "mli/wrap.h"
 #include "pxn/reader/blankets.h"
@@ -10,6 +11,10 @@ namespace panwright::pxn {
 
 // Triangles of a blanket per cell, an estimate: 2 and what faces are cut into at their borders.
 inline constexpr double kPerCell = 2.4;
+
+// Returns the operations of a sheet of a height, metres. Of a blanket that leaves its cells open,
+// what is too fine for them is left out: slope_rms keeps the slopes that the others have.
+std::vector<mli::Operation> operations_for(const Blanket& how, double height, double cell);
 
 // Returns the recipe of a blanket's sheets. Expects: how outlives it.
 mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed);
