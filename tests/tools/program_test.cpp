@@ -155,7 +155,7 @@ TEST(Program, JsonIsOneObjectOnStandardOutput) {
     }
   }
   const json version = json::parse(panwright({"--version", "--json"}).out);
-  EXPECT_EQ(version["pan_format"], "1.1");
+  EXPECT_EQ(version["pan_format"], "1.2");
 }
 
 TEST(Program, ColorFollowsTheUserAndNoColor) {
@@ -277,7 +277,7 @@ TEST(Program, CompletionScriptsAreValid) {
            "COMP_WORDS=($p ren); COMP_CWORD=1; _panwright; echo ${COMPREPLY[0]};"
            "COMP_WORDS=($p render --cam); COMP_CWORD=2; _panwright; echo ${COMPREPLY[@]};"
            "COMP_WORDS=($p render --engine = r); COMP_CWORD=4; _panwright; echo ${COMPREPLY[@]}"});
-  EXPECT_EQ(outcome.out, "render\n--camera --camera-frame\nreference\n");
+  EXPECT_EQ(outcome.out, "render\n--camera --camera-frame --camera-file\nreference\n");
   for (const char* shell : {"zsh", "fish"})
     EXPECT_THAT(panwright({"completion", shell}).out, HasSubstr("complete --"));
 }
