@@ -116,12 +116,7 @@ class AemReader {
         !read_attitudes(block, form, kept, samples))
       return false;
     set_method(block, method, samples);
-    samples.span = useable_span(block, times, *info_.epoch, samples.times, input_, options_.strict);
-    if (!(samples.span.begin <= samples.span.end)) {
-      input_.error(Code::E8004, block.begin, "the usable span ends before it begins");
-      return false;
-    }
-    report_gap(samples.times, input_, block.begin);
+    if (!end_block(block, times, *info_.epoch, samples, input_, options_.strict)) return false;
     info_.system = times.system;
     segments_.push_back(std::move(samples));
     places_.push_back(block.begin);

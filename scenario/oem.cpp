@@ -75,12 +75,7 @@ class OemReader {
     }
     samples.method = method.method;
     samples.degree = method.degree;
-    samples.span = useable_span(block, times, *info_.epoch, samples.times, input_, options_.strict);
-    if (!(samples.span.begin <= samples.span.end)) {
-      input_.error(Code::E8004, block.begin, "the usable span ends before it begins");
-      return false;
-    }
-    report_gap(samples.times, input_, block.begin);
+    if (!end_block(block, times, *info_.epoch, samples, input_, options_.strict)) return false;
     info_.system = times.system;
     info_.frame = frame_name(frame->value);
     if (const Field* const centre = block.find("CENTER_NAME"))

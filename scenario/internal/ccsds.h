@@ -93,6 +93,20 @@ bool read_record_times(const Block& block, TimeSystem system, std::optional<Epoc
 TimeSpan useable_span(const Block& block, const BlockTimes& block_times, const Epoch& epoch,
                       const std::vector<double>& times, Input& input, bool strict);
 
+// Sets the span of a block's samples, and reports their gaps. False: E8004 for a span that ends
+// before it begins.
+template <class Value>
+bool end_block(const Block& block, const BlockTimes& block_times, const Epoch& epoch,
+               Samples<Value>& samples, Input& input, bool strict) {
+  samples.span = useable_span(block, block_times, epoch, samples.times, input, strict);
+  if (!(samples.span.begin <= samples.span.end)) {
+    input.error(Code::E8004, block.begin, "the usable span ends before it begins");
+    return false;
+  }
+  report_gap(samples.times, input, block.begin);
+  return true;
+}
+
 // Method and degree from INTERPOLATION or INTERPOLATION_METHOD. False: E8001.
 struct MethodRead {
   bool stated = false;
