@@ -9,6 +9,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/support/paths.h"
+
 namespace panwright::support {
 
 namespace {
@@ -41,6 +43,11 @@ Outcome run(const std::vector<std::string>& words, const std::vector<std::string
   int status = 0;
   waitpid(child, &status, 0);
   return {code_of(status), contents(folder / "out"), contents(folder / "err")};
+}
+
+Outcome panwright(std::vector<std::string> words, const std::vector<std::string>& environment) {
+  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+  return run(words, environment);
 }
 
 bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds) {

@@ -18,6 +18,9 @@ struct Outcome {
 Outcome run(const std::vector<std::string>& words,
             const std::vector<std::string>& environment = {});
 
+// run() of this build's panwright.
+Outcome panwright(std::vector<std::string> words, const std::vector<std::string>& environment = {});
+
 // Starts a program, kills it after some microseconds (SIGKILL), and waits for it. Returns true if
 // it was still running then.
 bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);

@@ -12,15 +12,12 @@ namespace panwright::answers_test {
 namespace {
 
 using support::Outcome;
+using support::panwright;
 using testing::HasSubstr;
 using testing::Not;
 
 class Answers : public testing::Test {
  protected:
-  Outcome panwright(std::vector<std::string> words) {
-    words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-    return support::run(words);
-  }
   std::string model(const std::string& body) {
     return folder_.write("m.pxn", "<pangu_model ver=\"1\">\n" + body + "\n</pangu_model>\n");
   }

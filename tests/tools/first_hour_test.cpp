@@ -15,6 +15,7 @@ namespace panwright::first_hour_test {
 namespace {
 
 using support::Outcome;
+using support::panwright;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -26,10 +27,6 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 
 class FirstHour : public testing::Test {
  protected:
-  Outcome panwright(std::vector<std::string> words) {
-    words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-    return support::run(words);
-  }
   std::string model(const std::string& name, const std::string& body,
                     const std::string& root = " ver=\"1\"") {
     return folder_.write(name, "<pangu_model" + root + ">\n" + body + "\n</pangu_model>\n");

@@ -14,13 +14,9 @@ namespace {
 
 using nlohmann::json;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words);
-}
 
 // A door of 2 x 1 m on a hinge at the origin, a knob that follows, a post in its way.
 constexpr const char* kDoor =

@@ -20,16 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 using support::contents;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
 
 const std::string kProgram = PANWRIGHT_BIN_DIR "/panwright";
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), kProgram);
-  return support::run(words);
-}
 
 // The program below a shell; "$P" stands for it.
 Outcome shell(const std::string& script) {

@@ -21,17 +21,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using support::contents;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
 
 const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
-
-Outcome panwright(std::vector<std::string> words,
-                  const std::vector<std::string>& environment = {}) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words, environment);
-}
 
 std::string model(const std::string& body) {
   return "<?xml version=\"1.0\"?>\n<pangu_model ver=\"0\">\n" + body + "\n</pangu_model>\n";

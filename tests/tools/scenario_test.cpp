@@ -17,13 +17,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using support::contents;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words);
-}
 
 class Scenarios : public testing::Test {
  protected:

@@ -20,13 +20,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using pan::layout::SectionKind;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words);
-}
 
 // Whether everything that was said is still said: objects may have more members.
 void expect_said(const json& then, const json& now, const std::string& where) {

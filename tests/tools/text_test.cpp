@@ -16,16 +16,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using support::contents;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
 
 const std::string kServicer = PANWRIGHT_SOURCE_DIR "/examples/servicer";
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words);
-}
 
 TEST(Fmt, InPlaceOnceAndForAll) {
   const TemporaryFolder folder;

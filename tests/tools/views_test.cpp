@@ -17,14 +17,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using support::contents;
 using support::Outcome;
+using support::panwright;
 using support::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
-
-Outcome panwright(std::vector<std::string> words) {
-  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
-  return support::run(words);
-}
 
 class Views : public testing::Test {
  protected:
