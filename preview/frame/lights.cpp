@@ -87,7 +87,10 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
   blocks_.resize(views_.size() * stride_);
   for (std::size_t i = 0; i < views_.size(); ++i)
     std::memcpy(blocks_.data() + i * stride_, &views_[i].block, sizeof(LightBlock));
-  first_ = stream_->upload(blocks_);
+  if (blocks_ != uploaded_) {
+    first_ = stream_->upload(blocks_);
+    uploaded_.swap(blocks_);
+  }
   return true;
 }
 

@@ -43,9 +43,10 @@ class Lights {
  private:
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};
-  std::vector<Mat4> samples_;      // of the receivers
-  std::vector<LightView> views_;   // of the receivers, light by light
-  std::vector<std::byte> blocks_;  // of these
+  std::vector<Mat4> samples_;        // of the receivers
+  std::vector<LightView> views_;     // of the receivers, light by light
+  std::vector<std::byte> uploaded_;  // blocks of these, in stream_
+  std::vector<std::byte> blocks_;    // those of the next update()
   std::optional<StreamBuffer> stream_;
   std::size_t stride_ = 0;  // bytes, of blocks_
   std::size_t first_ = 0;   // bytes, in stream_

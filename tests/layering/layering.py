@@ -21,6 +21,7 @@ LEVELS = [
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
 # The same below the first level: sub-folder: the sub-folders it may include, closed transitively. Files beside the
 # sub-folders may include all of them; a sub-folder includes such a header only if that includes no more than itself may.
+# Those of BESIDE belong to a sub-folder as if they lay in it.
 PARTS = {
     "geometry": {"internal": [], "kinematics": [], "ray": ["internal"], "mesh": ["ray"], "tessellate": ["internal"]},
     "importers": {"internal": [], "vrml": ["internal"], "gltf": ["internal"], "meshes": ["internal"], "step": ["internal"],
@@ -32,6 +33,7 @@ PARTS = {
     "scenario": {"internal": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
+BESIDE = {"preview/context": "gl", "preview/device": "model", "preview/renderer": "frame"}
 # includes that these tables forbid, each with its reason
 EXCEPTIONS = {}
 UNRESTRICTED = ["bench", "tests", "examples"]
@@ -68,9 +70,9 @@ def room_of(path):
 
 
 def part_of(path):
-    """The folder and its sub-folder that a path lies in; None: beside the sub-folders."""
+    """The folder and its sub-folder that a path lies in or belongs to; None: beside the sub-folders."""
     folder, *rest = path.split("/")
-    return folder, rest[0] if len(rest) > 1 else None
+    return folder, rest[0] if len(rest) > 1 else BESIDE.get(path.rsplit(".", 1)[0])
 
 
 def parts_of(root, path):
