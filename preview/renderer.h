@@ -104,7 +104,7 @@ struct RenderOptions {
   std::optional<unsigned> shadow_side;
   Shadows shadows = Shadows::automatic;
   // 2 to 256. Upper bound of automatic ones: by pixel_error, half as many if no penumbra is wider
-  // than two pixels; 8 with a limit of work
+  // than two pixels; with a limit of work 8, or 4 up to 16 pixels
   unsigned sun_points = 64;
   bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
                                    // pixels' centres

@@ -266,7 +266,7 @@ void Passes::bind_blocks(std::size_t first, std::size_t instances) const {
 
 bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
                   const RenderTarget& target, const Job& job,
-                  const std::function<void(bool)>& clear) {
+                  const std::function<void(bool)>& clear, const PixelSet* asked) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
                static_cast<GLsizei>(tile.tile.height * samples));
@@ -301,7 +301,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
       gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
     region.reset();
     for (const TileTarget& one : tile.targets)
-      if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
+      if (belongs(one) && !draw_items(scene, tile.tile, asked, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
     for (const TileTarget& one : tile.targets)
       if (belongs(one)) draw_decals(scene, one, target.colors[kNormalLayer]);
@@ -319,8 +319,31 @@ float disc_width(const FrameScene& scene) {
 
 }  // namespace
 
-bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass,
+// Draws the parts of a large mesh, whose vertices are bound, that may touch the pixels.
+bool Passes::draw_asked(const FrameScene& scene, const Tile& tile, const PixelSet& asked,
+                        const TargetState& state, const PlacedBox& box, std::size_t mesh_index,
                         const Job& job) {
+  constexpr std::uint32_t kThis[] = {0};
+  const ModelResources::Impl& model = state.model();
+  const pan::layout::Mesh& mesh = model.model->meshes()[mesh_index];
+  std::uint64_t first = 0, count = 0;
+  for (const MeshRun& run : runs_.find(state.resources, *model.model, mesh_index)) {
+    const PlacedBox placed{box.camera_from_mesh, run.box.low, run.box.high};
+    if (!asked.any(touched_part(scene.camera, tile, {&placed, 1}, kThis))) continue;
+    if (first + count == run.first) {
+      count += run.count;
+      continue;
+    }
+    if (!model.gpu.draw(mesh, mesh_index, 1, job, first, count)) return false;
+    first = run.first;
+    count = run.count;
+  }
+  return model.gpu.draw(mesh, mesh_index, 1, job, first, count);
+}
+
+bool Passes::draw_items(const FrameScene& scene, const Tile& tile, const PixelSet* asked,
+                        const TileTarget& target, Pass pass, const Job& job) {
+  constexpr std::uint64_t kLargeMesh = 1 << 12;  // triangles
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   const VisibleTarget& visible = scene.visible.targets[target.visible];
@@ -350,10 +373,15 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
     bind_blocks(target.first_block + k, at_once);
-    const bool done = is_flat(pass)       ? model.gpu.draw_flat(mesh, item.mesh, at_once, job)
-                      : pass == Pass::ids ? model.gpu.draw_whole(mesh, item.mesh, at_once, job)
-                                          : model.gpu.draw(mesh, item.mesh, at_once, job);
-    if (!done) return false;
+    const auto done = [&] {
+      if (is_flat(pass)) return model.gpu.draw_flat(mesh, item.mesh, at_once, job);
+      if (pass == Pass::ids) return model.gpu.draw_whole(mesh, item.mesh, at_once, job);
+      if (asked && !instanced && mesh.triangle_count >= kLargeMesh)
+        return draw_asked(scene, tile, *asked, state, visible.boxes[target.drawn[k]], item.mesh,
+                          job);
+      return model.gpu.draw(mesh, item.mesh, at_once, job, 0, mesh.triangle_count);
+    };
+    if (!done()) return false;
     last = &item;
     were_instanced = instanced;
   }

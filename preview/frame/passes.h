@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "preview/frame/frame_scene.h"
+#include "preview/frame/samples.h"
 #include "preview/frame/target_states.h"
 #include "preview/frame/visible_set.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/model/device_impl.h"
+#include "preview/model/mesh_runs.h"
 
 namespace panwright::preview {
 
@@ -69,9 +71,10 @@ class Passes {
   // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.
   //
   //   clear  replaces clearing: all at first, then the depth alone, before each group
+  //   asked  pixels of the tile; others may miss some surfaces. null: all
   bool draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
             const RenderTarget& target, const Job& job,
-            const std::function<void(bool first)>& clear = {});
+            const std::function<void(bool first)>& clear = {}, const PixelSet* asked = nullptr);
 
   // Shades the visible surfaces, light by light, target by target, the materials of one BRDF model
   // after the other.
@@ -84,7 +87,11 @@ class Passes {
  private:
   GLuint program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
                  Pass pass, bool instanced);
-  bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
+  bool draw_items(const FrameScene& scene, const Tile& tile, const PixelSet* asked,
+                  const TileTarget& target, Pass pass, const Job& job);
+  bool draw_asked(const FrameScene& scene, const Tile& tile, const PixelSet& asked,
+                  const TargetState& state, const PlacedBox& box, std::size_t mesh_index,
+                  const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
   void shade_target(const FrameScene& scene, const TileTarget& target, unsigned samples,
@@ -103,6 +110,7 @@ class Passes {
   std::vector<std::byte> blocks_;
   std::vector<std::uint32_t> places_;  // of draw_decals()
   std::vector<GLuint> first_classes_;  // of shade()
+  MeshRunCache runs_;
 };
 
 }  // namespace panwright::preview

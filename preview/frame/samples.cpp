@@ -97,6 +97,25 @@ std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint3
   return done;
 }
 
+void PixelSet::assign(const Tile& tile, std::span<const Pixel> pixels) {
+  tile_ = tile;
+  const std::size_t row = std::size_t{tile.width} + 1;
+  sums_.assign(row * (std::size_t{tile.height} + 1), 0);
+  for (const Pixel& pixel : pixels) ++sums_[row * (pixel.y + 1) + pixel.x + 1];
+  for (std::size_t y = 1; y <= tile.height; ++y)
+    for (std::size_t x = 1; x <= tile.width; ++x)
+      sums_[row * y + x] +=
+          sums_[row * y + x - 1] + sums_[row * (y - 1) + x] - sums_[row * (y - 1) + x - 1];
+}
+
+bool PixelSet::any(const Tile& part) const {
+  const std::size_t row = std::size_t{tile_.width} + 1;
+  const std::size_t left = part.x - tile_.x, right = left + part.width;
+  const std::size_t top = part.y - tile_.y, bottom = top + part.height;
+  return sums_[row * bottom + right] + sums_[row * top + left] !=
+         sums_[row * top + right] + sums_[row * bottom + left];
+}
+
 std::vector<PixelRun> runs(std::span<const Pixel> pixels) {
   std::vector<PixelRun> result;
   for (const Pixel& pixel : pixels) {

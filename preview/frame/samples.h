@@ -58,6 +58,19 @@ struct PixelRun {
 // Returns the runs of ascending pixels.
 std::vector<PixelRun> runs(std::span<const Pixel> pixels);
 
+// Set of pixels of a tile, for questions about rectangles.
+class PixelSet {
+ public:
+  // pixels: those of the set, from the tile's upper left corner.
+  void assign(const Tile& tile, std::span<const Pixel> pixels);
+  // Returns true if a part of the tile holds one of them. Cost: O(1).
+  bool any(const Tile& part) const;
+
+ private:
+  Tile tile_;
+  std::vector<std::uint32_t> sums_;  // above and left of the corner (x, y): (width + 1)·y + x
+};
+
 // Covers all pixels by rectangles, each pixel in one, none empty. A further rectangle costs as much
 // as `worth` pixels in one.
 //

@@ -542,6 +542,7 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     on_it.push_back({pixels[index].x - tile.x, pixels[index].y - tile.y});
     places.push_back(packed(on_it.back().x, on_it.back().y));
   }
+  asked_.assign(tile, on_it);
   std::vector<std::uint32_t> rectangles;
   for (const PixelRun& run : runs(on_it)) {
     rectangles.push_back(packed(run.first.x, run.first.y));
@@ -554,7 +555,7 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
   };
   if (!passes_.draw(frame.scene, on_tile, samples,
                     frame.options.flat ? Pass::flat_geometry : Pass::geometry, seen_, frame.job,
-                    clear))
+                    clear, &asked_))
     return !frame.cancelled();
 
   const std::uint32_t a_row = static_cast<std::uint32_t>(color_.width) / samples;

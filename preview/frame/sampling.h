@@ -100,6 +100,7 @@ class Sampling {
   std::vector<Surprise> surprises_;    // of one frame
   std::vector<std::uint32_t> inside_;  // those within a tile's conservative bounds
   std::vector<std::uint32_t> order_;   // of the refined pixels
+  PixelSet asked_;                     // of a tile
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   Outline outline_;
   double work_ = 0;  // of this frame: RenderOptions::work

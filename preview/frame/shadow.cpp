@@ -387,7 +387,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
         GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
         static_cast<GLintptr>(first_block_ + k * stride_),
         static_cast<GLsizeiptr>((instanced ? kInstancesAtOnce : 1) * sizeof(DrawBlock)));
-    if (!gpu.draw(mesh, item.mesh, at_once, job)) return false;
+    if (!gpu.draw(mesh, item.mesh, at_once, job, 0, mesh.triangle_count)) return false;
     were_instanced = instanced;
     last = &item;
   }

@@ -40,14 +40,14 @@ bool is_limited(const SunDisc& disc, const FrameScene& scene) {
 }
 
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
-// show the steps between them. In an eclipse all of a target has the error of one place of a
-// penumbra.
+// show the steps between them, few where time is limited. In an eclipse all of a target has the
+// error of one place of a penumbra.
 unsigned points_for(double penumbra, bool eclipse, const SunDisc& disc, const FrameScene& scene) {
   unsigned points = disc.points;
   if (eclipse)
     points = std::max(points, disc.most);
   else if (is_limited(disc, scene))
-    points = std::min(points, kFewSunPoints);
+    points = std::min(points, penumbra > kWidePenumbra ? kFewSunPoints : kFewSunPoints / 2);
   else if (!disc.always && penumbra <= 2)
     points = std::max((points + 1) / 2, 2u);
   return std::min(points, scene.sun_points);

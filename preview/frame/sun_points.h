@@ -42,5 +42,7 @@ inline constexpr unsigned kFewSunPoints = 8;  // more have coarser maps
 
 // Smallest visible width of a penumbra, pixels.
 inline constexpr double kShownPenumbra = 0.5;
+// With a limit of time, half of kFewSunPoints up to this width, pixels.
+inline constexpr double kWidePenumbra = 16;
 
 }  // namespace panwright::preview

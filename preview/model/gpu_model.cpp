@@ -345,11 +345,10 @@ void GpuModel::draw_range(const layout::Mesh& mesh, std::size_t mesh_index,
 }
 
 bool GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
-                    const Job& job) const {
-  for (std::uint64_t first = 0; first < mesh.triangle_count; first += kPartTriangles) {
+                    const Job& job, std::uint64_t first, std::uint64_t count) const {
+  for (const std::uint64_t end = first + count; first < end; first += kPartTriangles) {
     if (job.cancelled()) return false;
-    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, mesh.triangle_count - first),
-               instances);
+    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, end - first), instances);
   }
   return true;
 }

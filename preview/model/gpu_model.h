@@ -40,11 +40,11 @@ class GpuModel {
   // Binds materials and items as textures, for look-ups in shading.
   void bind_materials() const;
 
-  // Draws the whole mesh whose vertices are bound, in parts small enough for prompt cancellation.
-  // False: cancelled.
+  // Draws consecutive triangles of the mesh whose vertices are bound, in parts small enough for
+  // prompt cancellation. False: cancelled.
   bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
-            const Job& job) const;
-  // The same in one draw: its triangles are numbered from its first.
+            const Job& job, std::uint64_t first, std::uint64_t count) const;
+  // The whole mesh in one draw: its triangles are numbered from its first.
   bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
                   const Job& job) const;
   // The same with the normals of its triangles bound, in parts within the limit of buffer textures.

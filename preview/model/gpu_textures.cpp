@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
+#include <future>
 #include <set>
 #include <utility>
 #include <vector>
@@ -13,7 +15,7 @@ namespace {
 namespace layout = pan::layout;
 
 // float texels up to this many bytes in all, half floats beyond
-constexpr std::uint64_t kFloatTextureBytes = 1ull << 30;
+constexpr std::uint64_t kFloatTextureBytes = 1ull << 28;
 
 // Slopes are half floats: within 5e-4 of themselves, and 3e-8 where they are smaller than 6e-5.
 GLenum format_of(TextureRole role, bool whole) {
@@ -75,6 +77,12 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
   std::uint64_t bytes = 0;
   for (const TextureUse& use : uses_)
     bytes += channels(use.role) * model.textures()[static_cast<std::size_t>(use.texture)].bytes;
+  const auto levels_of = [&](const TextureUse& use) {
+    const auto i = static_cast<std::size_t>(use.texture);
+    const layout::Texture& texture = model.textures()[i];
+    return map_levels(model.texels(i), texture.width, texture.height,
+                      (texture.flags & layout::kTextureLinear) != 0, use.role, use.threshold, job);
+  };
   for (const TextureUse& use : uses_) {
     const auto i = static_cast<std::size_t>(use.texture);
     const layout::Texture& texture = model.textures()[i];
@@ -85,9 +93,15 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
                                   context.limits().texture_side));
       return false;
     }
-    const std::vector<TextureLevel> levels =
-        map_levels(model.texels(i), texture.width, texture.height,
-                   (texture.flags & layout::kTextureLinear) != 0, use.role, use.threshold, job);
+  }
+  // the levels of one are made while the context copies those of the one before
+  const auto policy = job.threads() > 1 ? std::launch::async : std::launch::deferred;
+  std::future<std::vector<TextureLevel>> next;
+  for (std::size_t k = 0; k < uses_.size(); ++k) {
+    const TextureUse& use = uses_[k];
+    const auto i = static_cast<std::size_t>(use.texture);
+    const std::vector<TextureLevel> levels = next.valid() ? next.get() : levels_of(use);
+    if (k + 1 < uses_.size()) next = std::async(policy, levels_of, std::cref(uses_[k + 1]));
     textures_.push_back(
         made(gl, levels, format_of(use.role, bytes <= kFloatTextureBytes), repeated[i] != 0));
     if (!fits(gl, "textures", log)) return false;

@@ -21,6 +21,16 @@ TextureLevel halved(const TextureLevel& above, const Job& job) {
       level.height,
       [&](std::size_t j) {
         const Footprint rows = footprint(static_cast<std::uint32_t>(j), above.height, level.height);
+        if (2 * level.width == above.width && 2 * level.height == above.height) {
+          const float* upper = above.rgba.data() + std::size_t{4} * rows.first * above.width;
+          const float* lower = upper + std::size_t{4} * above.width;
+          float* to = level.rgba.data() + 4 * j * level.width;
+          for (std::size_t i = 0; i < level.width; ++i, upper += 8, lower += 8, to += 4)
+            for (int k = 0; k < 4; ++k)
+              to[k] = static_cast<float>(0.25 * upper[k] + 0.25 * upper[k + 4] + 0.25 * lower[k] +
+                                         0.25 * lower[k + 4]);
+          return;
+        }
         for (std::size_t i = 0; i < level.width; ++i)
           for (std::size_t channel = 0; channel < 4; ++channel) {
             double sum = 0;
