@@ -211,6 +211,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"N2021",
        {"compile", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.pxn", "-o", folder / "dressed.pan"},
        {}},
+      {"N2029",
+       {"check", folder.write("rod.pxn",
+                              "<pangu_model ver=\"1\"><cylinder radius=\"2mm\" height=\"1\"/>"
+                              "</pangu_model>")},
+       {}},
       {"N2025",
        {"compile",
         folder.write("fitted.pxn",
