@@ -119,8 +119,10 @@ bool Renderer::Impl::update(const world::World& world, const world::Camera& came
   for (std::size_t i = 0; i < world.size(); ++i)
     leveled.push_back(
         {&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr, states[i].steps.get()});
+  world::Camera coarser = camera;
+  coarser.focal /= options.level_pixels;
   level_choices = level_states.find(
-      camera, leveled, options.levels ? options.level_pixel : std::optional<double>(0));
+      coarser, leveled, options.levels ? options.level_pixel : std::optional<double>(0));
   hidden.assign(world.size(), 0);
   return true;
 }

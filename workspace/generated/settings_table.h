@@ -72,7 +72,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--intrinsics", "Camera and Sun", "\"FX FY CX CY\"", "Pinhole intrinsics in pixels"},
     {"distortion", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "a model and its numbers, as \"brown -0.2 0.1 0 0\"", "a model and its numbers, as \"brown -0.2 0.1 0 0\"",
-     "--distortion", "Camera and Sun", "\"MODEL K…\"", "Lens distortion with --intrinsics (reference): brown K1 K2 P1 P2…, fisheye, division, powers or cahvore"},
+     "--distortion", "Camera and Sun", "\"MODEL K…\"", "Lens distortion with --intrinsics: brown K1 K2 P1 P2…, fisheye, division, powers or cahvore"},
     {"camera-file", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
      "a file name", "a file name",
      "--camera-file", "Camera and Sun", "FILE", "Size and lens from a camera file: .toml of this program, or of OpenCV, ROS, Kalibr or SPEED"},
@@ -292,8 +292,6 @@ inline constexpr Exclusion kExclusions[] = {
 inline constexpr Requirement kRequirements[] = {
     {SettingId::samples, SettingId::engine, false, [](const Settings& s) { return bool(s.samples && *s.samples == Settings::Samples::automatic); },
      [](const Settings& s) { return bool(*s.engine == Settings::Engine::gl); }, "--samples is 'auto', expected a whole number from 1 to 64"},
-    {SettingId::distortion, SettingId::engine, true, [](const Settings& s) { return bool(s.distortion); },
-     [](const Settings& s) { return bool(*s.engine == Settings::Engine::reference); }, "distortion of the lens requires --engine reference"},
     {SettingId::pixel_error, SettingId::samples, true, [](const Settings& s) { return bool(s.pixel_error); },
      [](const Settings& s) { return bool(*s.samples == Settings::Samples::automatic); }, "--pixel-error requires --samples auto"},
     {SettingId::adaptive, SettingId::samples, true, [](const Settings& s) { return bool(s.adaptive && *s.adaptive); },

@@ -1,0 +1,394 @@
+#include "preview/lens_renderer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/clock.h"
+#include "preview/frame/imposters.h"
+#include "preview/frame/lens_splat.h"
+#include "preview/frame/lens_views.h"
+#include "preview/frame/texel_areas.h"
+
+namespace panwright::preview {
+namespace {
+
+// Of one view.
+constexpr double kMostViewTexels = 1 << 24;
+// Of a small target's view, along a side.
+constexpr std::uint32_t kMostSide = 2044;
+// Targets up to so many pixels have views of their own, as imposters do.
+constexpr double kSmallTarget = 100;
+// Texels a pixel with samples = 0: 2 up to this error, and more by its power of -2/3, as the error
+// of resampling falls.
+constexpr double kErrorOfTwo = 0.02;
+constexpr double kMostRate = 6;
+// Largest texels a pixel of a given number of samples; beyond, texels have several.
+constexpr unsigned kMostGivenRate = 8;
+// Sum of squared errors of pixels, in parts of that of neighbours' differences, times rate³: of an
+// edge at any place of a pixel (docs/accuracy/lenses.md).
+constexpr double kBlur = 1.0 / 107;
+// Of errors, what is left for those of resampling.
+constexpr double kSampled = 0.9;
+// Of a small target whose errors are too large, what is aimed at.
+constexpr double kSmallAim = 0.5;
+
+// Texels a pixel, and samples a texel, along a side.
+struct Density {
+  double rate = 2;
+  unsigned samples = 1;
+};
+Density density_of(const RenderOptions& options) {
+  if (options.samples == 0) {
+    const double finer = std::pow(kErrorOfTwo / options.pixel_error, 2.0 / 3.0);
+    return {std::clamp(std::ceil(2 * finer - 1e-6), 2.0, kMostRate), 0};
+  }
+  if (options.adaptive) return {2, (options.samples + 1) / 2};
+  const unsigned samples = (options.samples + kMostGivenRate - 1) / kMostGivenRate;
+  const unsigned rate = (options.samples + samples - 1) / samples;
+  return {static_cast<double>(std::max(2u, rate)), samples};
+}
+
+bool has_own_views(const RenderOptions& options) {
+  return options.imposters != Imposters::off &&
+         (options.imposters == Imposters::always || options.samples == 0 ||
+          options.imposter_pixels.has_value());
+}
+
+AxisRectangle rectangle_of(const Tile& tile) {
+  const Vec2 low(tile.x, tile.y);
+  return {low, low + Vec2(tile.width, tile.height)};
+}
+
+bool share_area(const AxisRectangle& a, const AxisRectangle& b) {
+  return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
+}
+
+// Small targets that share a view.
+struct Small {
+  std::vector<std::uint32_t> targets;
+  AxisRectangle area;  // pixels
+  bool alone = true;   // no other target may be visible on its pixels
+};
+
+double light_of(const image::Image& image) {
+  double sum = 0;
+  for (const float value : image.radiance) sum += static_cast<double>(value);
+  return sum;
+}
+
+double squares_of(const image::Image& image) {
+  double sum = 0;
+  for (const float value : image.radiance)
+    sum += static_cast<double>(value) * static_cast<double>(value);
+  return sum / 3;
+}
+
+}  // namespace
+
+struct LensRenderer::Frame {
+  Renderer& renderer;
+  const world::World& world;
+  const world::Camera& camera;
+  const RenderOptions& options;
+  DiagnosticLog& log;
+  const Job& job;
+  image::Image image{};
+  std::vector<AxisRectangle> areas{};  // of the targets, pixels; empty: not visible
+  std::vector<Small> small{};
+  std::vector<LensLight> blurred{};  // of small targets, to be convolved
+  AxisRectangle rest{};              // of the other targets
+  double squares = 0, sum = 0;       // errors of samples in pixels, absolute
+  bool unlit = true;                 // no view shows light
+
+  void find_targets(const world::Evaluation& evaluation);
+  void find_small();
+  void tell(const DiagnosticLog& apart);
+  Result<image::Image> draw(const world::Camera& view, const RenderOptions& own,
+                            SamplingReport& report);
+};
+
+// What views report, once; that one of them is empty matters to none.
+void LensRenderer::Frame::tell(const DiagnosticLog& apart) {
+  for (const Diagnostic& each : apart.entries()) {
+    if (each.code == Code::W5006) continue;
+    const auto& known = log.entries();
+    if (std::none_of(known.begin(), known.end(), [&](const Diagnostic& one) {
+          return one.code == each.code && one.message == each.message;
+        }))
+      log.report_file(each.code, {}, each.message, each.hint);
+  }
+}
+
+void LensRenderer::Frame::find_targets(const world::Evaluation& evaluation) {
+  const AxisRectangle whole = rectangle_of({0, 0, camera.width, camera.height});
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    AxisRectangle area;
+    if (evaluation[i].bounds) area = lens_area(camera, world[i].pose(), *evaluation[i].bounds);
+    AxisRectangle around = area;
+    around.widen(options.psf_sigma > 0 ? 7 * options.psf_sigma : 0);
+    areas.push_back(!area.empty() && share_area(around, whole) ? area : AxisRectangle{});
+  }
+}
+
+// Targets of a few pixels; those whose pixels overlap share a view.
+void LensRenderer::Frame::find_small() {
+  const double most =
+      options.imposters == Imposters::always
+          ? kMostSide / kImposterRate
+          : std::min(kMostSide / kImposterRate, options.imposter_pixels.value_or(kSmallTarget));
+  if (has_own_views(options))
+    for (std::uint32_t i = 0; i < areas.size(); ++i)
+      if (!areas[i].empty() && areas[i].longest() > 0 && areas[i].longest() <= most)
+        small.push_back({{i}, areas[i], true});
+  const auto pixels = [&](const Small& one) {
+    return rectangle_of(touched_pixels(camera, one.area));
+  };
+  for (bool merged = true; merged;) {
+    merged = false;
+    for (std::size_t i = 0; i < small.size(); ++i)
+      for (std::size_t k = small.size(); k-- > i + 1;) {
+        if (!share_area(pixels(small[i]), pixels(small[k]))) continue;
+        small[i].area.add(small[k].area);
+        small[i].targets.insert(small[i].targets.end(), small[k].targets.begin(),
+                                small[k].targets.end());
+        small.erase(small.begin() + static_cast<std::ptrdiff_t>(k));
+        merged = true;
+      }
+  }
+  std::erase_if(small, [&](const Small& one) { return one.area.longest() > most; });
+  std::vector<bool> own(areas.size());
+  for (const Small& one : small)
+    for (const std::uint32_t i : one.targets) own[i] = true;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (own[i] || areas[i].empty()) continue;
+    rest.add(areas[i]);
+    for (Small& one : small) one.alone = one.alone && !share_area(pixels(one), areas[i]);
+  }
+}
+
+Result<image::Image> LensRenderer::Frame::draw(const world::Camera& view, const RenderOptions& own,
+                                               SamplingReport& report) {
+  DiagnosticLog apart = log.apart();
+  auto drawn = renderer.render(world, view, own, apart, job);
+  tell(apart);
+  report = renderer.sampling();
+  return drawn;
+}
+
+const char* LensRenderer::refused(const world::Camera& camera) {
+  if (camera.distortion == nullptr) return nullptr;
+  const auto* cahvore = std::get_if<sensor::Cahvore>(&camera.distortion->distortion());
+  return cahvore != nullptr && cahvore->e != decltype(cahvore->e){}
+             ? "a lens whose pupil moves (CAHVORE with e) requires --engine reference"
+             : nullptr;
+}
+
+// All targets without a view of their own.
+bool LensRenderer::draw_rest(Frame& frame) {
+  const Tile whole = touched_pixels(frame.camera, frame.rest);
+  if (whole.width == 0 || whole.height == 0) return true;
+  const Density density = density_of(frame.options);
+  std::vector<LensPart> parts;
+  if (!divide(frame.camera, whole, density.rate, kMostViewTexels, parts)) {
+    frame.log.report_file(Code::E5003, {},
+                          "a few pixels of the lens see a wider field than a view can have",
+                          "--engine reference draws any lens");
+    return false;
+  }
+  RenderOptions own = frame.options;
+  own.samples = density.samples;
+  own.adaptive = frame.options.adaptive && density.samples > 1;
+  own.imposters = Imposters::off;
+  own.imposter_pixels.reset();
+  own.psf_sigma = 0;
+  own.ground_truth = false;
+  own.level_pixels = density.rate;
+  // errors of texels are independent
+  own.pixel_error = kSampled * density.rate * frame.options.pixel_error;
+  for (const LensPart& part : parts) {
+    own.work = frame.options.work / static_cast<double>(parts.size());
+    SamplingReport report;
+    auto texels = frame.draw(part.view.camera, own, report);
+    if (!texels) return false;
+    LensLight light{part.part, 1, {}};
+    splat(frame.camera, part.view, *texels, light);
+    put(light, 0, frame.image);
+    const double per_pixel = 1 / (density.rate * density.rate);
+    report_.samples += report.samples * static_cast<double>(texels->pixels()) /
+                       static_cast<double>(frame.image.pixels());
+    if (report.rmse != kNothingLit) {
+      frame.unlit = false;
+      // the texels that make up a pixel, and their independent errors
+      frame.squares += report.rmse * report.rmse * squares_of(*texels) * per_pixel * per_pixel;
+      frame.sum += report.flux * light_of(*texels) * per_pixel / density.rate;
+    }
+    report_.limited = report_.limited || report.limited;
+    report_.shadow_edge = std::max(report_.shadow_edge, report.shadow_edge / density.rate);
+    report_.penumbra = std::max(report_.penumbra, report.penumbra / density.rate);
+    report_.sun_points = std::max(report_.sun_points, report.sun_points);
+    report_.sun_error = std::max(report_.sun_error, report.sun_error);
+    report_.programs += report.programs;
+    report_.program_seconds += report.program_seconds;
+    frame.renderer.recycle(*std::move(texels));
+  }
+  return true;
+}
+
+// Draws small targets into their pixels; once more if the estimated error is too large.
+bool LensRenderer::draw_small(Frame& frame, std::size_t index) {
+  const Small& small = frame.small[index];
+  const auto start = std::chrono::steady_clock::now();
+  const RenderOptions& options = frame.options;
+  const Tile pixels = touched_pixels(frame.camera, small.area);
+  // where others may be visible, the view shows whole pixels
+  const AxisRectangle area = small.alone ? small.area : rectangle_of(pixels);
+  const double extent = area.longest();
+  double texels = std::max<double>(texels_for(options.flux_error), kImposterRate * extent);
+  RenderOptions own = options;
+  own.samples = 1;
+  own.adaptive = false;
+  own.specular_filter = false;
+  own.imposters = Imposters::off;
+  own.imposter_pixels.reset();
+  own.psf_sigma = 0;
+  own.ground_truth = false;
+  if (options.shadows == Shadows::automatic && options.samples == 0) own.shadows = Shadows::soft;
+  constexpr unsigned kSunPoints = 8;
+  own.sun_points = std::min(options.sun_points, kSunPoints);
+  double error = 0;
+  image::Image drawn;
+  std::optional<LensView> view;
+  for (int draw = 0; draw < 2; ++draw) {
+    texels = std::min<double>(texels, kMostSide);
+    NoView why = NoView::none;
+    view = lens_view(frame.camera, area, texels / extent, LensTurn::golden, why);
+    if (!view) return true;
+    if (std::max(view->camera.width, view->camera.height) > 4 * kMostSide) return true;
+    own.level_pixels = texels / extent;
+    SamplingReport report;
+    auto image = frame.draw(view->camera, own, report);
+    if (!image) return false;
+    report_.samples +=
+        static_cast<double>(image->pixels()) / static_cast<double>(frame.image.pixels());
+    report_.programs += report.programs;
+    report_.program_seconds += report.program_seconds;
+    error = flux_error_of(*image);
+    drawn = *std::move(image);
+    if (error <= options.flux_error || texels >= kMostSide) break;
+    texels = std::ceil(std::pow(error / (kSmallAim * options.flux_error), 2.0 / 3.0) * texels);
+  }
+  const bool lit = light_of(drawn) > 0;
+  frame.unlit = frame.unlit && !lit;
+  // cells for the PSF: as fine as texels
+  constexpr double kMostCells = 1024;
+  const double rate = texels / extent;
+  const auto cells = static_cast<unsigned>(
+      options.psf_sigma > 0
+          ? std::clamp(
+                std::floor(std::min(rate, kMostCells / std::max(pixels.width, pixels.height))), 1.0,
+                128.0)
+          : 1.0);
+  LensLight light{pixels, cells, {}};
+  splat(frame.camera, *view, drawn, light);
+  if (options.psf_sigma > 0) {
+    clear(pixels, frame.image);
+    frame.blurred.push_back(std::move(light));
+  } else {
+    put(light, 0, frame.image);
+  }
+  ImposterReport done{small.targets, small.area.longest(),      drawn.width,
+                      drawn.height,  lit ? error : kNothingLit, seconds_since(start)};
+  report_.imposters.push_back(std::move(done));
+  return true;
+}
+
+// Adds the errors of resampling, from differences of neighbours, to those of samples.
+void LensRenderer::estimate(Frame& frame) {
+  const image::Image& image = frame.image;
+  if (frame.options.samples > 0 && !frame.options.adaptive) return;
+  const double rate = density_of(frame.options).rate;
+  double squares = 0, differences = 0, sum = 0;
+  std::vector<bool> own(image.pixels());
+  for (const Small& small : frame.small) {
+    const Tile part = touched_pixels(frame.camera, small.area);
+    for (std::uint32_t y = part.y; y < part.y + part.height; ++y)
+      for (std::uint32_t x = part.x; x < part.x + part.width; ++x)
+        own[std::size_t{y} * image.width + x] = true;
+  }
+  const auto add = [&](std::size_t a, std::size_t b) {
+    if (own[a] || own[b]) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double difference = static_cast<double>(image.radiance[3 * a + k]) -
+                                static_cast<double>(image.radiance[3 * b + k]);
+      differences += difference * difference / 3;
+    }
+  };
+  for (std::size_t y = 0; y < image.height; ++y)
+    for (std::size_t x = 0; x < image.width; ++x) {
+      const std::size_t at = y * image.width + x;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto value = static_cast<double>(image.radiance[3 * at + k]);
+        squares += value * value / 3;
+        sum += value;
+      }
+      if (x + 1 < image.width) add(at, at + 1);
+      if (y + 1 < image.height) add(at, at + image.width);
+    }
+  if (!(squares > 0)) {
+    report_.rmse = report_.flux = kNothingLit;
+    return;
+  }
+  const double blur = kBlur * differences / (rate * rate * rate);
+  report_.rmse = std::sqrt((frame.squares + blur) / squares);
+  report_.flux = frame.sum / sum;
+}
+
+Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World& world,
+                                          const world::Camera& camera, const RenderOptions& options,
+                                          DiagnosticLog& log, const Job& job) {
+  assert(renderer.in_flight() == 0 && camera.distortion != nullptr && !refused(camera));
+  report_ = {};
+  constexpr std::uint32_t kMaxSide = 16384;
+  const std::uint64_t bytes = std::uint64_t{camera.width} * camera.height * 16;
+  if (camera.width > kMaxSide || camera.height > kMaxSide || bytes > options.max_bytes) {
+    log.report_file(
+        Code::E5003, {},
+        fmt::format("an image of {} by {} pixels, expected at most {} a side and {:.4g} "
+                    "GB of memory",
+                    camera.width, camera.height, kMaxSide,
+                    static_cast<double>(options.max_bytes) / 1e9),
+        "--max-image-memory allows more");
+    return failed;
+  }
+  Frame frame{renderer, world, camera, options, log, job};
+  image::Image& image = frame.image;
+  image.width = camera.width;
+  image.height = camera.height;
+  image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
+  image.radiance.assign(3 * image.pixels(), 0.0f);
+  image.coverage.assign(image.pixels(), 0.0f);
+  evaluation_.update(world);
+  frame.find_targets(evaluation_);
+  frame.find_small();
+  if (!draw_rest(frame)) return failed;
+  for (std::size_t i = 0; i < frame.small.size(); ++i)
+    if (!draw_small(frame, i)) return failed;
+  if (options.psf_sigma > 0) {
+    if (!frame.rest.empty()) convolve(options.psf_sigma, image);
+    for (const LensLight& light : frame.blurred) put(light, options.psf_sigma, image);
+  }
+  estimate(frame);
+  if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
+    log.report_file(Code::W5006, {},
+                    "nothing is in view: no part of a target lies inside the image, or samples "
+                    "missed it");
+  return std::move(image);
+}
+
+}  // namespace panwright::preview
