@@ -69,11 +69,17 @@ bool share_area(const AxisRectangle& a, const AxisRectangle& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-// Small targets that share a view.
+// Targets that share a view of their own.
 struct Small {
   std::vector<std::uint32_t> targets;
-  AxisRectangle area;  // pixels
-  bool alone = true;   // no other target may be visible on its pixels
+  AxisRectangle area{};  // pixels
+  bool alone = true;     // no other target may be visible on its pixels
+  bool tried = false;    // larger: kept only if its pixels meet the requested error
+  double error = 0;      // of the flux, estimated
+  std::optional<LensView> view{};
+  image::Image texels{};
+  double rate = 0;  // texels a pixel
+  double seconds = 0;
 };
 
 double light_of(const image::Image& image) {
@@ -101,13 +107,15 @@ struct LensRenderer::Frame {
   image::Image image{};
   std::vector<AxisRectangle> areas{};  // of the targets, pixels; empty: not visible
   std::vector<Small> small{};
-  std::vector<LensLight> blurred{};  // of small targets, to be convolved
-  AxisRectangle rest{};              // of the other targets
-  double squares = 0, sum = 0;       // errors of samples in pixels, absolute
-  bool unlit = true;                 // no view shows light
+  AxisRectangle rest{};         // of the other targets
+  double squares = 0, sum = 0;  // errors of samples in pixels, absolute
 
   void find_targets(const world::Evaluation& evaluation);
   void find_small();
+  void merge_small();
+  AxisRectangle pixels_of(const AxisRectangle& area) const {
+    return rectangle_of(touched_pixels(camera, area));
+  }
   void tell(const DiagnosticLog& apart);
   Result<image::Image> draw(const world::Camera& view, const RenderOptions& own,
                             SamplingReport& report);
@@ -136,39 +144,52 @@ void LensRenderer::Frame::find_targets(const world::Evaluation& evaluation) {
   }
 }
 
-// Targets of a few pixels; those whose pixels overlap share a view.
+// Targets of a few pixels; those whose pixels overlap share a view. A larger one is tried if it
+// shares no pixel.
 void LensRenderer::Frame::find_small() {
-  const double most =
-      options.imposters == Imposters::always
-          ? kMostSide / kImposterRate
-          : std::min(kMostSide / kImposterRate, options.imposter_pixels.value_or(kSmallTarget));
+  constexpr double kLargest = kMostSide / kImposterRate;
+  const double most = options.imposters == Imposters::always
+                          ? kLargest
+                          : std::min(kLargest, options.imposter_pixels.value_or(kSmallTarget));
+  const bool tries = options.imposters == Imposters::automatic && !options.imposter_pixels;
   if (has_own_views(options))
     for (std::uint32_t i = 0; i < areas.size(); ++i)
       if (!areas[i].empty() && areas[i].longest() > 0 && areas[i].longest() <= most)
-        small.push_back({{i}, areas[i], true});
-  const auto pixels = [&](const Small& one) {
-    return rectangle_of(touched_pixels(camera, one.area));
-  };
+        small.push_back({{i}, areas[i]});
+  merge_small();
+  std::erase_if(small, [&](const Small& one) { return one.area.longest() > most; });
+  std::vector<bool> own(areas.size());
+  for (const Small& one : small)
+    for (const std::uint32_t i : one.targets) own[i] = true;
+  const std::size_t settled = small.size();
+  for (std::uint32_t i = 0; i < areas.size(); ++i) {
+    if (own[i] || areas[i].empty()) continue;
+    const auto overlaps = [&](const AxisRectangle& area) {
+      return share_area(pixels_of(area), pixels_of(areas[i]));
+    };
+    std::size_t others = 0;  // itself included
+    for (const AxisRectangle& area : areas) others += !area.empty() && overlaps(area);
+    for (std::size_t k = 0; k < settled; ++k)
+      small[k].alone = small[k].alone && !overlaps(small[k].area);
+    if (tries && has_own_views(options) && others == 1 && areas[i].longest() <= kLargest)
+      small.push_back({.targets = {i}, .area = areas[i], .tried = true});
+    else
+      rest.add(areas[i]);
+  }
+}
+
+void LensRenderer::Frame::merge_small() {
   for (bool merged = true; merged;) {
     merged = false;
     for (std::size_t i = 0; i < small.size(); ++i)
       for (std::size_t k = small.size(); k-- > i + 1;) {
-        if (!share_area(pixels(small[i]), pixels(small[k]))) continue;
+        if (!share_area(pixels_of(small[i].area), pixels_of(small[k].area))) continue;
         small[i].area.add(small[k].area);
         small[i].targets.insert(small[i].targets.end(), small[k].targets.begin(),
                                 small[k].targets.end());
         small.erase(small.begin() + static_cast<std::ptrdiff_t>(k));
         merged = true;
       }
-  }
-  std::erase_if(small, [&](const Small& one) { return one.area.longest() > most; });
-  std::vector<bool> own(areas.size());
-  for (const Small& one : small)
-    for (const std::uint32_t i : one.targets) own[i] = true;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    if (own[i] || areas[i].empty()) continue;
-    rest.add(areas[i]);
-    for (Small& one : small) one.alone = one.alone && !share_area(pixels(one), areas[i]);
   }
 }
 
@@ -223,7 +244,6 @@ bool LensRenderer::draw_rest(Frame& frame) {
     report_.samples += report.samples * static_cast<double>(texels->pixels()) /
                        static_cast<double>(frame.image.pixels());
     if (report.rmse != kNothingLit) {
-      frame.unlit = false;
       // the texels that make up a pixel, and their independent errors
       frame.squares += report.rmse * report.rmse * squares_of(*texels) * per_pixel * per_pixel;
       frame.sum += report.flux * light_of(*texels) * per_pixel / density.rate;
@@ -240,20 +260,20 @@ bool LensRenderer::draw_rest(Frame& frame) {
   return true;
 }
 
-// Draws small targets into their pixels; once more if the estimated error is too large.
-bool LensRenderer::draw_small(Frame& frame, std::size_t index) {
-  const Small& small = frame.small[index];
+// Draws the texels of small targets; once more if their estimated errors are too large. No view is
+// left if the pixels of a tried one stay so.
+bool LensRenderer::draw_texels(Frame& frame, std::size_t index) {
+  Small& small = frame.small[index];
   const auto start = std::chrono::steady_clock::now();
   const RenderOptions& options = frame.options;
-  const Tile pixels = touched_pixels(frame.camera, small.area);
   // where others may be visible, the view shows whole pixels
-  const AxisRectangle area = small.alone ? small.area : rectangle_of(pixels);
+  const AxisRectangle area = small.alone ? small.area : frame.pixels_of(small.area);
   const double extent = area.longest();
   double texels = std::max<double>(texels_for(options.flux_error), kImposterRate * extent);
   RenderOptions own = options;
   own.samples = 1;
   own.adaptive = false;
-  own.specular_filter = false;
+  own.specular_filter = false;  // texels are many, and their grid is turned
   own.imposters = Imposters::off;
   own.imposter_pixels.reset();
   own.psf_sigma = 0;
@@ -261,55 +281,70 @@ bool LensRenderer::draw_small(Frame& frame, std::size_t index) {
   if (options.shadows == Shadows::automatic && options.samples == 0) own.shadows = Shadows::soft;
   constexpr unsigned kSunPoints = 8;
   own.sun_points = std::min(options.sun_points, kSunPoints);
-  double error = 0;
-  image::Image drawn;
-  std::optional<LensView> view;
   for (int draw = 0; draw < 2; ++draw) {
     texels = std::min<double>(texels, kMostSide);
+    small.rate = texels / extent;
     NoView why = NoView::none;
-    view = lens_view(frame.camera, area, texels / extent, LensTurn::golden, why);
-    if (!view) return true;
-    if (std::max(view->camera.width, view->camera.height) > 4 * kMostSide) return true;
-    own.level_pixels = texels / extent;
+    small.view = lens_view(frame.camera, area, small.rate, LensTurn::golden, why);
+    if (!small.view) return true;
+    const world::Camera& view = small.view->camera;
+    if (static_cast<double>(view.width) * view.height > kMostViewTexels) {
+      small.view.reset();
+      return true;
+    }
+    own.level_pixels = small.rate;
     SamplingReport report;
-    auto image = frame.draw(view->camera, own, report);
+    auto image = frame.draw(view, own, report);
     if (!image) return false;
     report_.samples +=
         static_cast<double>(image->pixels()) / static_cast<double>(frame.image.pixels());
     report_.programs += report.programs;
     report_.program_seconds += report.program_seconds;
-    error = flux_error_of(*image);
-    drawn = *std::move(image);
-    if (error <= options.flux_error || texels >= kMostSide) break;
-    texels = std::ceil(std::pow(error / (kSmallAim * options.flux_error), 2.0 / 3.0) * texels);
+    small.error = flux_error_of(*image);
+    small.texels = *std::move(image);
+    double over = small.error / options.flux_error;
+    if (small.tried) {
+      const double pixels_over =
+          pixel_error_of(small.texels, small.error, small.rate) / options.pixel_error;
+      if (pixels_over > (draw > 0 ? 1 : std::pow(kMostSide / texels, 1.5))) {
+        small.view.reset();
+        return true;
+      }
+      over = std::max(over, pixels_over);
+    }
+    if (over <= 1 || texels >= kMostSide) break;
+    texels = std::ceil(std::pow(over / kSmallAim, 2.0 / 3.0) * texels);
   }
-  const bool lit = light_of(drawn) > 0;
-  frame.unlit = frame.unlit && !lit;
-  // cells for the PSF: as fine as texels
-  constexpr double kMostCells = 1024;
-  const double rate = texels / extent;
-  const auto cells = static_cast<unsigned>(
-      options.psf_sigma > 0
-          ? std::clamp(
-                std::floor(std::min(rate, kMostCells / std::max(pixels.width, pixels.height))), 1.0,
-                128.0)
-          : 1.0);
-  LensLight light{pixels, cells, {}};
-  splat(frame.camera, *view, drawn, light);
-  if (options.psf_sigma > 0) {
-    clear(pixels, frame.image);
-    frame.blurred.push_back(std::move(light));
-  } else {
-    put(light, 0, frame.image);
-  }
-  ImposterReport done{small.targets, small.area.longest(),      drawn.width,
-                      drawn.height,  lit ? error : kNothingLit, seconds_since(start)};
-  report_.imposters.push_back(std::move(done));
+  small.seconds = seconds_since(start);
   return true;
 }
 
+// Adds small targets to the image.
+void LensRenderer::add_small(Frame& frame) {
+  constexpr double kMostCells = 1024;
+  const double sigma = frame.options.psf_sigma;
+  for (const Small& small : frame.small) {
+    if (sigma > 0) clear(touched_pixels(frame.camera, small.area), frame.image);
+    const bool lit = light_of(small.texels) > 0;
+    report_.imposters.push_back({small.targets, small.area.longest(), small.texels.width,
+                                 small.texels.height, lit ? small.error : kNothingLit,
+                                 small.seconds});
+  }
+  if (sigma > 0 && !frame.rest.empty()) convolve(sigma, frame.image);
+  for (const Small& small : frame.small) {
+    const Tile pixels = touched_pixels(frame.camera, small.area);
+    // cells for the PSF: as fine as texels
+    const double cells =
+        std::floor(std::min(small.rate, kMostCells / std::max(pixels.width, pixels.height)));
+    LensLight light{
+        pixels, sigma > 0 ? static_cast<unsigned>(std::clamp(cells, 1.0, 128.0)) : 1, {}};
+    splat(frame.camera, *small.view, small.texels, light);
+    put(light, sigma, frame.image);
+  }
+}
+
 // Adds the errors of resampling, from differences of neighbours, to those of samples.
-void LensRenderer::estimate(Frame& frame) {
+void LensRenderer::estimate(const Frame& frame) {
   const image::Image& image = frame.image;
   if (frame.options.samples > 0 && !frame.options.adaptive) return;
   const double rate = density_of(frame.options).rate;
@@ -376,13 +411,13 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
   evaluation_.update(world);
   frame.find_targets(evaluation_);
   frame.find_small();
-  if (!draw_rest(frame)) return failed;
-  for (std::size_t i = 0; i < frame.small.size(); ++i)
-    if (!draw_small(frame, i)) return failed;
-  if (options.psf_sigma > 0) {
-    if (!frame.rest.empty()) convolve(options.psf_sigma, image);
-    for (const LensLight& light : frame.blurred) put(light, options.psf_sigma, image);
+  for (std::size_t i = 0; i < frame.small.size(); ++i) {
+    if (!draw_texels(frame, i)) return failed;
+    if (!frame.small[i].view) frame.rest.add(frame.small[i].area);
   }
+  std::erase_if(frame.small, [](const Small& one) { return !one.view; });
+  if (!draw_rest(frame)) return failed;
+  add_small(frame);
   estimate(frame);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {},

@@ -39,8 +39,9 @@ class LensRenderer {
  private:
   struct Frame;
   bool draw_rest(Frame& frame);
-  bool draw_small(Frame& frame, std::size_t index);
-  void estimate(Frame& frame);
+  bool draw_texels(Frame& frame, std::size_t index);
+  void add_small(Frame& frame);
+  void estimate(const Frame& frame);
 
   world::Evaluation evaluation_;
   SamplingReport report_;

@@ -17,10 +17,14 @@ constexpr double kBend = 0.005;
 // Texels around a view.
 constexpr double kViewBorder = 2;
 // Views that draw so many times the texels they need are divided, down to parts of that many
-// pixels a side.
+// pixels a side or of few texels.
 constexpr double kMuchWaste = 2.2;
 constexpr std::uint32_t kSmallPart = 192;
+constexpr double kManyTexels = 1 << 19;
 constexpr std::uint32_t kLeastPart = 8;
+// Texels of a view are at most this much finer than for a magnification of 1: where a fisheye
+// spreads the direction behind it over a circle, it magnifies without limit.
+constexpr double kMostMagnification = 16;
 // Points along an edge of the faces of a box, and what its image bends between them.
 constexpr int kFacePoints = 9;
 constexpr double kAreaSlack = 0.02;
@@ -158,8 +162,8 @@ std::optional<LensView> lens_view(const world::Camera& lens, const AxisRectangle
       largest = std::max(largest,
                          magnification(at, tangents(each.right), tangents(each.below), rays.step));
   }
-  if (!(largest > 0)) largest = std::max(lens.focal.x, lens.focal.y);
-  const double focal = rate * largest;
+  const double plain = std::max(lens.focal.x, lens.focal.y);
+  const double focal = rate * (largest > 0 ? std::min(largest, kMostMagnification * plain) : plain);
   field.widen(kBend * field.longest() + kViewBorder / focal);
   world::Camera& camera = view.camera;
   camera = lens;
@@ -194,7 +198,9 @@ bool divide(const world::Camera& lens, const Tile& part, double rate, double mos
     const double texels = static_cast<double>(view->camera.width) * view->camera.height;
     if (!(texels <= most_texels && std::max(view->camera.width, view->camera.height) <= 16384))
       continue;
-    if (view->waste > kMuchWaste && longer >= 2 * kSmallPart) continue;
+    if (view->waste > kMuchWaste &&
+        (longer >= 2 * kSmallPart || (texels > kManyTexels && longer >= 2 * kLeastPart)))
+      continue;
     parts.push_back({part, *std::move(view)});
     return true;
   }
