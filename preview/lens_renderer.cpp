@@ -19,22 +19,24 @@ namespace panwright::preview {
 namespace {
 
 // Of one view.
-constexpr double kMostViewTexels = 1 << 24;
+constexpr double kMostViewTexels = 1 << 23;
 // Of a small target's view, along a side.
 constexpr std::uint32_t kMostSide = 2044;
 // Targets up to so many pixels have views of their own, as imposters do.
 constexpr double kSmallTarget = 100;
-// Texels a pixel with samples = 0: 2 up to this error, and more by its power of -2/3, as the error
-// of resampling falls.
-constexpr double kErrorOfTwo = 0.02;
-constexpr double kMostRate = 6;
+// Texels a pixel with samples = 0 at first, and at most: drawn once more, finer, if resampling
+// takes more than its share of the requested error.
+constexpr double kFirstRate = 1.5;
+constexpr double kMostRate = 8;
+constexpr double kBlurShare = 0.6;
+constexpr double kSampledShare = 0.75;
+// An error of pixels that asks for two texels at first.
+constexpr double kSmallError = 0.02;
 // Largest texels a pixel of a given number of samples; beyond, texels have several.
 constexpr unsigned kMostGivenRate = 8;
 // Sum of squared errors of pixels, in parts of that of neighbours' differences, times rate³: of an
 // edge at any place of a pixel (docs/accuracy/lenses.md).
 constexpr double kBlur = 1.0 / 107;
-// Of errors, what is left for those of resampling.
-constexpr double kSampled = 0.9;
 // Of a small target whose errors are too large, what is aimed at.
 constexpr double kSmallAim = 0.5;
 
@@ -44,14 +46,14 @@ struct Density {
   unsigned samples = 1;
 };
 Density density_of(const RenderOptions& options) {
-  if (options.samples == 0) {
-    const double finer = std::pow(kErrorOfTwo / options.pixel_error, 2.0 / 3.0);
-    return {std::clamp(std::ceil(2 * finer - 1e-6), 2.0, kMostRate), 0};
+  if (options.samples == 0) return {options.pixel_error < kSmallError ? 2 : kFirstRate, 0};
+  if (options.adaptive) {
+    const double samples = std::ceil(options.samples / kFirstRate);
+    return {kFirstRate, static_cast<unsigned>(samples)};
   }
-  if (options.adaptive) return {2, (options.samples + 1) / 2};
   const unsigned samples = (options.samples + kMostGivenRate - 1) / kMostGivenRate;
   const unsigned rate = (options.samples + samples - 1) / samples;
-  return {static_cast<double>(std::max(2u, rate)), samples};
+  return {std::max(kFirstRate, static_cast<double>(rate)), samples};
 }
 
 bool has_own_views(const RenderOptions& options) {
@@ -108,6 +110,7 @@ struct LensRenderer::Frame {
   std::vector<AxisRectangle> areas{};  // of the targets, pixels; empty: not visible
   std::vector<Small> small{};
   AxisRectangle rest{};         // of the other targets
+  Density density{};            // of them
   double squares = 0, sum = 0;  // errors of samples in pixels, absolute
 
   void find_targets(const world::Evaluation& evaluation);
@@ -214,7 +217,7 @@ const char* LensRenderer::refused(const world::Camera& camera) {
 bool LensRenderer::draw_rest(Frame& frame) {
   const Tile whole = touched_pixels(frame.camera, frame.rest);
   if (whole.width == 0 || whole.height == 0) return true;
-  const Density density = density_of(frame.options);
+  const Density& density = frame.density;
   std::vector<LensPart> parts;
   if (!divide(frame.camera, whole, density.rate, kMostViewTexels, parts)) {
     frame.log.report_file(Code::E5003, {},
@@ -231,7 +234,7 @@ bool LensRenderer::draw_rest(Frame& frame) {
   own.ground_truth = false;
   own.level_pixels = density.rate;
   // errors of texels are independent
-  own.pixel_error = kSampled * density.rate * frame.options.pixel_error;
+  own.pixel_error = kSampledShare * density.rate * frame.options.pixel_error;
   for (const LensPart& part : parts) {
     own.work = frame.options.work / static_cast<double>(parts.size());
     SamplingReport report;
@@ -343,12 +346,9 @@ void LensRenderer::add_small(Frame& frame) {
   }
 }
 
-// Adds the errors of resampling, from differences of neighbours, to those of samples.
-void LensRenderer::estimate(const Frame& frame) {
+// Sums over the image, and the errors of resampling, from differences of neighbours.
+LensRenderer::Sums LensRenderer::sums_of(const Frame& frame) {
   const image::Image& image = frame.image;
-  if (frame.options.samples > 0 && !frame.options.adaptive) return;
-  const double rate = density_of(frame.options).rate;
-  double squares = 0, differences = 0, sum = 0;
   std::vector<bool> own(image.pixels());
   for (const Small& small : frame.small) {
     const Tile part = touched_pixels(frame.camera, small.area);
@@ -356,32 +356,62 @@ void LensRenderer::estimate(const Frame& frame) {
       for (std::uint32_t x = part.x; x < part.x + part.width; ++x)
         own[std::size_t{y} * image.width + x] = true;
   }
+  Sums sums;
   const auto add = [&](std::size_t a, std::size_t b) {
     if (own[a] || own[b]) return;
     for (std::size_t k = 0; k < 3; ++k) {
       const double difference = static_cast<double>(image.radiance[3 * a + k]) -
                                 static_cast<double>(image.radiance[3 * b + k]);
-      differences += difference * difference / 3;
+      sums.blur += difference * difference / 3;
     }
   };
   for (std::size_t y = 0; y < image.height; ++y)
     for (std::size_t x = 0; x < image.width; ++x) {
       const std::size_t at = y * image.width + x;
+      if (image.coverage[at] == 0 && image.radiance[3 * at] == 0 &&
+          !(x + 1 < image.width && image.coverage[at + 1] > 0) &&
+          !(y + 1 < image.height && image.coverage[at + image.width] > 0))
+        continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto value = static_cast<double>(image.radiance[3 * at + k]);
-        squares += value * value / 3;
-        sum += value;
+        sums.squares += value * value / 3;
+        sums.radiance += value;
       }
       if (x + 1 < image.width) add(at, at + 1);
       if (y + 1 < image.height) add(at, at + image.width);
     }
-  if (!(squares > 0)) {
+  const double rate = frame.density.rate;
+  sums.blur *= kBlur / (rate * rate * rate);
+  return sums;
+}
+
+// Draws all targets without a view of their own, so finely that errors are as requested.
+bool LensRenderer::draw_to_error(Frame& frame) {
+  frame.density = density_of(frame.options);
+  const SamplingReport before = report_;
+  if (!draw_rest(frame)) return false;
+  if (frame.options.samples > 0 || frame.rest.empty()) return true;
+  const Sums sums = sums_of(frame);
+  const double most = kBlurShare * frame.options.pixel_error;
+  if (!(sums.blur > most * most * sums.squares)) return true;
+  // errors of edges fall with the texels to 3/2
+  const double finer = std::pow(std::sqrt(sums.blur / sums.squares) / most, 2.0 / 3.0);
+  frame.density.rate = std::min(kMostRate, std::ceil(2.2 * finer * frame.density.rate) / 2);
+  frame.squares = frame.sum = 0;
+  const double samples = std::exchange(report_, before).samples;
+  report_.samples = samples;
+  return draw_rest(frame);
+}
+
+void LensRenderer::estimate(const Frame& frame) {
+  if (frame.options.samples > 0 && !frame.options.adaptive) return;
+  const Sums sums = sums_of(frame);
+  if (!(sums.squares > 0)) {
     report_.rmse = report_.flux = kNothingLit;
     return;
   }
-  const double blur = kBlur * differences / (rate * rate * rate);
-  report_.rmse = std::sqrt((frame.squares + blur) / squares);
-  report_.flux = frame.sum / sum;
+  report_.rmse = std::sqrt((frame.squares + sums.blur) / sums.squares);
+  report_.flux = frame.sum / sums.radiance;
 }
 
 Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World& world,
@@ -416,7 +446,7 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
     if (!frame.small[i].view) frame.rest.add(frame.small[i].area);
   }
   std::erase_if(frame.small, [](const Small& one) { return !one.view; });
-  if (!draw_rest(frame)) return failed;
+  if (!draw_to_error(frame)) return failed;
   add_small(frame);
   estimate(frame);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))

@@ -28,7 +28,8 @@ class LensRenderer {
   // Expects: as Renderer::render(), with a camera with distortion that is not refused(); no view of
   // the renderer under way.
   // Reports, fails: as Renderer::render(); E5003 when a pixel's view is too wide. Cost: about the
-  // squared texels a pixel (2, more for a small pixel_error) times that of a pinhole of the field.
+  // squared texels a pixel (1.5, more for a small pixel_error) times that of a pinhole of the
+  // field.
   Result<image::Image> render(Renderer& renderer, const world::World& world,
                               const world::Camera& camera, const RenderOptions& options,
                               DiagnosticLog& log, const Job& job = {});
@@ -38,7 +39,14 @@ class LensRenderer {
 
  private:
   struct Frame;
+  struct Sums {
+    double radiance = 0;  // of all channels
+    double squares = 0;   // mean of the channels
+    double blur = 0;      // squared errors of resampling
+  };
+  static Sums sums_of(const Frame& frame);
   bool draw_rest(Frame& frame);
+  bool draw_to_error(Frame& frame);
   bool draw_texels(Frame& frame, std::size_t index);
   void add_small(Frame& frame);
   void estimate(const Frame& frame);

@@ -115,6 +115,7 @@ class CameraRun : public InstrumentRun {
     const auto start = CameraClock::now();
     DiagnosticLog apart = scope_.log.apart();
     warn_of_inside(frame, shown);
+    warn_of_lens(frame);
     const bool good =
         drawer_->submit(shown, frame.camera(), stores_ground_truth(frame), apart, scope_.job);
     tell(apart, frame.label);
@@ -234,6 +235,26 @@ class CameraRun : public InstrumentRun {
     misplaced_[{Code::W5016, fmt::format("the camera is inside {}, whose surface is visible from "
                                          "outside only",
                                          in_quotes(name))}]
+        .push_back(frame.label);
+  }
+
+  // Pixels outside the domain of the lens.
+  void warn_of_lens(const Frame& frame) {
+    const world::Camera& camera = frame.camera();
+    if (camera.distortion == nullptr) return;
+    const double share = world::share_without_ray(camera);
+    if (!(share > 0)) return;
+    const double end = camera.distortion->domain();
+    const double inside = (1 - 1e-6) * end;
+    const auto place = camera.distortion->place(Vec3(std::sin(inside), 0, std::cos(inside)));
+    misplaced_[{Code::W5006,
+                fmt::format(
+                    "about {:.2g} % of the pixels see nothing: the lens ends {:.4g} degrees "
+                    "off its axis{}",
+                    100 * share, end / kDegree,
+                    place ? fmt::format(", about {:.0f} pixels from the principal point",
+                                        glm::length(camera.focal * *place))
+                          : "")}]
         .push_back(frame.label);
   }
 

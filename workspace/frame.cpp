@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "preview/lens_renderer.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/setting_bounds.h"
 #include "world/evaluation.h"
@@ -64,6 +65,11 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
   }
   world::Camera camera;
   if (!set_lens(settings, camera)) return true;
+  if (const char* why = preview::LensRenderer::refused(camera);
+      why != nullptr && *settings.engine == Settings::Engine::gl) {
+    log.report(Code::E0201, {}, why, "docs/cameras.md");
+    return false;
+  }
   for (int k = 0; k < 2; ++k) {
     if (camera.focal[k] >= kLeastFocal && camera.focal[k] <= kMostFocal) continue;
     const SettingId id = settings.fov     ? SettingId::fov
@@ -256,6 +262,13 @@ bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
   settings.intrinsics = Vec4(lens.focal, lens.principal);
   if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
     settings.distortion = text;
+  // once, not for each of many views
+  if (DiagnosticLog apart; !check_lens(settings, apart)) {
+    if (refused_.insert(path).second)
+      for (const Diagnostic& each : apart.entries())
+        log.report_file(Code::E0220, path, each.message, each.hint);
+    return false;
+  }
   return true;
 }
 

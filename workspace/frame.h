@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,7 @@ class FrameMaker {
   const world::World& world_;
   BoundingSpheres spheres_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
+  std::set<std::string> refused_;                      // of them, those that were reported
 };
 
 }  // namespace panwright::workspace

@@ -257,14 +257,4 @@ Tile touched_pixels(const world::Camera& lens, const AxisRectangle& area) {
           static_cast<std::uint32_t>(high.x - low.x), static_cast<std::uint32_t>(high.y - low.y)};
 }
 
-double share_without_ray(const world::Camera& lens) {
-  constexpr int kSide = 64;
-  int missing = 0;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      missing += !ray_at(
-          lens, Vec2(lens.width * (x + 0.5), lens.height * (y + 0.5)) / static_cast<double>(kSide));
-  return missing / static_cast<double>(kSide * kSide);
-}
-
 }  // namespace panwright::preview

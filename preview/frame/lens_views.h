@@ -58,8 +58,4 @@ AxisRectangle lens_area(const world::Camera& lens, const world::Pose& pose, cons
 // Returns the whole pixels of the image that a rectangle touches; a width or height of 0: none.
 Tile touched_pixels(const world::Camera& lens, const AxisRectangle& area);
 
-// Returns the number of pixels, of a sample over the image, whose centre has no ray, in parts of
-// all.
-double share_without_ray(const world::Camera& lens);
-
 }  // namespace panwright::preview

@@ -1,4 +1,6 @@
 // Lenses with distortion in OpenGL: closed forms, the pinhole, and the reference's rays.
+#include "preview/frame/lens_splat.h"
+#include "preview/frame/lens_views.h"
 #include "preview/lens_renderer.h"
 #include "tests/reference/reference_models.h"
 
@@ -189,6 +191,68 @@ TEST(LensRenderer, AgreesWithTheReference) {
       EXPECT_LT(off, 0.02);
       expect_no_nan(image);
     }
+}
+
+// Texels of light 1 give pixels of light 1, from one view or many, up to the ends of the domain.
+TEST(LensRenderer, TexelsCoverPixelsOnce) {
+  for (const Case& each : kCases)
+    for (const double rate : {1.5, 3.0}) {
+      SCOPED_TRACE(each.name);
+      const world::Camera camera = sphere_at(each, {0, 0, 4}).camera;
+      std::vector<LensPart> parts;
+      ASSERT_TRUE(divide(camera, {0, 0, 128, 128}, rate, 2e4, parts));
+      EXPECT_GT(parts.size(), 1u);
+      image::Image image;
+      image.width = image.height = 128;
+      image.radiance.assign(3 * image.pixels(), 0.0f);
+      image.coverage.assign(image.pixels(), 0.0f);
+      for (const LensPart& part : parts) {
+        image::Image texels;
+        texels.width = part.view.camera.width;
+        texels.height = part.view.camera.height;
+        texels.radiance.assign(3 * texels.pixels(), 1.0f);
+        texels.coverage.assign(texels.pixels(), 1.0f);
+        LensLight light{part.part, 1, {}};
+        splat(camera, part.view, texels, light);
+        put(light, 0, image);
+      }
+      double worst = 0;
+      for (std::uint32_t row = 0; row < 128; ++row)
+        for (std::uint32_t column = 0; column < 128; ++column) {
+          bool whole = true;
+          for (unsigned k = 0; k < 4; ++k)
+            whole = whole && world::distorted_ray(camera, {column + k % 2, row + k / 2});
+          const float* at = image.radiance.data() + 3 * (row * 128 + column);
+          if (whole) worst = std::max(worst, std::fabs(double(at[0]) - 1));
+          EXPECT_LE(at[0], 1 + 1e-6f);
+        }
+      EXPECT_LT(worst, 1e-6);  // float32: 1.2e-7
+    }
+}
+
+// Depths by rays, as the triangles of the id buffer have them.
+TEST(LensRenderer, GroundTruthIsThatOfThePinhole) {
+  const pan::Model model = model_of(single(box(Vec3(0.8, 0.5, 0.6)), lambert(0.8)));
+  View view = looking_from({1, -2, 0.7}, 5, 0.6, 96, 0.6);
+  const world::World world = world_of(model, view);
+  RenderOptions options;
+  options.ground_truth = true;
+  Renderer renderer(shared_device());
+  DiagnosticLog log;
+  const auto plain = renderer.render(world, view.camera, options, log);
+  ASSERT_TRUE(plain);
+  view.camera.distortion = std::make_shared<sensor::DistortionMap>(sensor::Brown{});
+  image::Image image = through_lens(world, view.camera, options);
+  Reference reference;
+  ASSERT_TRUE(reference.add_ground_truth(world, view.camera, false, image, log));
+  int others = 0;
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    others += image.target_id[i] != plain->target_id[i] || image.node_id[i] != plain->node_id[i] ||
+              image.material_id[i] != plain->material_id[i];
+    if (image.target_id[i] == plain->target_id[i] && image.target_id[i] > 0)
+      EXPECT_NEAR(image.depth[i], plain->depth[i], 1e-5);
+  }
+  EXPECT_LE(others, 2);  // outlines through a pixel's centre: 0
 }
 
 // Beside and behind the camera, in views of their own.
