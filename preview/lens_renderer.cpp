@@ -141,9 +141,7 @@ void LensRenderer::Frame::find_targets(const world::Evaluation& evaluation) {
   for (std::size_t i = 0; i < world.size(); ++i) {
     AxisRectangle area;
     if (evaluation[i].bounds) area = lens_area(camera, world[i].pose(), *evaluation[i].bounds);
-    AxisRectangle around = area;
-    around.widen(options.psf_sigma > 0 ? 7 * options.psf_sigma : 0);
-    areas.push_back(!area.empty() && share_area(around, whole) ? area : AxisRectangle{});
+    areas.push_back(!area.empty() && share_area(area, whole) ? area : AxisRectangle{});
   }
 }
 
@@ -420,7 +418,8 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
   assert(renderer.in_flight() == 0 && camera.distortion != nullptr && !refused(camera));
   report_ = {};
   constexpr std::uint32_t kMaxSide = 16384;
-  const std::uint64_t bytes = std::uint64_t{camera.width} * camera.height * 16;
+  const std::uint64_t bytes =
+      std::uint64_t{camera.width} * camera.height * (options.ground_truth ? 48 : 16);
   if (camera.width > kMaxSide || camera.height > kMaxSide || bytes > options.max_bytes) {
     log.report_file(
         Code::E5003, {},

@@ -23,7 +23,7 @@ class LensRenderer {
   // Returns the cause why a camera cannot be drawn, or null: a moving pupil has no pinhole views.
   static const char* refused(const world::Camera& camera);
 
-  // Renders one view, without ground truth layers.
+  // Renders one view, without ground truth layers, whatever the options say; their memory counts.
   //
   // Expects: as Renderer::render(), with a camera with distortion that is not refused(); no view of
   // the renderer under way.

@@ -59,7 +59,9 @@ bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& c
     }
     done.push_back({{*std::move(image), {}, renderer->sampling()}, std::move(apart)});
   }
-  auto image = lens.render(*renderer, world, camera, options.gl, log, job);
+  preview::RenderOptions own = options.gl;
+  own.ground_truth = ground_truth;
+  auto image = lens.render(*renderer, world, camera, own, log, job);
   if (!image || (ground_truth &&
                  !reference.add_ground_truth(world, camera, options.gl.flat, *image, log, job))) {
     if (job.cancelled()) done.clear();
