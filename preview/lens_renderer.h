@@ -14,10 +14,10 @@
 
 namespace panwright::preview {
 
-// Renderer of images with distortion. It has pinhole views drawn by a Renderer, with texels finer
-// than pixels, and spreads each texel over the pixels under its image, by exact areas: light times
-// area is kept. Wide fields are divided into several views. Small targets have views of their own
-// with many texels a pixel, as imposters have. Accuracy: docs/accuracy/lenses.md.
+// Renderer of images with distortion. A Renderer draws pinhole views with texels finer than pixels.
+// Each texel is spread over the pixels under its image, by exact areas: light times area is kept.
+// Wide fields are divided into several views. Small targets have views of their own with many
+// texels a pixel, as imposters have. Accuracy: docs/accuracy/lenses.md.
 class LensRenderer {
  public:
   // Returns the cause why a camera cannot be drawn, or null: a moving pupil has no pinhole views.

@@ -45,7 +45,7 @@ struct LensPart {
   LensView view;
 };
 
-// Divides a part of the image into parts with a view each, of at most so many texels.
+// Divides a part of the image into parts with a view each, of at most `most_texels` texels.
 //
 // Returns false: a part would be smaller than 8 pixels.
 bool divide(const world::Camera& lens, const Tile& part, double rate, double most_texels,
