@@ -403,6 +403,7 @@ bool LensRenderer::draw_to_error(Frame& frame) {
 
 void LensRenderer::estimate(const Frame& frame) {
   if (frame.options.samples > 0 && !frame.options.adaptive) return;
+  if (frame.rest.empty() && !frame.small.empty()) return;  // their errors are reported apart
   const Sums sums = sums_of(frame);
   if (!(sums.squares > 0)) {
     report_.rmse = report_.flux = kNothingLit;

@@ -242,8 +242,8 @@ Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
   return frame;
 }
 
-// Size, intrinsics and distortion in place of the file's name.
-bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
+// Size, intrinsics and distortion in place of the file's name; and its rotation in the mount.
+bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log) {
   if (!settings.camera_file) return true;
   constexpr std::uint64_t kMostBytes = 1 << 20;
   const std::string path = *settings.camera_file;
@@ -258,6 +258,7 @@ bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
   const sensor::CameraFile& camera = known->second;
   const sensor::Lens& lens = camera.lens;
   settings.camera_file = Settings().camera_file;
+  mount = camera.mount_from_camera;
   settings.size = ImageSize{camera.width, camera.height};
   settings.intrinsics = Vec4(lens.focal, lens.principal);
   if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
@@ -274,7 +275,8 @@ bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
 
 Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
   Settings settings = view.settings;
-  if (!check(settings, log) || !use_camera_file(settings, log)) return failed;
+  Quat mount(1, 0, 0, 0);
+  if (!check(settings, log) || !use_camera_file(settings, mount, log)) return failed;
   bool good = is_sound(settings, log);
   const std::size_t errors = log.errors();
   Frame frame;
@@ -295,6 +297,8 @@ Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
   if (!lens && !settings.camera_frame && (placed || !fit_outline(posed, camera)))
     fit_lens(sphere(), camera);
+  if (mount != Quat(1, 0, 0, 0))
+    camera.world_from_camera = glm::normalize(camera.world_from_camera * mount);
   set_sun(settings, camera.world_from_camera, frame);
   posed.set_sun(*frame.sun);
   joints.set_aims(camera.position, log);

@@ -70,7 +70,7 @@ class FrameMaker {
 
  private:
   Result<Frame> made(const View& view, DiagnosticLog& log);
-  bool use_camera_file(Settings& settings, DiagnosticLog& log);
+  bool use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
