@@ -39,8 +39,9 @@ Json json_of(const world::Camera& camera) {
              camera.projection == world::Projection::perspective ? "perspective" : "orthographic"},
             {"focal", numbers(camera.focal)},
             {"principal", numbers(camera.principal)}};
-  json["distortion"] =
-      camera.distortion ? Json(sensor::distortion_text(camera.distortion->distortion())) : Json();
+  const std::string distortion =
+      camera.distortion ? sensor::distortion_text(camera.distortion->distortion()) : "";
+  json["distortion"] = distortion.empty() ? Json() : Json(distortion);
   json["position"] = numbers(camera.position);
   json["world_from_camera"] = numbers(camera.world_from_camera);
   return json;

@@ -193,6 +193,7 @@ COMMANDS = {
             "poses?": "object: of targets by name: x y z qw qx qy qz, world_from_model", "joints?": "object: values by TARGET/JOINT: radians, metres, factors",
             "sun?": "vec3: direction, unit", "sun_distance?": "number: AU"}]),
     },
+    "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
         "readings?": "integer: with --fit: lines of the table",

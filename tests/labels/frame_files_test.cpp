@@ -55,6 +55,18 @@ TEST(FrameFiles, AFrameWithoutThingsHasOneFile) {
   EXPECT_FALSE(std::filesystem::exists(folder / "000000.masks.npz"));
 }
 
+// A map without distortion is none.
+TEST(FrameFiles, PinholesHaveNoDistortion) {
+  const SampleFolder folder;
+  FrameLabels frame = sample_frame(0);
+  frame.camera.distortion = std::make_shared<sensor::DistortionMap>(sensor::Pinhole());
+  DiagnosticLog log;
+  ASSERT_TRUE(write_frame(folder.path(), frame, log));
+  const auto read = read_frame(folder / "000000.labels.json", log);
+  ASSERT_TRUE(read) << messages(log);
+  EXPECT_EQ(read->camera.distortion, nullptr);
+}
+
 TEST(FrameFiles, TheSameLabelsMakeTheSameBytes) {
   const SampleFolder folder;
   DiagnosticLog log;

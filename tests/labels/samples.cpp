@@ -12,6 +12,9 @@
 #include <iterator>
 #include <limits>
 
+#include "image/arrays.h"
+#include "image/png.h"
+#include "labels/frame_files.h"
 #include "tests/support/paths.h"
 
 namespace panwright::labels {
@@ -139,7 +142,7 @@ FrameLabels sample_frame(std::uint64_t number) {
   frame.things[2].camera_from_thing = other;
   frame.things[0].keypoints = {keypoint_of("tip", {1, 0.25, -0.5}, pose, camera, false),
                                keypoint_of("dock", {-0.5, 0.1, 0.3}, pose, camera, true),
-                               keypoint_of("behind", {0.1, 0.2, -30}, pose, camera, false)};
+                               keypoint_of("behind", {0.1, 0.2, 30}, pose, camera, false)};
   frame.things[1].keypoints = {frame.things[0].keypoints[0]};
   frame.things[2].keypoints = {keypoint_of("nozzle", {0.5, 0.5, 0.1}, other, camera, false)};
   const auto flow = [&](float step) {
@@ -158,6 +161,32 @@ FrameLabels sample_frame(std::uint64_t number) {
   frame.forward = flow(2);
   if (number > 0) frame.backward = flow(-2);
   return frame;
+}
+
+void write_sample_frames(const std::filesystem::path& folder, std::uint64_t count) {
+  for (std::uint64_t number = 0; number < count; ++number) {
+    const FrameLabels frame = sample_frame(number);
+    const std::size_t pixels = std::size_t{kWidth} * kHeight;
+    std::vector<std::uint8_t> rgb(3 * pixels, 10);
+    std::vector<float> depth(pixels, std::numeric_limits<float>::infinity());
+    for (const Thing& thing : frame.things)
+      for (std::size_t k = 0; k < thing.visible.coverage.size(); ++k) {
+        const std::size_t at = (thing.visible.top + k / thing.visible.width) * kWidth +
+                               thing.visible.left + k % thing.visible.width;
+        if (thing.visible.coverage[k] < 128) continue;
+        rgb[3 * at + thing.id % 3] = 200;
+        depth[at] = thing.id == 3 ? 8.0f : 10.0f;
+      }
+    image::PngOptions options;
+    options.channels = 3;
+    std::ofstream(folder / frame.image, std::ios::binary)
+        << image::png_file(kWidth, kHeight, rgb, options);
+    const auto bytes = std::as_bytes(std::span(depth));
+    const image::Array array{"depth", "<f4", {kHeight, kWidth}, {bytes.begin(), bytes.end()}};
+    DiagnosticLog log;
+    EXPECT_TRUE(image::write_arrays(folder / (frame.name + ".npz"), {&array, 1}, log));
+    EXPECT_TRUE(write_frame(folder, frame, log));
+  }
 }
 
 std::string difference(const FrameLabels& a, const FrameLabels& b) {

@@ -28,6 +28,10 @@ std::string file_bytes(const std::filesystem::path& path);
 // "servicer" before it, beyond the left edge from frame 2 on. Keypoints follow from the poses.
 FrameLabels sample_frame(std::uint64_t number);
 
+// Writes frames 0, 1, … with images, a PNG each, and depth, .npz: 10 m at the client, 8 m at the
+// servicer, none elsewhere.
+void write_sample_frames(const std::filesystem::path& folder, std::uint64_t count);
+
 // True where all members are equal, NaN of flow too; else says which is not.
 std::string difference(const FrameLabels& a, const FrameLabels& b);
 
