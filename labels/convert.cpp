@@ -220,12 +220,12 @@ void Output::lost(const FrameLabels& frame, std::string what) {
 
 void Output::report_losses() {
   for (const Loss& loss : losses_) {
-    const std::string frames =
-        loss.frames == 1
-            ? fmt::format("frame {}", loss.first)
-            : fmt::format("frame {} and {}", loss.first,
-                          loss.frames == 2 ? "1 more" : fmt::format("{} more", loss.frames - 1));
-    log_.report_file(Code::W9002, {}, fmt::format("{}: {}: {}", format_, frames, loss.what));
+    std::string frames;
+    if (!loss.first.empty()) frames = fmt::format("frame {}", loss.first);
+    if (loss.frames > 1) frames += fmt::format(" and {} more", loss.frames - 1);
+    log_.report_file(
+        Code::W9002, {},
+        fmt::format("{}: {}{}{}", format_, frames, frames.empty() ? "" : ": ", loss.what));
   }
   losses_.clear();
 }

@@ -75,7 +75,7 @@ Json json_of(const Thing& thing) {
 }
 
 std::string text_of(const FrameLabels& frame, bool any_mask) {
-  Json json{{"schema_id", "panwright/labels/1"},
+  Json json{{"schema_id", "panwright/frame_labels/1"},
             {"name", frame.name},
             {"image", frame.image},
             {"number", frame.number},

@@ -155,6 +155,18 @@ class BopWriter final : public LabelWriter {
             std::max<std::int64_t>(bottom - top - 1, 0)};
   }
 
+  // Area of the whole beyond the image's edges.
+  static std::uint64_t pixels_outside(const Thing& thing, const world::Camera& camera) {
+    const auto& box = thing.amodal_box;
+    if (!box || (box->left >= 0 && box->top >= 0 && box->right <= camera.width &&
+                 box->bottom <= camera.height))
+      return 0;
+    double inside = 0;
+    for (const std::uint8_t value : thing.amodal.coverage) inside += value / 255.0;
+    return static_cast<std::uint64_t>(
+        std::max(0.0, std::floor(thing.amodal_pixels - inside + 0.5)));
+  }
+
   std::optional<Json> info_of(const FrameLabels& frame, const Thing& thing,
                               const std::vector<float>& depth, const std::string& number,
                               std::size_t index) {
@@ -171,8 +183,7 @@ class BopWriter final : public LabelWriter {
       for (std::uint32_t i = 0; i < whole.width; ++i)
         valid += whole.set[std::size_t{j} * whole.width + i] != 0 &&
                  std::isfinite(depth[(std::size_t{whole.top} + j) * width + whole.left + i]);
-    const auto all = std::max(
-        {whole.count, seen.count, static_cast<std::uint64_t>(std::llround(thing.amodal_pixels))});
+    const auto all = std::max(whole.count + pixels_outside(thing, frame.camera), seen.count);
     const double share = all == 0 ? 0 : static_cast<double>(seen.count) / static_cast<double>(all);
     Json json{{"bbox_obj", whole_box(thing, whole, frame.camera)}};
     json["bbox_visib"] = seen.empty() ? Json{-1, -1, -1, -1}
@@ -212,11 +223,9 @@ class BopWriter final : public LabelWriter {
       if (!each.is_target()) continue;
       const pan::Model* model = output_.model(each.target);
       if (model == nullptr) {
-        FrameLabels all;
-        all.name = "of all";
-        output_.lost(all, fmt::format("'{}' has no model; models/obj_{:06}.ply is left out "
-                                      "(--target {}=FILE)",
-                                      each.target, id, each.target));
+        output_.lost({}, fmt::format("'{}' has no model; models/obj_{:06}.ply is left out "
+                                     "(--target {}=FILE)",
+                                     each.target, id, each.target));
         continue;
       }
       const PlyModel ply = ply_of(*model, kMillimetres, output_.job());

@@ -50,7 +50,8 @@ class Output {
   std::vector<const ThingClass*> classes_by_number() const;
   const pan::Model* model(std::string_view target) const;  // null: not given
 
-  // Remembers that a value was changed or left out, and how; reported once for each text.
+  // Remembers that a value was changed or left out, and how; reported once for each text. A frame
+  // without a name: of all frames.
   void lost(const FrameLabels& frame, std::string what);
   void report_losses();
   // Returns the frame's only target; null: there is none, which is a loss, or there are several,

@@ -254,11 +254,7 @@ TEST(Formats, Cryptomatte) {
     const auto* value = file.header().findTypedAttribute<Imf::StringAttribute>(name);
     return value == nullptr ? std::string() : value->value();
   };
-  std::string key;
-  for (auto at = file.header().begin(); at != file.header().end(); ++at)
-    if (std::string(at.name()).ends_with("/name")) key = at.name();
-  key.resize(key.size() - 4);
-  EXPECT_EQ(key.size(), std::string("cryptomatte/1234567/").size());
+  const std::string key = "cryptomatte/3ae39a5/";  // digits of the name's hash, 3ae39a58
   EXPECT_EQ(text((key + "name").c_str()), "CryptoObject");
   EXPECT_EQ(text((key + "hash").c_str()), "MurmurHash3_32");
   EXPECT_EQ(text((key + "conversion").c_str()), "uint32_to_float32");
@@ -291,6 +287,27 @@ TEST(Formats, Cryptomatte) {
     }
     ASSERT_EQ(found, expected) << at;
   }
+}
+
+// Hashes with an exponent of 0 or 255, 805e3ffb and ffcd29e5: bit 23 is flipped.
+TEST(Formats, CryptomatteIdentitiesAreNormalFloats) {
+  const SampleFolder folder;
+  std::filesystem::create_directory(folder / "in");
+  FrameLabels frame = sample_frame(0);
+  frame.things[0].target = frame.things[1].target = "t81";
+  frame.things[2].target = "t219";
+  DiagnosticLog log;
+  ASSERT_TRUE(write_frame(folder / "in", frame, log));
+  ASSERT_TRUE(convert(conversion_of(folder, {"cryptomatte"}), log)) << messages(log);
+  const Imf::InputFile file((folder / "out/000000.cryptomatte.exr").c_str());
+  const auto* manifest =
+      file.header().findTypedAttribute<Imf::StringAttribute>("cryptomatte/3ae39a5/manifest");
+  ASSERT_NE(manifest, nullptr);
+  EXPECT_EQ(manifest->value(), R"({"t81":"80de3ffb","t219":"ff4d29e5"})");
+  const auto* parts =
+      file.header().findTypedAttribute<Imf::StringAttribute>("cryptomatte/3201c4f/name");
+  ASSERT_NE(parts, nullptr);
+  EXPECT_EQ(parts->value(), "CryptoPart");
 }
 
 }  // namespace

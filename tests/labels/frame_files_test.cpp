@@ -156,7 +156,7 @@ TEST(FrameFiles, HostileTexts) {
         with("\"000000.png\"", "\"../../x.png\""), with("\"000000.png\"", "\"/etc/x.png\""),
         with("\"name\":\"f\"", "\"name\":\"g\""), with("\"width\":64", "\"width\":999999"),
         with("\"id\":2", "\"id\":1"), with("\"id\":2", "\"id\":-2"),
-        with("\"time\":0.0", "\"time\":1e300"), with("labels/1", "labels/2"),
+        with("\"time\":0.0", "\"time\":1e300"), with("frame_labels/1", "frame_labels/2"),
         with("\"visible\":{\"left\":", "\"visible\":{\"left\":64.5,\"x\":"),
         with("\"focal\":[80", "\"focal\":[-80")}) {
     put(file, text);
