@@ -192,7 +192,8 @@ class FrameReader {
   FrameLabels frame(const JsonTree& json) {
     const auto at = [&](const char* name) -> const JsonTree& { return member(json, name); };
     FrameLabels out;
-    if (at("schema_id") != "panwright/frame_labels/1") fail("schema_id", "panwright/frame_labels/1");
+    if (at("schema_id") != "panwright/frame_labels/1")
+      fail("schema_id", "panwright/frame_labels/1");
     out.name = text(at("name"), "name", false);
     out.image = text(at("image"), "image");
     const std::filesystem::path image(out.image);
