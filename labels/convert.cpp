@@ -213,9 +213,10 @@ void Output::lost(const FrameLabels& frame, std::string what) {
   auto at = std::ranges::find(losses_, what, &Loss::what);
   if (at == losses_.end()) {
     if (losses_.size() == kMostKinds) return;
-    at = losses_.insert(at, {std::move(what), frame.name, 0});
+    at = losses_.insert(at, {std::move(what), frame.name, frame.name, 0});
   }
-  ++at->frames;
+  if (at->frames == 0 || at->last != frame.name) ++at->frames;
+  at->last = frame.name;
 }
 
 void Output::report_losses() {

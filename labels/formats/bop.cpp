@@ -138,17 +138,22 @@ class BopWriter final : public LabelWriter {
       output_.lost(frame, fmt::format("joints of '{}' move; its model is rigid", thing.target));
   }
 
-  // Extent of the whole, beyond the image's edges too.
+  static bool reaches_outside(const Box& box, const world::Camera& camera) {
+    return box.left < 0 || box.top < 0 || box.right > camera.width || box.bottom > camera.height;
+  }
+
+  // Extent of the whole, beyond the image's edges too; of the pixels where all of it is inside.
   static Json whole_box(const Thing& thing, const PixelMask& mask, const world::Camera& camera) {
-    if (!thing.amodal_box && mask.empty()) return {-1, -1, -1, -1};
+    const auto& box = thing.amodal_box;
     std::int64_t left = mask.left, top = mask.top, right = left + mask.width,
                  bottom = top + mask.height;
-    if (thing.amodal_box) {
-      const Box& box = *thing.amodal_box;
-      if (mask.empty() || box.left < 0) left = std::llround(box.left);
-      if (mask.empty() || box.top < 0) top = std::llround(box.top);
-      if (mask.empty() || box.right > camera.width) right = std::llround(box.right);
-      if (mask.empty() || box.bottom > camera.height) bottom = std::llround(box.bottom);
+    if (box && (mask.empty() || reaches_outside(*box, camera))) {
+      left = std::llround(box->left);
+      top = std::llround(box->top);
+      right = std::llround(box->right);
+      bottom = std::llround(box->bottom);
+    } else if (mask.empty()) {
+      return {-1, -1, -1, -1};
     }
     // the toolkit's width is the difference of the outermost pixels
     return {left, top, std::max<std::int64_t>(right - left - 1, 0),
@@ -157,10 +162,7 @@ class BopWriter final : public LabelWriter {
 
   // Area of the whole beyond the image's edges.
   static std::uint64_t pixels_outside(const Thing& thing, const world::Camera& camera) {
-    const auto& box = thing.amodal_box;
-    if (!box || (box->left >= 0 && box->top >= 0 && box->right <= camera.width &&
-                 box->bottom <= camera.height))
-      return 0;
+    if (!thing.amodal_box || !reaches_outside(*thing.amodal_box, camera)) return 0;
     double inside = 0;
     for (const std::uint8_t value : thing.amodal.coverage) inside += value / 255.0;
     return static_cast<std::uint64_t>(

@@ -85,8 +85,8 @@ class Output {
   std::vector<std::filesystem::path> tables_;
   struct Loss {
     std::string what;
-    std::string first;  // frame
-    std::uint64_t frames = 0;
+    std::string first, last;   // frames
+    std::uint64_t frames = 0;  // number of them
   };
   std::vector<Loss> losses_;
 };

@@ -140,6 +140,19 @@ TEST(Formats, LossesAreTold) {
   EXPECT_THAT(messages(log), HasSubstr("'servicer' has no model"));
 }
 
+// A frame with two values of a kind counts once.
+TEST(Formats, LossesCountFrames) {
+  const Frames folder;
+  FrameLabels frame = sample_frame(1);
+  frame.things[2].label = "boom";
+  DiagnosticLog log;
+  ASSERT_TRUE(write_frame(folder / "in", frame, log));
+  for (const char* number : {"0", "2"})
+    std::filesystem::remove(folder / ("in/00000" + std::string(number) + ".labels.json"));
+  ASSERT_TRUE(convert(conversion_of(folder, {"bop"}), log)) << messages(log);
+  EXPECT_THAT(messages(log), HasSubstr("bop: frame 000001: parts have no models"));
+}
+
 TEST(Formats, MotionBeyondKitti) {
   const Frames folder;
   FrameLabels frame = sample_frame(1);
