@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -26,7 +27,8 @@ constexpr std::uint64_t kMostJsonBytes = 16u << 20;
 constexpr std::uint64_t kMostMaskBytes = 2ull << 30;  // of a frame
 constexpr std::size_t kMostNameBytes = 1000;
 constexpr int kMostDepth = 8;
-constexpr double kMostNumber = 1e15;  // metres, pixels, seconds
+// note: a point close to the camera's plane may fall on any pixel
+constexpr double kMostNumber = std::numeric_limits<double>::max();
 
 // Reads members of a frame's JSON; the first wrong one is reported and ends all.
 class FrameReader {
@@ -50,11 +52,10 @@ class FrameReader {
     return at == object.end() ? kNone : *at;
   }
 
-  double number(const JsonTree& json, const std::string& where, double least = -kMostNumber,
-                double most = kMostNumber) {
+  double number(const JsonTree& json, const std::string& where, double least = -kMostNumber) {
     const double value = json.is_number() ? json.get<double>() : std::nan("");
-    if (!(value >= least && value <= most))
-      fail(where, fmt::format("a number from {} to {}", least, most));
+    if (!(value >= least && value <= kMostNumber))
+      fail(where, least < 0 ? "a number" : "a number that is not negative");
     return value;
   }
 

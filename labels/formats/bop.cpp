@@ -138,6 +138,11 @@ class BopWriter final : public LabelWriter {
       output_.lost(frame, fmt::format("joints of '{}' move; its model is rigid", thing.target));
   }
 
+  static std::int64_t pixel_of(double edge) {
+    constexpr double kMost = 1e9;  // within 32 bits
+    return std::llround(std::clamp(edge, -kMost, kMost));
+  }
+
   static bool reaches_outside(const Box& box, const world::Camera& camera) {
     return box.left < 0 || box.top < 0 || box.right > camera.width || box.bottom > camera.height;
   }
@@ -148,10 +153,10 @@ class BopWriter final : public LabelWriter {
     std::int64_t left = mask.left, top = mask.top, right = left + mask.width,
                  bottom = top + mask.height;
     if (box && (mask.empty() || reaches_outside(*box, camera))) {
-      left = std::llround(box->left);
-      top = std::llround(box->top);
-      right = std::llround(box->right);
-      bottom = std::llround(box->bottom);
+      left = pixel_of(box->left);
+      top = pixel_of(box->top);
+      right = pixel_of(box->right);
+      bottom = pixel_of(box->bottom);
     } else if (mask.empty()) {
       return {-1, -1, -1, -1};
     }
@@ -166,7 +171,7 @@ class BopWriter final : public LabelWriter {
     double inside = 0;
     for (const std::uint8_t value : thing.amodal.coverage) inside += value / 255.0;
     return static_cast<std::uint64_t>(
-        std::max(0.0, std::floor(thing.amodal_pixels - inside + 0.5)));
+        std::clamp(std::floor(thing.amodal_pixels - inside + 0.5), 0.0, 1e12));
   }
 
   std::optional<Json> info_of(const FrameLabels& frame, const Thing& thing,

@@ -55,6 +55,19 @@ TEST(FrameFiles, AFrameWithoutThingsHasOneFile) {
   EXPECT_FALSE(std::filesystem::exists(folder / "000000.masks.npz"));
 }
 
+// Of a keypoint close to the camera's plane, and a box of it.
+TEST(FrameFiles, HugeNumbers) {
+  const SampleFolder folder;
+  FrameLabels frame = sample_frame(0);
+  frame.things[0].keypoints[0].pixel = Vec2(1e280, -1e17);
+  frame.things[0].amodal_box = Box{-1e290, 0, 1e20, 1};
+  DiagnosticLog log;
+  ASSERT_TRUE(write_frame(folder.path(), frame, log));
+  const auto read = read_frame(folder / "000000.labels.json", log);
+  ASSERT_TRUE(read) << messages(log);
+  EXPECT_EQ(difference(*read, frame), "");
+}
+
 // A map without distortion is none.
 TEST(FrameFiles, PinholesHaveNoDistortion) {
   const SampleFolder folder;
@@ -156,7 +169,7 @@ TEST(FrameFiles, HostileTexts) {
         with("\"000000.png\"", "\"../../x.png\""), with("\"000000.png\"", "\"/etc/x.png\""),
         with("\"name\":\"f\"", "\"name\":\"g\""), with("\"width\":64", "\"width\":999999"),
         with("\"id\":2", "\"id\":1"), with("\"id\":2", "\"id\":-2"),
-        with("\"time\":0.0", "\"time\":1e300"), with("frame_labels/1", "frame_labels/2"),
+        with("\"amodal_pixels\":", "\"amodal_pixels\":-"), with("frame_labels/1", "frame_labels/2"),
         with("\"visible\":{\"left\":", "\"visible\":{\"left\":64.5,\"x\":"),
         with("\"focal\":[80", "\"focal\":[-80")}) {
     put(file, text);
