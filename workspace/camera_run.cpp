@@ -330,6 +330,7 @@ class CameraRun : public InstrumentRun {
 }  // namespace
 
 bool stores_ground_truth(const Frame& frame) {
+  if (frame.labels) return true;  // which are made from it
   const image::FileOptions files = file_options(frame.settings);
   return std::any_of(frame.outputs.begin(), frame.outputs.end(), [&](const std::string& output) {
     return image::stores_ground_truth(*image::image_format(output), files);

@@ -233,7 +233,21 @@ Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
   DiagnosticLog apart = log.apart();
   auto frame = made(view, apart);
   forward(apart, view.label, view.file, log);
+  if (frame && view.labels && !set_labels(*view.labels, *frame, log)) return failed;
   return frame;
+}
+
+bool FrameMaker::set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log) {
+  FrameLabelling labels{of.labelling, of.name, of.number, of.time, nullptr, nullptr};
+  const auto make = [&](const std::shared_ptr<const View>& from, std::shared_ptr<const Frame>& to) {
+    if (from == nullptr) return true;
+    auto made = this->frame(*from, log);
+    if (made) to = std::make_shared<const Frame>(*std::move(made));
+    return to != nullptr;
+  };
+  if (!make(of.previous, labels.previous) || !make(of.next, labels.next)) return false;
+  frame.labels = std::make_shared<const FrameLabelling>(std::move(labels));
+  return true;
 }
 
 // Size, intrinsics and distortion in place of the file's name.

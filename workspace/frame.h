@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/result.h"
 #include "sensor/camera_file.h"
 #include "workspace/instrument.h"
+#include "workspace/labelling.h"
 #include "workspace/settings.h"
 #include "workspace/targets.h"
 #include "workspace/views.h"
@@ -39,8 +41,9 @@ struct Frame {
   std::optional<world::Sun> sun;    // none: the world's
   std::optional<Vec3> white;        // none: the world's
   Instrument instrument;
-  Settings settings;                 // of drawing and files, and the seed
-  std::vector<std::string> outputs;  // files of one product
+  Settings settings;                             // of drawing and files, and the seed
+  std::vector<std::string> outputs;              // files of one product
+  std::shared_ptr<const FrameLabelling> labels;  // to write beside them; null: none
 
   // The camera. Expects: one.
   world::Camera& camera() { return std::get<CameraInstrument>(instrument).camera; }
@@ -69,6 +72,7 @@ class FrameMaker {
 
  private:
   Result<Frame> made(const View& view, DiagnosticLog& log);
+  bool set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log);
   bool use_camera_file(Settings& settings, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;

@@ -11,6 +11,7 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 #include "scenario/sequence.h"
+#include "workspace/labelling.h"
 #include "workspace/views.h"
 
 namespace panwright::workspace {
@@ -36,6 +37,7 @@ struct Scenario {
   std::optional<double> begin, end;  // seconds; none: those of the sequence
   std::optional<double> step;        // seconds between frames; none: frames of the sequence
   std::vector<std::string> files;    // files it was read from, itself first
+  std::optional<Labelling> labels;   // of every frame; none: not asked for
 };
 
 // Opens a scenario (.toml), or one trajectory file alone: .csv, .fli, .json (keyframes), .oem, .aem
