@@ -54,7 +54,7 @@ TEST(Level1, NodesShapesUsesAndJointsHaveLabels) {
     <part name="wing"><box name="panel" size="1 1 0.1" label="panel"/></part>
     <node name="bus" label="bus"><box size="1"/></node>
     <use part="wing" label="left"/>
-    <joint name="drive" type="revolute" label="array"><use part="wing" name="right"/></joint>
+    <joint name="drive" type="continuous" label="array"><use part="wing" name="right"/></joint>
     <repeat count="2" var="k"><box name="fin" size="1" label="fin{k}"/></repeat>
     <box name="tank" size="1" label="tank" foil="smooth"/>)");
   EXPECT_EQ(r.summary(), "");
@@ -65,7 +65,7 @@ TEST(Level1, NodesShapesUsesAndJointsHaveLabels) {
   EXPECT_EQ(labels.at("wing"), "left");
   EXPECT_EQ(labels.at("drive"), "array");
   EXPECT_EQ(labels.at("panel"), "panel");
-  EXPECT_EQ(labels.at("fin2"), "fin1");
+  EXPECT_EQ(labels.at("fin"), "fin1");
   // foil beside the shape that it covers belongs to its part
   std::size_t of_tank = 0;
   for (const scene::Instance& instance : r.scene->instances)
