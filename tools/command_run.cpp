@@ -29,6 +29,7 @@ using workspace::SettingId;
 
 // Frames rendered by one call of the session.
 constexpr std::size_t kChunk = 256;
+constexpr std::size_t kExposedChunk = 16;  // of frames that have up to a thousand moments each
 constexpr std::uint64_t kMostManifestBytes = 8ull << 30;
 
 struct Options {
@@ -202,6 +203,26 @@ class SequenceRun {
     return out;
   }
 
+  // Makes the first frame for its mistakes, and for the rows of its image.
+  bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world) {
+    auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
+    if (!view) return false;
+    const workspace::Settings& settings = view->settings;
+    shutter_ = {*settings.exposure, *settings.line_time, 1};
+    if (shutter_.instant()) return true;
+    const auto made = workspace::FrameMaker(world).frame(*view, log_);
+    if (made) shutter_.rows = made->camera().height;
+    return bool(made);
+  }
+
+  // Returns true if the sources cover the exposure of a frame.
+  bool is_covered(double time) const {
+    if (shutter_.instant()) return true;
+    for (const double at : {time + shutter_.begin(), time + shutter_.end()})
+      if (!workspace::frame_at(opened_->scenario, at, log_)) return false;
+    return true;
+  }
+
   // All frames, a line each, before any is drawn: errors of the scenario come first.
   bool describe(const world::World& world, std::string& manifest) {
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
@@ -215,8 +236,8 @@ class SequenceRun {
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
-      if (k == 0 && !workspace::view_of(opened_->scenario, *frame, number, world, log_))
-        return false;
+      if (k == 0 && !find_shutter(*frame, number, world)) return false;
+      if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
       line["outputs"] = outputs_of(stem);
       manifest += line.dump() + "\n";
@@ -281,6 +302,7 @@ class SequenceRun {
   bool render(workspace::ViewSession& session, const world::World& world,
               const workspace::RunListener& listener) {
     std::vector<workspace::View> views;
+    const std::size_t chunk = shutter_.instant() ? kChunk : kExposedChunk;
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
       const std::uint64_t number = opened_->first + k;
       const auto frame = workspace::frame_at(opened_->scenario, opened_->times[k], log_);
@@ -301,7 +323,7 @@ class SequenceRun {
         views.push_back(*std::move(view));
       }
       const bool last = k + 1 == opened_->times.size();
-      if (views.size() < kChunk && !last) continue;
+      if (views.size() < chunk && !last) continue;
       if (!views.empty() && !session.run(views, listener, log_, context_.job())) return false;
       views.clear();
     }
@@ -314,6 +336,7 @@ class SequenceRun {
   ScenarioInput::Opened* opened_ = nullptr;
   workspace::OpenOptions open_;
   std::vector<std::string> types_;
+  workspace::Shutter shutter_;
   std::set<std::string> stems_;  // of all frames' files
   std::size_t kept_ = 0;
 };

@@ -59,6 +59,7 @@ Result<scenario::Frame> frame_at(const Scenario& scenario, double time, Diagnost
 //
 //   number  of the frame, for its label
 //   world   of the scenario's targets, which knows the kinds of their joints
+// Expects: scenario and world outlive the view.
 // Fails: E5013.
 Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
                      const world::World& world, DiagnosticLog& log);

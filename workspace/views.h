@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ struct View {
   bool field_of_view = false;  // intrinsics stand for one, of an image of the size
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: options of a command
   std::string file;   // views file of origin; empty: none
+  // Of a scenario: the settings at a time after this view's, seconds; fails as it does. Empty: at
+  // no other time is anything known.
+  std::function<std::optional<Settings>(double, DiagnosticLog&)> motion;
 };
 
 // Reads a views file (docs/views.md): a JSON list of objects whose members are those of
