@@ -218,8 +218,18 @@ class SequenceRun {
   // Returns true if the sources cover the exposure of a frame.
   bool is_covered(double time) const {
     if (shutter_.instant()) return true;
-    for (const double at : {time + shutter_.begin(), time + shutter_.end()})
-      if (!workspace::frame_at(opened_->scenario, at, log_)) return false;
+    for (const double at : {time + shutter_.begin(), time + shutter_.end()}) {
+      DiagnosticLog apart = log_.apart();
+      if (workspace::frame_at(opened_->scenario, at, apart)) continue;
+      for (const Diagnostic& each : apart.entries()) {
+        const FileId file = each.where.file;
+        log_.report_file(
+            each.code, file == kNoFile ? "" : apart.sources().file(file).name,
+            fmt::format("the exposure of the frame at {:.9g} s: {}", time, each.message),
+            each.hint);
+      }
+      return false;
+    }
     return true;
   }
 

@@ -276,7 +276,7 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
     log.report(Code::E0201, {},
                fmt::format("--{} is {}, expected 0 where nothing is known of other times",
                            info_of(id).name, in_quotes(setting_text(id, settings))),
-               "`panwright run` renders scenarios, whose frames have a before and an after");
+               "scenarios with times have a before and an after (`panwright run`)");
     return false;
   }
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;

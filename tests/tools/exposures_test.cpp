@@ -154,13 +154,15 @@ TEST_P(Exposures, NeedABeforeAndAnAfter) {
   const Outcome outside = panwright({"run", scenario_, "-o", folder_ / "outside", "--at", "0.1",
                                      "--at", "0", "--exposure", "0.2"});
   EXPECT_NE(outside.code, 0);
+  EXPECT_THAT(outside.err, HasSubstr("the exposure of the frame at 0 s: "));
   EXPECT_THAT(outside.err, HasSubstr("E8003"));
   const std::string views =
       folder_.write("views.json", "[{\"output\": \"a.npy\", \"exposure\": 0.1}]");
   const Outcome view = panwright({"render", box_, "--views", views});
   EXPECT_NE(view.code, 0);
   EXPECT_THAT(view.err, HasSubstr("exposure is '0.1', expected 0"));
-  EXPECT_THAT(run("minus", {"--exposure", "-1"}).err, HasSubstr("seconds, 0 or more"));
+  EXPECT_THAT(run("minus", {"--exposure", "-1"}).err, HasSubstr("expected seconds, 0 to 1e6"));
+  EXPECT_THAT(run("inf", {"--line-time", "inf"}).err, HasSubstr("--line-time is 'inf'"));
 }
 
 #ifdef PANWRIGHT_GL
