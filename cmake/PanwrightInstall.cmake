@@ -11,11 +11,11 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake COMPONENT dev)
 # public headers only: sub-folders without any are named here
-install(DIRECTORY base image geometry mli materials light sensor scene pan world trace scenario importers exporters compiler pxn preview workspace schemas
+install(DIRECTORY base image geometry mli materials light sensor scene pan world trace scenario labels importers exporters compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame))$" EXCLUDE)
-install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats)$" EXCLUDE)
+install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json schemas/labels.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")

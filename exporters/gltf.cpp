@@ -184,10 +184,12 @@ class Exporter {
     }
     const auto values =
         options_.joint_values.empty() ? model_.initial_values() : options_.joint_values;
-    std::size_t joint = 0;
+    std::size_t joint = 0, label = 0;
     for (std::size_t i = 0; i < model_.nodes().size(); ++i) {
       const pan::layout::Node& from = model_.nodes()[i];
       ordered_json node = {{"name", std::string(model_.node_name(i))}};
+      if (label < model_.labels().size() && model_.labels()[label].node == i)
+        node["extras"] = {{"label", std::string(model_.label_name(label++))}};
       place(node, {from.translation[0], from.translation[1], from.translation[2]},
             Quat(from.rotation[0], from.rotation[1], from.rotation[2], from.rotation[3]),
             {from.scale[0], from.scale[1], from.scale[2]});

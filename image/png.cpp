@@ -17,7 +17,6 @@ class PngWriter {
   PngWriter(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> pixels,
             const PngOptions& options)
       : width_(width), height_(height), pixels_(pixels), options_(options) {
-    if (options.grey16) return;
     const auto channels = static_cast<std::size_t>(options.channels);
     alpha_ = channels == 4 && !options.drop_opaque_alpha;
     for (std::size_t i = 3; channels == 4 && i < pixels.size() && !alpha_; i += 4)
@@ -48,10 +47,10 @@ class PngWriter {
   void write_rows() {
     png_set_write_fn(png_, this, append, flush);
     png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    const int color = options_.grey16 ? PNG_COLOR_TYPE_GRAY
-                      : alpha_        ? PNG_COLOR_TYPE_RGB_ALPHA
-                                      : PNG_COLOR_TYPE_RGB;
-    png_set_IHDR(png_, info_, width_, height_, options_.grey16 ? 16 : 8, color, PNG_INTERLACE_NONE,
+    const int color = options_.channels == 1 ? PNG_COLOR_TYPE_GRAY
+                      : alpha_               ? PNG_COLOR_TYPE_RGB_ALPHA
+                                             : PNG_COLOR_TYPE_RGB;
+    png_set_IHDR(png_, info_, width_, height_, 8 * options_.bytes, color, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (!options_.comment.empty()) {
       png_text text{};
@@ -63,7 +62,7 @@ class PngWriter {
     if (options_.says_srgb) png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(png_, info_);
     const std::size_t step =
-        (options_.grey16 ? 2 : static_cast<std::size_t>(options_.channels)) * std::size_t{width_};
+        static_cast<std::size_t>(options_.bytes * options_.channels) * std::size_t{width_};
     for (std::size_t y = 0; y < height_; ++y) {
       const std::uint8_t* row = pixels_.data() + y * step;
       png_write_row(png_, row_.empty() ? row : without_alpha(row));
@@ -111,10 +110,11 @@ class PngWriter {
 
 std::string png_file(std::uint32_t width, std::uint32_t height,
                      std::span<const std::uint8_t> pixels, const PngOptions& options) {
-  assert(options.channels == 3 || options.channels == 4);
+  assert(options.channels == 1 || options.channels == 3 || options.channels == 4);
+  assert(options.bytes == 1 || (options.bytes == 2 && options.channels != 4));
   assert(width > 0 && height > 0);
   assert(pixels.size() ==
-         (options.grey16 ? 2 : static_cast<std::size_t>(options.channels)) * width * height);
+         static_cast<std::size_t>(options.bytes * options.channels) * width * height);
   return PngWriter(width, height, pixels, options).run();
 }
 

@@ -8,15 +8,14 @@
 namespace panwright::image {
 
 struct PngOptions {
-  int channels = 4;               // of the pixels given: 3 (RGB) or 4 (RGBA)
-  bool grey16 = false;            // in their place one of 16 bits, the high byte first
+  int channels = 4;               // of the pixels given: 1 (grey), 3 (RGB) or 4 (RGBA)
+  int bytes = 1;                  // of a channel; 2: 16 bits, the high byte first
   bool drop_opaque_alpha = true;  // writes RGB where every alpha is 255
   bool says_srgb = false;         // a chunk states that the numbers are sRGB codes
   std::string comment;            // ASCII, a text chunk "Comment"; empty: none
 };
 
-// Returns a PNG file. pixels: channels·width·height bytes, row 0 the top row; 2·width·height with
-// grey16. Lossless.
+// Returns a PNG file. pixels: bytes·channels·width·height bytes, row 0 the top row. Lossless.
 // The bytes depend on the arguments and on the versions of libpng and zlib alone.
 //
 // Expects: sides of 1 to 2^31 − 1, and pixels of that size. Cost: O(pixels).

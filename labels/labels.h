@@ -12,8 +12,8 @@
 
 namespace panwright::labels {
 
-// Coverage of the pixels of a rectangle: 0 to 255 for 0 to 1, rounded. Pixels outside are 0. The
-// smallest rectangle of what is not 0; empty: nothing.
+// Coverage of the pixels of a rectangle within the image: 0 to 255 for 0 to 1, rounded; 1 for less.
+// Pixels outside are 0. The smallest rectangle of what is not 0; empty: nothing.
 struct Mask {
   std::uint32_t left = 0, top = 0;      // pixels
   std::uint32_t width = 0, height = 0;  // pixels
@@ -47,22 +47,25 @@ struct Thing {
   std::uint32_t id = 0;  // in this frame's layers of labels, from 1; equal in all frames of a run
   std::string target;    // name in the world
   std::string label;     // of the part; empty: the whole target
-  world::Pose camera_from_thing;   // of the target's frame, or of the part's own
-  Mask amodal;                     // as if nothing else were there; its own other parts too
-  Mask visible;                    // as in the image
-  std::optional<Box> amodal_box;   // of the whole, beyond the image's edges too; none: not in front
-  std::optional<Box> visible_box;  // of what is visible; none: nothing
-  double amodal_pixels = 0;        // area of the whole, beyond the image's edges too
-  double visible_pixels = 0;       // area of what is visible
+  world::Pose camera_from_thing;  // of the target's frame, or of the part's own
+  Mask amodal;                    // as if nothing else were there; its own other parts too
+  Mask visible;                   // as in the image
+  // Of the whole, beyond the image's edges too; of what reaches behind the camera, or outside its
+  // lens's domain, the rest within three images' width and height around this one; none: no rest.
+  std::optional<Box> amodal_box;
+  std::optional<Box> visible_box;   // of what is visible, within the image; none: nothing
+  double amodal_pixels = 0;         // area, within three images' width and height around this one
+  double visible_pixels = 0;        // area of what is visible; at most amodal_pixels
   std::vector<Keypoint> keypoints;  // of a target: all; of a part: those within
 
   bool operator==(const Thing&) const = default;
 };
 
-// Motion of what each pixel's centre shows, pixels, to the place in another frame.
+// Motion of what each pixel's centre shows, pixels, to its place in another frame: hidden there or
+// not, beyond the image's edges too.
 struct Flow {
   std::uint32_t width = 0, height = 0;
-  std::vector<float> motion;  // 2*height*width: right, down; NaN: background, or not in that frame
+  std::vector<float> motion;  // 2*height*width: right, down; NaN: background, or no pixel there
 
   bool operator==(const Flow&) const = default;
 };

@@ -93,6 +93,9 @@ struct RenderOptions {
   bool levels = true;
   // Replaces the pixel footprint of the image: metres, ≥ 0.
   std::optional<double> level_pixel;
+  // Pixels of this image, along a side, to one whose footprint decides the levels: texels of
+  // another image's pixels; > 0.
+  double level_pixels = 1;
   bool flat = false;  // shade by the triangles' own normals
   // For N > 0 without `adaptive`, except imposters: averages a lobe over the turn of a curved
   // surface's normals between samples, if that exceeds the lobe's width (docs/sampling.md).

@@ -40,6 +40,7 @@ struct Node {
   std::int32_t parent = kNone;  // < own index; kNone for the root alone
   Transform parent_from_node;
   Source source;
+  std::string label{};  // part of the model in labels of images, with all below it; empty: none
 };
 
 // A texture that multiplies the diffuse colour.

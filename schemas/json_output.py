@@ -59,6 +59,7 @@ IMAGES = {
     "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
     "images": ("written", [{
         "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
+        "moments?": "integer: number of moments whose mean is the image, of an exposure over time",
         "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
         "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
         "penumbra?": "number: largest possible width of a penumbra, pixels; with --engine gl, shadows of the Sun's disc",
@@ -193,6 +194,7 @@ COMMANDS = {
             "poses?": "object: of targets by name: x y z qw qx qy qz, world_from_model", "joints?": "object: values by TARGET/JOINT: radians, metres, factors",
             "sun?": "vec3: direction, unit", "sun_distance?": "number: AU"}]),
     },
+    "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
         "readings?": "integer: with --fit: lines of the table",

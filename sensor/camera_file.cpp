@@ -129,14 +129,17 @@ void read_window(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
     reader.fail(*at, "region of interest and binning do not fit the image");
 }
 
+// A calibration's file, or a message CameraInfo as text: width, height, d, k, r.
 void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
   camera.name = reader.text(reader.find_any({"camera_name"}), "camera_name").value_or("");
-  camera.width = reader.pixels(reader.require_any({"image_width"}), "image_width").value_or(0);
-  camera.height = reader.pixels(reader.require_any({"image_height"}), "image_height").value_or(0);
-  use_matrix(reader, reader.require_any({"camera_matrix"}), "camera_matrix", camera.lens);
+  camera.width =
+      reader.pixels(reader.require_any({"image_width", "width"}), "image_width").value_or(0);
+  camera.height =
+      reader.pixels(reader.require_any({"image_height", "height"}), "image_height").value_or(0);
+  use_matrix(reader, reader.require_any({"camera_matrix", "k"}), "camera_matrix", camera.lens);
   const Value* model = reader.find_any({"distortion_model"});
   const std::string name = reader.text(model, "distortion_model").value_or("plumb_bob");
-  const Value* k = reader.find_any({"distortion_coefficients"});
+  const Value* k = reader.find_any({"distortion_coefficients", "d"});
   if (name == "equidistant")
     use_fisheye(reader, k, "distortion_coefficients", camera.lens);
   else if (name == "plumb_bob" || name == "rational_polynomial")
@@ -145,7 +148,7 @@ void read_ros(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
     reader.fail(*model, fmt::format("distortion_model is {}, expected plumb_bob, "
                                     "rational_polynomial or equidistant",
                                     in_quotes(name)));
-  if (const Value* turn = reader.find_any({"rectification_matrix"}); turn != nullptr) {
+  if (const Value* turn = reader.find_any({"rectification_matrix", "r"}); turn != nullptr) {
     const auto m = reader.numbers(turn, "rectification_matrix", {9});
     if (m && *m != Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1})
       reader.ignored(*turn, "the rectification is not applied: images are those of the camera");
@@ -293,6 +296,14 @@ void read_own(TableReader& reader, CameraFile& camera) {
   if (const auto c = reader.numbers(reader.find("principal"), "principal", {2}))
     camera.lens.principal = {(*c)[0], (*c)[1]};
   read_own_distortion(reader, camera.lens);
+  if (const Value* mount = reader.find("mount"); mount != nullptr) {
+    const Numbers q = reader.numbers(mount, "mount", {4}).value_or(Numbers{1, 0, 0, 0});
+    const Quat given(q[0], q[1], q[2], q[3]);
+    const double length = std::sqrt(glm::dot(given, given));
+    if (!(std::fabs(length - 1) < 1e-6))
+      reader.fail(*mount, "mount is not a unit quaternion w x y z");
+    camera.mount_from_camera = given * (1 / length);
+  }
   Window window;
   const auto whole = [&](const Value* value, auto& to, std::string_view name, double least) {
     const auto given = reader.numbers(value, name, {to.size()});

@@ -71,6 +71,8 @@ std::string own_text(const CameraFile& camera) {
                        joined(std::array{o.x, o.y, o.z}), joined(cahvore->r), joined(cahvore->e),
                        joined(std::array{cahvore->linearity}));
   }
+  if (const Quat& q = camera.mount_from_camera; q != Quat(1, 0, 0, 0))
+    out += fmt::format("mount = {}\n", joined(std::array{q.w, q.x, q.y, q.z}));
   return out;
 }
 
@@ -240,6 +242,8 @@ Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, D
       return fail("powers of pixels need square ones", "");
     return own_text(camera);
   }
+  if (camera.mount_from_camera != Quat(1, 0, 0, 0))
+    return fail("the format holds no misalignment of the camera");
   const auto lens = plain(camera.lens);
   if (!lens) return fail("the format holds pinhole, brown and fisheye lenses only");
   switch (format) {

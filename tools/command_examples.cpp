@@ -64,6 +64,13 @@ constexpr Example kExamples[] = {
     {"run", "rendezvous/approach.toml -o truth --every 150 --type npz",
      "Write radiance and ground truth of a frame every 150 s."},
 
+    {"labels", "labels -o coco --format coco",
+     "Write masks, boxes and keypoints of all frames of a folder for COCO."},
+    {"labels", "labels -o speed --format speedplus --target client",
+     "Write the poses of one target for SPEED+, with images and camera.json."},
+    {"labels", "labels -o sets --format yolo,yolo-seg,cryptomatte",
+     "Write several formats, each into a folder of its own."},
+
     {"view", "servicer/servicer.pxn",
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",

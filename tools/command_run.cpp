@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "base/file.h"
 #include "base/text.h"
+#include "labels/frame_files.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/frame_json.h"
@@ -29,6 +31,7 @@ using workspace::SettingId;
 
 // Frames rendered by one call of the session.
 constexpr std::size_t kChunk = 256;
+constexpr std::size_t kExposedChunk = 16;  // of frames that have up to a thousand moments each
 constexpr std::uint64_t kMostManifestBytes = 8ull << 30;
 
 struct Options {
@@ -39,6 +42,7 @@ struct Options {
   ViewOptions view;
   std::string folder;
   std::vector<std::string> types;  // extensions; empty: png
+  bool labels = false;
   bool resume = false;
   std::string gl = "auto";
 };
@@ -69,6 +73,10 @@ void declare_all(Arguments& arguments, Options& options) {
            "Type of the image files: png (default), exr, npy or npz; may be repeated")
       .type("TYPE")
       .one_value();
+  arguments.flag(
+      "--labels", options.labels,
+      "Write labels beside the images: masks, boxes, poses and keypoints; as [labels] in "
+      "the scenario, which chooses parts and flow (docs/labels.md)");
   arguments.flag("--resume", options.resume,
                  "Go on in a folder of the same run: complete frames are kept");
   for (const SettingId id : workspace::kCommandOrder)
@@ -176,6 +184,9 @@ class SequenceRun {
                        "[targets] in the scenario, or --target NAME=FILE");
       return false;
     }
+    if (options_.labels && !opened_->scenario.labels) opened_->scenario.labels.emplace();
+    if (opened_->scenario.labels)
+      labelling_ = std::make_shared<const workspace::Labelling>(*opened_->scenario.labels);
     types_ = options_.types.empty() ? std::vector<std::string>{"png"} : options_.types;
     for (const std::string& type : types_)
       if (type != "png" && type != "exr" && type != "npy" && type != "npz") {
@@ -202,6 +213,43 @@ class SequenceRun {
     return out;
   }
 
+  // The files by which a frame is complete: the one of the labels comes last.
+  std::vector<std::string> files_of(const std::string& stem) const {
+    std::vector<std::string> out = outputs_of(stem);
+    if (labelling_ != nullptr) out.push_back(stem + std::string(labels::kLabelsExtension));
+    return out;
+  }
+
+  // Makes the first frame for its mistakes, and for the rows of its image.
+  bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world) {
+    auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
+    if (!view) return false;
+    const workspace::Settings& settings = view->settings;
+    shutter_ = {*settings.exposure, *settings.line_time, 1};
+    if (shutter_.instant()) return true;
+    const auto made = workspace::FrameMaker(world).frame(*view, log_);
+    if (made) shutter_.rows = made->camera().height;
+    return bool(made);
+  }
+
+  // Returns true if the sources cover the exposure of a frame.
+  bool is_covered(double time) const {
+    if (shutter_.instant()) return true;
+    for (const double at : {time + shutter_.begin(), time + shutter_.end()}) {
+      DiagnosticLog apart = log_.apart();
+      if (workspace::frame_at(opened_->scenario, at, apart)) continue;
+      for (const Diagnostic& each : apart.entries()) {
+        const FileId file = each.where.file;
+        log_.report_file(
+            each.code, file == kNoFile ? "" : apart.sources().file(file).name,
+            fmt::format("the exposure of the frame at {:.9g} s: {}", time, each.message),
+            each.hint);
+      }
+      return false;
+    }
+    return true;
+  }
+
   // All frames, a line each, before any is drawn: errors of the scenario come first.
   bool describe(const world::World& world, std::string& manifest) {
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
@@ -215,10 +263,11 @@ class SequenceRun {
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
-      if (k == 0 && !workspace::view_of(opened_->scenario, *frame, number, world, log_))
-        return false;
+      if (k == 0 && !find_shutter(*frame, number, world)) return false;
+      if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
       line["outputs"] = outputs_of(stem);
+      if (labelling_ != nullptr) line["labels"] = files_of(stem).back();
       manifest += line.dump() + "\n";
     }
     return true;
@@ -236,6 +285,14 @@ class SequenceRun {
       if (id == SettingId::targets || !workspace::has_value(id, settings)) continue;
       out["settings"][std::string(workspace::info_of(id).name)] =
           workspace::setting_texts(id, settings);
+    }
+    if (labelling_ != nullptr) {
+      Json parts = Json::array();
+      for (const labels::ChosenPart& part : labelling_->options.parts)
+        parts.push_back({{"label", part.label}, {"node", part.node}});
+      out["labels"] = {{"parts", parts},
+                       {"keypoint_slack", labelling_->options.keypoint_slack},
+                       {"flow", labelling_->flow}};
     }
     if (settings.camera_file) {
       constexpr std::uint64_t kMostBytes = 1 << 20;
@@ -257,7 +314,7 @@ class SequenceRun {
     std::error_code ignored;
     if (!fs::exists(folder / "frames.jsonl", ignored)) {
       for (const std::string& stem : stems_)
-        for (const std::string& output : outputs_of(stem))
+        for (const std::string& output : files_of(stem))
           if (fs::exists(folder / output, ignored))
             return refuse("the folder has a file " + in_quotes(output) + " of no run",
                           "choose another folder");
@@ -278,30 +335,58 @@ class SequenceRun {
     return true;
   }
 
+  bool is_complete(const std::string& stem) const {
+    std::error_code ignored;
+    return options_.resume && std::ranges::all_of(files_of(stem), [&](const std::string& file) {
+             return fs::exists(fs::path(options_.folder) / file, ignored);
+           });
+  }
+
+  bool add_labels(std::size_t k, const std::string& stem, const world::World& world,
+                  workspace::View& view) {
+    workspace::ViewLabels labels{labelling_,        stem,    opened_->first + k,
+                                 opened_->times[k], nullptr, nullptr};
+    const auto neighbour = [&](std::size_t other) -> std::shared_ptr<const workspace::View> {
+      const auto frame = workspace::frame_at(opened_->scenario, opened_->times[other], log_);
+      if (!frame) return nullptr;
+      auto made =
+          workspace::view_of(opened_->scenario, *frame, opened_->first + other, world, log_);
+      return made ? std::make_shared<const workspace::View>(*std::move(made)) : nullptr;
+    };
+    if (labelling_->flow && k > 0) {
+      labels.previous = neighbour(k - 1);
+      if (labels.previous == nullptr) return false;
+    }
+    if (labelling_->flow && k + 1 < opened_->times.size()) {
+      labels.next = neighbour(k + 1);
+      if (labels.next == nullptr) return false;
+    }
+    view.labels = std::make_shared<const workspace::ViewLabels>(std::move(labels));
+    return true;
+  }
+
   bool render(workspace::ViewSession& session, const world::World& world,
               const workspace::RunListener& listener) {
     std::vector<workspace::View> views;
+    const std::size_t chunk = shutter_.instant() ? kChunk : kExposedChunk;
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
       const std::uint64_t number = opened_->first + k;
       const auto frame = workspace::frame_at(opened_->scenario, opened_->times[k], log_);
       if (!frame) return false;
-      std::vector<std::string> outputs = outputs_of(stem_of(*frame, number));
-      bool complete = options_.resume;
-      for (std::string& output : outputs) {
-        output = (fs::path(options_.folder) / output).string();
-        std::error_code ignored;
-        complete = complete && fs::exists(output, ignored);
-      }
-      if (complete) {
+      const std::string stem = stem_of(*frame, number);
+      if (is_complete(stem)) {
         ++kept_;
       } else {
         auto view = workspace::view_of(opened_->scenario, *frame, number, world, log_);
         if (!view) return false;
+        std::vector<std::string> outputs = outputs_of(stem);
+        for (std::string& output : outputs) output = (fs::path(options_.folder) / output).string();
         view->settings.outputs = std::move(outputs);
+        if (labelling_ != nullptr && !add_labels(k, stem, world, *view)) return false;
         views.push_back(*std::move(view));
       }
       const bool last = k + 1 == opened_->times.size();
-      if (views.size() < kChunk && !last) continue;
+      if (views.size() < chunk && !last) continue;
       if (!views.empty() && !session.run(views, listener, log_, context_.job())) return false;
       views.clear();
     }
@@ -314,6 +399,8 @@ class SequenceRun {
   ScenarioInput::Opened* opened_ = nullptr;
   workspace::OpenOptions open_;
   std::vector<std::string> types_;
+  std::shared_ptr<const workspace::Labelling> labelling_;  // null: no labels
+  workspace::Shutter shutter_;
   std::set<std::string> stems_;  // of all frames' files
   std::size_t kept_ = 0;
 };

@@ -17,6 +17,7 @@ Command joints_command();
 Command render_command();
 Command scenario_command();
 Command run_command();
+Command labels_command();
 Command view_command();
 Command material_command();
 Command mli_command();

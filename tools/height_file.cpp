@@ -60,7 +60,8 @@ bool write_png(const std::filesystem::path& path, const mli::Sheet& sheet, std::
   detail += fmt::format(", 0 is {} m, 65535 is {} m", format_double(lowest),
                         format_double(sheet.statistics.highest));
   image::PngOptions options;
-  options.grey16 = true;
+  options.channels = 1;
+  options.bytes = 2;
   options.comment = fmt::format("height: 0 is {} m, 65535 is {} m", format_double(lowest),
                                 format_double(sheet.statistics.highest));
   const std::string bytes = image::png_file(sheet.columns, sheet.rows, pixels, options);

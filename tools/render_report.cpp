@@ -50,6 +50,7 @@ std::string percent_words(double share) {
 std::string line_of(const Written& image) {
   std::string line = fmt::format("{}: {} x {}, {}", outputs_of(image), image.width, image.height,
                                  image.engine == Engine::gl ? "gl" : "reference");
+  if (image.moments > 1) line += fmt::format(", mean of {} moments", image.moments);
   if (image.sampling) {
     const preview::SamplingReport& sampling = *image.sampling;
     line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
@@ -135,6 +136,7 @@ void describe_image(const Written& image, Json& entry) {
   entry["engine"] = image.engine == Engine::gl ? "gl" : "reference";
   entry["ev"] = image.ev;
   entry["ms"] = 1e3 * image.seconds;
+  if (image.moments > 1) entry["moments"] = image.moments;
   if (image.sampling) entry["samples"] = image.sampling->samples;
   if (image.sampling && image.sampling->shadow_edge > 0)
     entry["shadow_edge"] = image.sampling->shadow_edge;

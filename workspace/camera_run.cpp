@@ -7,12 +7,14 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/clock.h"
 #include "base/text.h"
 #include "sensor/camera_file.h"
 #include "workspace/exposure.h"
+#include "workspace/internal/exposure_sum.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
 #include "workspace/internal/stopwatch.h"
@@ -85,7 +87,34 @@ struct Drawing {
   double ev = 0;       // of a PNG, without that of the view
   double seconds = 0;  // so far
   Metadata metadata;
+  std::optional<Drawn> exposed;  // the whole image, of several moments
 };
+
+// A further number for each moment, from the seed of the image.
+std::uint64_t seed_of(std::uint64_t seed, std::size_t moment) {
+  if (moment == 0) return seed;
+  // splitmix64
+  std::uint64_t z = seed + moment * 0x9e3779b97f4a7c15ull;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return z ^ (z >> 31);
+}
+
+// Options of one of several moments: their samples add up to those of an image.
+DrawOptions options_of_moment(DrawOptions draw, const Frame& frame, std::size_t moment) {
+  preview::ReferenceOptions& reference = draw.reference;
+  reference.seed = seed_of(reference.seed, moment);
+  if (draw.engine != Engine::reference) return draw;
+  constexpr std::uint32_t kLeast = 8;
+  const std::uint32_t whole = draw.samples > 0 ? draw.samples * draw.samples : reference.samples;
+  // moments that a row is the mean of
+  std::uint32_t shared = 0;
+  for (std::size_t k = 0; k < frame.moments.size(); ++k)
+    if (frame.shutter->share(k, 0) > 0) ++shared;
+  draw.samples = 0;
+  reference.samples = std::max((whole + shared - 1) / std::max(shared, 1u), kLeast);
+  return draw;
+}
 
 class CameraRun : public InstrumentRun {
  public:
@@ -98,7 +127,7 @@ class CameraRun : public InstrumentRun {
   // With OpenGL one image is copied while the next is drawn. Images of two engines end in their
   // order.
   std::size_t room(const Frame& frame) override {
-    if (drawing_.empty()) return 1;
+    if (drawing_.empty() || !frame.moments.empty()) return 1;
     const bool gl = drawer_->info().engine == Engine::gl;
     if ((*frame.settings.engine == Engine::gl) != gl) return 0;
     return gl ? Drawer::kMostInFlight : 1;
@@ -115,8 +144,11 @@ class CameraRun : public InstrumentRun {
     const auto start = CameraClock::now();
     DiagnosticLog apart = scope_.log.apart();
     warn_of_inside(frame, shown);
+    warn_of_lens(frame);
     const bool good =
-        drawer_->submit(shown, frame.camera(), stores_ground_truth(frame), apart, scope_.job);
+        frame.moments.empty()
+            ? drawer_->submit(shown, frame.camera(), stores_ground_truth(frame), apart, scope_.job)
+            : expose(frame, draw, drawing.exposed, apart);
     tell(apart, frame.label);
     if (!good) return false;
     drawing.drawer = drawer_;
@@ -134,8 +166,9 @@ class CameraRun : public InstrumentRun {
     const auto start = CameraClock::now();
     DiagnosticLog apart = scope_.log.apart();
     // a lost context has dropped what was under way
-    auto drawn = drawing.drawer->in_flight() > 0 ? drawing.drawer->collect(apart, scope_.job)
-                                                 : Result<Drawn>(failed);
+    auto drawn = drawing.exposed                   ? Result<Drawn>(*std::move(drawing.exposed))
+                 : drawing.drawer->in_flight() > 0 ? drawing.drawer->collect(apart, scope_.job)
+                                                   : Result<Drawn>(failed);
     tell(apart, drawing.frame->label);
     drawing.seconds += seconds_since(start);
     if (drawn) {
@@ -168,6 +201,7 @@ class CameraRun : public InstrumentRun {
     what.ev = stops;
     what.orthographic = frame.camera().projection == world::Projection::orthographic;
     what.seconds = drawing.seconds;
+    what.moments = std::max<std::size_t>(frame.moments.size(), 1);
     what.measured = drawn.measured;
     what.sampling = drawn.sampling;
     what.record = drawing.metadata.back().second;
@@ -195,6 +229,59 @@ class CameraRun : public InstrumentRun {
  private:
   static double auto_stops(const Frame& frame, const image::Image& image, double stops_of_sun) {
     return frame.settings.ev->number ? 0 : auto_exposure(image, stops_of_sun);
+  }
+
+  // Draws the mean of a frame's moments. What several say is said once.
+  bool expose(const Frame& frame, const DrawOptions& draw, std::optional<Drawn>& out,
+              DiagnosticLog& log) {
+    const world::Camera& camera = frame.camera();
+    const bool truth = stores_ground_truth(frame);
+    const double bytes =
+        ExposureSum::bytes(camera) + 1.0 * camera.width * camera.height * (truth ? 48 : 16);
+    if (bytes > static_cast<double>(draw.gl.max_bytes)) {
+      log.report_file(Code::E5003, {},
+                      fmt::format("the exposure of an image of {} by {} pixels takes {:.4g} GB of "
+                                  "memory; the limit is {:.4g} GB",
+                                  camera.width, camera.height, 1e-9 * bytes,
+                                  1e-9 * static_cast<double>(draw.gl.max_bytes)),
+                      "--max-image-memory allows more");
+      return false;
+    }
+    DiagnosticLog apart = log.apart();
+    ExposureSum sum(frame, draw.gl.psf_sigma);
+    world::World shown = scope_.world;
+    std::size_t added = 0;
+    const auto collect = [&] {
+      auto drawn = drawer_->collect(apart, scope_.job);
+      if (!drawn) return false;
+      sum.add(added++, *drawn);
+      drawer_->recycle(std::move(drawn->image));
+      return true;
+    };
+    bool good = true;
+    for (std::size_t k = 0; good && k < frame.moments.size(); ++k) {
+      scope_.job.poll();
+      show(frame.moments[k], scope_.world, shown);
+      drawer_->set_options(options_of_moment(draw, frame, k));
+      good = drawer_->submit(shown, sum.camera(k), truth, apart, scope_.job) &&
+             (drawer_->in_flight() < room_of_moments() || collect());
+    }
+    while (good && added < frame.moments.size()) good = collect();
+    if (good) out = sum.take();
+    const bool empty =
+        good && std::ranges::all_of(out->image.coverage, [](float value) { return value == 0; });
+    std::set<std::pair<Code, std::string>> told;
+    for (const Diagnostic& each : apart.entries()) {
+      // a moment may show nothing
+      if (each.code == Code::W5006 && !empty) continue;
+      if (told.insert({each.code, each.message}).second)
+        log.report_file(each.code, {}, each.message, each.hint);
+    }
+    return good;
+  }
+
+  std::size_t room_of_moments() const {
+    return drawer_->info().engine == Engine::gl ? Drawer::kMostInFlight : 1;
   }
 
   // Makes the drawer of an engine the one in use.
@@ -234,6 +321,26 @@ class CameraRun : public InstrumentRun {
     misplaced_[{Code::W5016, fmt::format("the camera is inside {}, whose surface is visible from "
                                          "outside only",
                                          in_quotes(name))}]
+        .push_back(frame.label);
+  }
+
+  // Pixels outside the domain of the lens.
+  void warn_of_lens(const Frame& frame) {
+    const world::Camera& camera = frame.camera();
+    if (camera.distortion == nullptr) return;
+    const double share = world::share_without_ray(camera);
+    if (!(share > 0)) return;
+    const double end = camera.distortion->domain();
+    const double inside = (1 - 1e-6) * end;
+    const auto place = camera.distortion->place(Vec3(std::sin(inside), 0, std::cos(inside)));
+    misplaced_[{Code::W5006,
+                fmt::format(
+                    "about {:.2g} % of the pixels see nothing: the lens ends {:.4g} degrees "
+                    "off its axis{}",
+                    100 * share, end / kDegree,
+                    place ? fmt::format(", about {:.0f} pixels from the principal point",
+                                        glm::length(camera.focal * *place))
+                          : "")}]
         .push_back(frame.label);
   }
 
@@ -330,6 +437,7 @@ class CameraRun : public InstrumentRun {
 }  // namespace
 
 bool stores_ground_truth(const Frame& frame) {
+  if (frame.labels) return true;  // which are made from it
   const image::FileOptions files = file_options(frame.settings);
   return std::any_of(frame.outputs.begin(), frame.outputs.end(), [&](const std::string& output) {
     return image::stores_ground_truth(*image::image_format(output), files);

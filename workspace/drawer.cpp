@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "preview/lens_renderer.h"
+#include "workspace/internal/forward.h"
+
 namespace panwright::workspace {
 
 namespace {
@@ -27,9 +30,46 @@ struct Drawer::Impl {
   // of OpenGL; empty: the reference
   std::optional<preview::Renderer> renderer;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
-  preview::Reference reference;
-  std::deque<Drawn> traced;  // and not collected
+  bool submit_lens(const world::World& world, const world::Camera& camera, bool ground_truth,
+                   DiagnosticLog& log, const Job& job);
+
+  preview::Reference reference;  // with OpenGL: ground truth of lenses with distortion
+  preview::LensRenderer lens;
+  struct Done {
+    Drawn drawn;
+    DiagnosticLog log;  // to be told with the image
+  };
+  std::deque<Done> done;  // and not collected; older than those of the renderer
 };
+
+// Draws an image with distortion at once. Those of the renderer come before it.
+bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& camera,
+                               bool ground_truth, DiagnosticLog& log, const Job& job) {
+  if (const char* why = preview::LensRenderer::refused(camera)) {
+    log.report_file(Code::E5003, {}, why);
+    return false;
+  }
+  while (renderer->in_flight() > 0) {
+    DiagnosticLog apart = log.apart();
+    auto image = renderer->collect(apart, job);
+    if (!image) {
+      forward(apart, {}, {}, log);
+      done.clear();
+      return false;
+    }
+    done.push_back({{*std::move(image), {}, renderer->sampling()}, std::move(apart)});
+  }
+  preview::RenderOptions own = options.gl;
+  own.ground_truth = ground_truth;
+  auto image = lens.render(*renderer, world, camera, own, log, job);
+  if (!image || (ground_truth &&
+                 !reference.add_ground_truth(world, camera, options.gl.flat, *image, log, job))) {
+    if (job.cancelled()) done.clear();
+    return false;
+  }
+  done.push_back({{*std::move(image), {}, lens.sampling()}, log.apart()});
+  return true;
+}
 
 Drawer::Drawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Drawer::Drawer(Drawer&&) noexcept = default;
@@ -78,6 +118,8 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   if (impl_->renderer) {
+    if (camera.distortion != nullptr)
+      return impl_->submit_lens(world, camera, ground_truth, log, job);
     preview::RenderOptions options = impl_->options.gl;
     options.ground_truth = ground_truth;
     return impl_->renderer->submit(world, camera, options, log, job);
@@ -86,31 +128,33 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   options.ground_truth = ground_truth;
   auto traced = impl_->reference.render(world, camera, options, log, job);
   if (!traced) {
-    if (job.cancelled()) impl_->traced.clear();
+    if (job.cancelled()) impl_->done.clear();
     return false;
   }
   traced->image.standard_error = std::move(traced->standard_error);
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
-  impl_->traced.push_back(
-      {std::move(traced->image),
-       Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
-       {}});
+  impl_->done.push_back(
+      {{std::move(traced->image),
+        Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
+        {}},
+       log.apart()});
   return true;
 }
 
 Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
-  if (impl_->renderer) {
+  if (impl_->done.empty()) {
     auto image = impl_->renderer->collect(log, job);
     if (!image) return failed;
     return Drawn{*std::move(image), {}, impl_->renderer->sampling()};
   }
-  Drawn drawn = std::move(impl_->traced.front());
-  impl_->traced.pop_front();
-  return drawn;
+  Impl::Done done = std::move(impl_->done.front());
+  impl_->done.pop_front();
+  forward(done.log, {}, {}, log);
+  return std::move(done.drawn);
 }
 
 std::size_t Drawer::in_flight() const {
-  return impl_->renderer ? impl_->renderer->in_flight() : impl_->traced.size();
+  return impl_->done.size() + (impl_->renderer ? impl_->renderer->in_flight() : 0);
 }
 
 void Drawer::recycle(image::Image image) {

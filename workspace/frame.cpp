@@ -8,7 +8,9 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "preview/lens_renderer.h"
 #include "workspace/internal/forward.h"
+#include "workspace/internal/image_motion.h"
 #include "workspace/internal/setting_bounds.h"
 #include "world/evaluation.h"
 
@@ -64,6 +66,11 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
   }
   world::Camera camera;
   if (!set_lens(settings, camera)) return true;
+  if (const char* why = preview::LensRenderer::refused(camera);
+      why != nullptr && *settings.engine == Settings::Engine::gl) {
+    log.report(Code::E0201, {}, why, "docs/cameras.md");
+    return false;
+  }
   for (int k = 0; k < 2; ++k) {
     if (camera.focal[k] >= kLeastFocal && camera.focal[k] <= kMostFocal) continue;
     const SettingId id = settings.fov     ? SettingId::fov
@@ -233,11 +240,25 @@ Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
   DiagnosticLog apart = log.apart();
   auto frame = made(view, apart);
   forward(apart, view.label, view.file, log);
+  if (frame && view.labels && !set_labels(*view.labels, *frame, log)) return failed;
   return frame;
 }
 
-// Size, intrinsics and distortion in place of the file's name.
-bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
+bool FrameMaker::set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log) {
+  FrameLabelling labels{of.labelling, of.name, of.number, of.time, nullptr, nullptr};
+  const auto make = [&](const std::shared_ptr<const View>& from, std::shared_ptr<const Frame>& to) {
+    if (from == nullptr) return true;
+    auto made = this->frame(*from, log);
+    if (made) to = std::make_shared<const Frame>(*std::move(made));
+    return to != nullptr;
+  };
+  if (!make(of.previous, labels.previous) || !make(of.next, labels.next)) return false;
+  frame.labels = std::make_shared<const FrameLabelling>(std::move(labels));
+  return true;
+}
+
+// Size, intrinsics and distortion in place of the file's name; and its rotation in the mount.
+bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log) {
   if (!settings.camera_file) return true;
   constexpr std::uint64_t kMostBytes = 1 << 20;
   const std::string path = *settings.camera_file;
@@ -252,16 +273,100 @@ bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
   const sensor::CameraFile& camera = known->second;
   const sensor::Lens& lens = camera.lens;
   settings.camera_file = Settings().camera_file;
+  mount = camera.mount_from_camera;
   settings.size = ImageSize{camera.width, camera.height};
   settings.intrinsics = Vec4(lens.focal, lens.principal);
   if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
     settings.distortion = text;
+  // once, not for each of many views
+  if (DiagnosticLog apart; !check_lens(settings, apart)) {
+    if (refused_.insert(path).second)
+      for (const Diagnostic& each : apart.entries())
+        log.report_file(Code::E0220, path, each.message, each.hint);
+    return false;
+  }
   return true;
 }
 
 Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
+  auto frame = at_once(view, log);
+  if (!frame || !expose(view, *frame, log)) return failed;
+  return frame;
+}
+
+// Adds the moments of an exposure over time, if the image moves in it.
+bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
+  const Settings& settings = frame.settings;
+  const Shutter shutter{*settings.exposure, *settings.line_time, frame.camera().height};
+  if (shutter.instant()) return true;
+  if (!view.motion) {
+    const SettingId id = *settings.exposure != 0 ? SettingId::exposure : SettingId::line_time;
+    log.report(Code::E0201, {},
+               fmt::format("--{} is {}, expected 0 where nothing is known of other times",
+                           info_of(id).name, in_quotes(setting_text(id, settings))),
+               "scenarios with times have a before and an after (`panwright run`)");
+    return false;
+  }
+  const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
+  const auto moment_at = [&](double seconds) -> std::optional<Moment> {
+    DiagnosticLog apart = log.apart();
+    View then;
+    if (auto at = view.motion(seconds, apart)) {
+      then.settings = *std::move(at);
+      if (const auto made = at_once(then, apart)) {
+        const world::Camera& camera = placed ? made->camera() : frame.camera();
+        return Moment{static_cast<const WorldState&>(*made), camera.position,
+                      camera.world_from_camera};
+      }
+    }
+    // what is a little after the end may be unknown
+    if (seconds <= shutter.end()) forward(apart, {}, {}, log);
+    return std::nullopt;
+  };
+  // speed of the image, measured at times so close that it moves little in between
+  constexpr std::size_t kLeastTimes = 4, kMostTimes = 64;
+  constexpr double kLittle = 4;  // pixels
+  const double length = shutter.end() - shutter.begin();
+  double speed = 0;
+  for (std::size_t times = kLeastTimes; times <= kMostTimes; times *= 4) {
+    ImageMotion motion(world_);
+    double most = 0;
+    for (std::size_t k = 0; k <= times; ++k) {
+      const double share = static_cast<double>(k) / static_cast<double>(times);
+      const auto moment = moment_at(shutter.begin() + share * length);
+      if (!moment) return false;
+      world::Camera camera = frame.camera();
+      camera.position = moment->position;
+      camera.world_from_camera = moment->world_from_camera;
+      most = std::max(most, motion.add(*moment, camera));
+    }
+    speed = most * static_cast<double>(times) / length;
+    if (most <= kLittle) break;
+  }
+  constexpr double kStep = 0.5, kDraftStep = 1;  // pixels
+  const double step = *settings.quality == Settings::Quality::draft ? kDraftStep : kStep;
+  const ShutterMoments moments(shutter, speed, step);
+  if (moments.count() == 1) return true;
+  constexpr double kMuchMore = 1.01;
+  if (moments.step() > kMuchMore * step)
+    log.report_file(Code::W5008, {},
+                    fmt::format("the image moves by {:.3g} pixels between {} moments of its "
+                                "exposure, expected at most {} pixels",
+                                moments.step(), moments.count(), step));
+  for (std::size_t k = 0; k < moments.count(); ++k) {
+    auto moment = moment_at(moments.time(k));
+    if (!moment && moments.time(k) > shutter.end()) moment = moment_at(shutter.end());
+    if (!moment) return false;
+    frame.moments.push_back(*std::move(moment));
+  }
+  frame.shutter = moments;
+  return true;
+}
+
+Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   Settings settings = view.settings;
-  if (!check(settings, log) || !use_camera_file(settings, log)) return failed;
+  Quat mount(1, 0, 0, 0);
+  if (!check(settings, log) || !use_camera_file(settings, mount, log)) return failed;
   bool good = is_sound(settings, log);
   const std::size_t errors = log.errors();
   Frame frame;
@@ -282,6 +387,8 @@ Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
   if (!lens && !settings.camera_frame && (placed || !fit_outline(posed, camera)))
     fit_lens(sphere(), camera);
+  if (mount != Quat(1, 0, 0, 0))
+    camera.world_from_camera = glm::normalize(camera.world_from_camera * mount);
   set_sun(settings, camera.world_from_camera, frame);
   posed.set_sun(*frame.sun);
   joints.set_aims(camera.position, log);
@@ -297,13 +404,13 @@ Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
 namespace {
 
 // Those of the frame; all others as in the world.
-void place_joints(const Frame& frame, const world::Instance& target, std::size_t index,
+void place_joints(const WorldState& state, const world::Instance& target, std::size_t index,
                   world::World& shown) {
   const std::size_t count = target.model()->joints().size();
   if (count == 0) return;
   std::vector<std::optional<geometry::JointValues>> values(count);
-  for (const world::JointState& state : target.joint_states()) values[state.joint] = state.values;
-  for (const TargetJoint& each : frame.joints)
+  for (const world::JointState& own : target.joint_states()) values[own.joint] = own.values;
+  for (const TargetJoint& each : state.joints)
     if (each.target == target.name()) values[each.joint] = each.values;
   for (std::size_t j = 0; j < count; ++j)
     shown.set_joint(index, static_cast<std::uint32_t>(j), values[j]);
@@ -311,14 +418,14 @@ void place_joints(const Frame& frame, const world::Instance& target, std::size_t
 
 }  // namespace
 
-void show(const Frame& frame, const world::World& world, world::World& shown) {
+void show(const WorldState& state, const world::World& world, world::World& shown) {
   std::vector<world::Pose> poses;
   for (const world::Instance& target : world.instances()) poses.push_back(target.pose());
-  for (const TargetPose& each : frame.poses) poses[*world.find(each.target)] = each.pose;
+  for (const TargetPose& each : state.poses) poses[*world.find(each.target)] = each.pose;
   for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
-  for (std::size_t i = 0; i < world.size(); ++i) place_joints(frame, world[i], i, shown);
-  shown.set_sun(frame.sun.value_or(world.sun()));
-  shown.set_white(frame.white ? frame.white : world.given_white());
+  for (std::size_t i = 0; i < world.size(); ++i) place_joints(state, world[i], i, shown);
+  shown.set_sun(state.sun.value_or(world.sun()));
+  shown.set_white(state.white ? state.white : world.given_white());
 }
 
 }  // namespace panwright::workspace

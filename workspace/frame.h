@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,9 @@
 #include "base/result.h"
 #include "sensor/camera_file.h"
 #include "workspace/instrument.h"
+#include "workspace/labelling.h"
 #include "workspace/settings.h"
+#include "workspace/shutter.h"
 #include "workspace/targets.h"
 #include "workspace/views.h"
 #include "world/world.h"
@@ -30,49 +34,68 @@ struct TargetJoint {
   geometry::JointValues values{};
 };
 
-// State of a world at one time, and what measures it.
-struct Frame {
-  std::string label;                // name in diagnostics, as "view 3 ('far')"; empty: none
-  double time = 0;                  // seconds, of the sequence
+// State of a world at one time.
+struct WorldState {
   std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
   std::vector<TargetJoint> joints;  // different from the world, aims resolved
   std::optional<world::Sun> sun;    // none: the world's
   std::optional<Vec3> white;        // none: the world's
+};
+
+// State of a world at one moment of an exposure, with the camera's pose.
+struct Moment : WorldState {
+  Vec3 position{0};
+  Quat world_from_camera{1, 0, 0, 0};
+};
+
+// State of a world at one time, and what measures it.
+struct Frame : WorldState {
+  std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: none
+  double time = 0;    // seconds, of the sequence
   Instrument instrument;
-  Settings settings;                 // of drawing and files, and the seed
-  std::vector<std::string> outputs;  // files of one product
+  // Of an exposure over time in which the image moves; empty: the frame is drawn alone.
+  std::vector<Moment> moments;
+  std::optional<ShutterMoments> shutter;         // of these
+  Settings settings;                             // of drawing and files, and the seed
+  std::vector<std::string> outputs;              // files of one product
+  std::shared_ptr<const FrameLabelling> labels;  // to write beside them; null: none
 
   // The camera. Expects: one.
   world::Camera& camera() { return std::get<CameraInstrument>(instrument).camera; }
   const world::Camera& camera() const { return std::get<CameraInstrument>(instrument).camera; }
 };
 
-// Sets the state of a frame in a shown world: its poses, joints and Sun, all else as in `world`.
+// Sets a state in a shown world: its poses, joints and Sun, all else as in `world`.
 // Unchanged parts keep their stamps, and all state derived from them.
 //
 // Expects: `shown` was copied from `world`; targets and joints of the world.
-void show(const Frame& frame, const world::World& world, world::World& shown);
+void show(const WorldState& state, const world::World& world, world::World& shown);
 
 // Maker of frames of one world from views. Without a lens, the visible targets fill the image,
 // by their outline if the camera is not given either, else by their sphere.
 // Without a position, the camera is in front of them; without a direction, it looks at the origin
 // if a position is given, else at their centre; without a Sun, it shines from behind the camera's
-// left shoulder.
+// left shoulder. From one moment of an exposure over time to the next, the image moves by half a
+// pixel, with quality draft by one.
 class FrameMaker {
  public:
   // Expects: world outlives the maker.
   explicit FrameMaker(const world::World& world) : world_(world) {}
 
-  // Reports: N5004, W5015. Fails: E0201 (of a view with a label: E0203), E0202, E5005, E5011,
-  // E5013, E5014.
+  // Reports: N5004, W5008 where an exposure needs more moments than are drawn, W5015. Fails: E8003,
+  // E0201 (of a view with a label: E0203), E0202, E5005, E5011, E5013, E5014.
   Result<Frame> frame(const View& view, DiagnosticLog& log);
 
  private:
   Result<Frame> made(const View& view, DiagnosticLog& log);
-  bool use_camera_file(Settings& settings, DiagnosticLog& log);
+  bool set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log);
+  Result<Frame> at_once(const View& view, DiagnosticLog& log);
+  bool expose(const View& view, Frame& frame, DiagnosticLog& log);
+  bool use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
+  std::set<std::string> refused_;                      // of them, those that were reported
 };
 
 }  // namespace panwright::workspace

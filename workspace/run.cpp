@@ -38,7 +38,7 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
     (void)check(frame.settings, apart);
     forward(apart, frame.label, {}, log);
   }
-  return log.errors() == errors;
+  return log.errors() == errors && have_parts(world, frames, log);
 }
 
 // A product that is being written.
@@ -46,11 +46,24 @@ struct Writing {
   Written what;
   Product product;
   InstrumentRun* run = nullptr;
+  const Frame* frame = nullptr;
   double seconds = 0;
+  double labels_seconds = 0;
   double sync = 0;
   bool ok = true;
   DiagnosticLog log;
 };
+
+// note: not cancelled, so that a frame whose image is written is whole
+void write_labels(Writing& writing, const world::World& world, LabelWriter& writer,
+                  std::size_t threads) {
+  const auto* product = std::get_if<ImageProduct>(&writing.product);
+  if (!writing.ok || !writing.frame->labels || product == nullptr) return;
+  const auto start = std::chrono::steady_clock::now();
+  writing.ok = writer.write(*writing.frame, world, product->image, writing.log, &writing.sync,
+                            Job({threads, {}}));
+  writing.labels_seconds = seconds_since(start);
+}
 
 void write_all(Writing& writing) {
   const auto start = std::chrono::steady_clock::now();
@@ -195,6 +208,7 @@ class Run {
     writing_ = std::make_unique<Writing>();
     writing_->log = scope_.log.apart();
     writing_->run = run;
+    writing_->frame = &frame;
     writing_->product = std::move(measurement.product);
     Written& what = writing_->what = std::move(measurement.what);
     what.frame = index;
@@ -203,11 +217,13 @@ class Run {
       what.targets.push_back(target.name());
     if (index + 1 == frames_.size() || scope_.job.threads() == 1) {
       write_all(*writing_);
+      write_labels(*writing_, scope_.world, drawers_.labels, scope_.job.threads());
       return retire();
     }
     // one thread beside those that draw the next image
-    pending_ = std::async(std::launch::async, [&writing = *writing_] {
+    pending_ = std::async(std::launch::async, [this, &writing = *writing_] {
       run_on_threads(Job({1, {}}), [&] { write_all(writing); });
+      write_labels(writing, scope_.world, drawers_.labels, scope_.job.threads());
     });
     return true;
   }
@@ -223,6 +239,7 @@ class Run {
     if (!writing->ok) return false;
     ++done_;
     tell({"write " + writing->what.outputs[0], writing->seconds});
+    if (writing->labels_seconds > 0) tell({"label", writing->labels_seconds});
     tell({"sync to disk", writing->sync});
     if (scope_.options.listener.written) scope_.options.listener.written(writing->what);
     return true;

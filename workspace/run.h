@@ -33,6 +33,7 @@ struct Written {
   double ev = 0;                     // stops, of a PNG
   bool orthographic = false;         // the camera
   double seconds = 0;                // spent on drawing it
+  std::size_t moments = 1;           // of its exposure, drawn one by one
   std::string record;                // JSON of record_text()
   std::vector<std::string> targets;  // of the world, by name
 

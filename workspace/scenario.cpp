@@ -124,6 +124,15 @@ Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std
   view.label = frame.name.empty() ? fmt::format("frame {}", number)
                                   : fmt::format("frame {} ('{}')", number, frame.name);
   view.file = scenario.files.front();
+  if (frame.time && !scenario.sequence.ordered())
+    view.motion = [&scenario, &world, number, time = *frame.time](
+                      double seconds, DiagnosticLog& reports) -> std::optional<Settings> {
+      const auto then = frame_at(scenario, time + seconds, reports);
+      if (!then) return std::nullopt;
+      const auto seen = view_of(scenario, *then, number, world, reports);
+      if (!seen) return std::nullopt;
+      return seen->settings;
+    };
   return view;
 }
 

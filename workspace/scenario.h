@@ -11,6 +11,7 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 #include "scenario/sequence.h"
+#include "workspace/labelling.h"
 #include "workspace/views.h"
 
 namespace panwright::workspace {
@@ -36,6 +37,7 @@ struct Scenario {
   std::optional<double> begin, end;  // seconds; none: those of the sequence
   std::optional<double> step;        // seconds between frames; none: frames of the sequence
   std::vector<std::string> files;    // files it was read from, itself first
+  std::optional<Labelling> labels;   // of every frame; none: not asked for
 };
 
 // Opens a scenario (.toml), or one trajectory file alone: .csv, .fli, .json (keyframes), .oem, .aem
@@ -59,6 +61,7 @@ Result<scenario::Frame> frame_at(const Scenario& scenario, double time, Diagnost
 //
 //   number  of the frame, for its label
 //   world   of the scenario's targets, which knows the kinds of their joints
+// Expects: scenario and world outlive the view.
 // Fails: E5013.
 Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
                      const world::World& world, DiagnosticLog& log);

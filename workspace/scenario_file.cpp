@@ -107,13 +107,15 @@ class ScenarioReader {
     read_mount(reader, sequence);
     read_look_at(reader, sequence);
     read_view(reader, settings);
+    read_labels(reader);
     read_sources(reader);
     reader.finish();
     if (!reader.ok() || !good_) return failed;
     place_others(settings);
     auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
     if (!made) return failed;
-    return Scenario{*std::move(made), std::move(settings), begin, end, step, std::move(files_)};
+    return Scenario{*std::move(made),  std::move(settings), begin, end, step,
+                    std::move(files_), std::move(labels_)};
   }
 
  private:
@@ -195,6 +197,44 @@ class ScenarioReader {
     if (map == nullptr) return reader.fail(*table, "targets is not a table of files by name");
     for (const auto& [name, value] : *map) add(name, value);
     if (!targets.empty()) settings.targets = std::move(targets);
+  }
+
+  void read_labels(ConfigTable& reader) {
+    const Table* table = reader.find("labels");
+    if (table == nullptr) return;
+    ConfigTable part(*table, "labels", Code::E8013, log_);
+    Labelling labels;
+    labels.flow = part.flag("flow").value_or(false);
+    if (const auto slack = part.number("keypoint_slack")) {
+      labels.options.keypoint_slack = *slack;
+      if (!(*slack > 0)) part.fail(*part.find("keypoint_slack"), "keypoint_slack is not above 0 m");
+    }
+    read_label_parts(part, labels.options.parts);
+    part.finish();
+    good_ = good_ && part.ok();
+    labels_ = std::move(labels);
+  }
+
+  static void read_label_parts(ConfigTable& part, std::vector<labels::ChosenPart>& parts) {
+    const Table* table = part.find("parts");
+    if (table == nullptr) return;
+    const auto* map = std::get_if<Table::Map>(&table->data);
+    if (map == nullptr) return part.fail(*table, "parts is not a table of nodes by label");
+    const auto add = [&](const std::string& label, const Table& value) {
+      const auto* node = std::get_if<std::string>(&value.data);
+      if (node == nullptr || node->empty() || label.empty())
+        return part.fail(value, fmt::format("{} is {}, expected the path of a node",
+                                            in_quotes(label), type_name(value)));
+      parts.push_back({label, *node});
+    };
+    for (const auto& [label, value] : *map) {
+      const auto* list = std::get_if<Table::List>(&value.data);
+      if (list == nullptr) {
+        add(label, value);
+        continue;
+      }
+      for (const Table& each : *list) add(label, each);
+    }
   }
 
   void read_sources(ConfigTable& reader) {
@@ -451,6 +491,7 @@ class ScenarioReader {
   std::vector<std::string> files_;
   std::vector<std::string> names_;  // of the targets
   std::vector<scenario::Part> parts_;
+  std::optional<Labelling> labels_;
   bool good_ = true;
 };
 
@@ -466,7 +507,7 @@ Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& opti
     if (!source) return failed;
     auto sequence = scenario::Sequence::of({{*source, 0}}, {}, log);
     if (!sequence) return failed;
-    return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}};
+    return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}, {}};
   }
   const auto text = scenario::read_text(path, log);
   if (!text) return failed;

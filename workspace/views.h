@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 
 #include "base/diagnostic.h"
 #include "base/result.h"
+#include "workspace/labelling.h"
 #include "workspace/settings.h"
 
 namespace panwright::workspace {
@@ -22,6 +25,10 @@ struct View {
   bool field_of_view = false;  // intrinsics stand for one, of an image of the size
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: options of a command
   std::string file;   // views file of origin; empty: none
+  std::shared_ptr<const ViewLabels> labels;  // to write; null: none
+  // Of a scenario: the settings at a time after this view's, seconds; fails as it does. Empty: at
+  // no other time is anything known.
+  std::function<std::optional<Settings>(double, DiagnosticLog&)> motion;
 };
 
 // Reads a views file (docs/views.md): a JSON list of objects whose members are those of

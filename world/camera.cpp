@@ -132,6 +132,18 @@ std::optional<geometry::Ray> distorted_ray(const Camera& camera, const Vec2& pix
   return ray;
 }
 
+double share_without_ray(const Camera& camera) {
+  if (camera.distortion == nullptr) return 0;
+  constexpr int kSide = 64;
+  int missing = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const Vec2 at = Vec2(camera.width, camera.height) * (Vec2(x, y) + 0.5) / double{kSide};
+      missing += !camera.distortion->ray((at - camera.principal) / camera.focal);
+    }
+  return missing / double{kSide * kSide};
+}
+
 std::optional<Vec2> project(const Camera& camera, const Vec3& point) {
   const Vec3 local = glm::conjugate(camera.world_from_camera) * (point - camera.position);
   if (camera.projection == Projection::orthographic)

@@ -64,6 +64,10 @@ geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel);
 // The same for any camera; nothing: the distortion has no ray there.
 std::optional<geometry::Ray> distorted_ray(const Camera& camera, const Vec2& pixel);
 
+// Returns the share of pixels outside the domain of the camera's distortion, of 4096 over the
+// image.
+double share_without_ray(const Camera& camera);
+
 // Projects a world point to the image; nothing when it is not in front of the camera, or outside
 // the domain of its distortion.
 std::optional<Vec2> project(const Camera& camera, const Vec3& point);

@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <stdexcept>
 
+#include "image/exr.h"
 #include "image/internal/writers.h"
 
 namespace panwright::image {
@@ -95,6 +96,35 @@ bool write_exr(AtomicFile& file, const Image& image, const FileOptions& options,
     return false;
   }
   return true;
+}
+
+bool write_exr_file(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+                    std::span<const ExrChannel> channels,
+                    std::span<const std::pair<std::string, std::string>> attributes,
+                    DiagnosticLog& log) {
+  auto file = AtomicFile::create(path, log);
+  if (!file) return false;
+  {
+    FileStream stream(*file, log);
+    try {
+      Imf::Header header(static_cast<int>(width), static_cast<int>(height));
+      header.compression() = Imf::ZIP_COMPRESSION;
+      for (const auto& [name, value] : attributes)
+        header.insert(name.c_str(), Imf::StringAttribute(value));
+      Layers layers(header, width);
+      for (const ExrChannel& channel : channels)
+        layers.add(channel.name.c_str(), channel.values, 0, 1);
+      Imf::OutputFile output(stream, header);
+      output.setFrameBuffer(layers.buffer());
+      output.writePixels(static_cast<int>(height));
+    } catch (const std::exception& problem) {
+      if (!stream.reported())
+        log.report_file(Code::E0103, path.string(),
+                        fmt::format("the EXR encoder failed: {}", problem.what()));
+      return false;
+    }
+  }
+  return file->publish(log);
 }
 
 }  // namespace panwright::image

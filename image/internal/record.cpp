@@ -4,25 +4,27 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/core.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "base/file.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "image/internal/zip.h"
 
 namespace panwright::image {
 namespace {
 
 using Found = std::optional<std::string>;
 
-std::uint32_t number_at(std::string_view bytes, std::size_t at, std::size_t count, bool big) {
+std::uint32_t big_endian_at(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto byte = static_cast<unsigned char>(bytes[at + (big ? i : count - 1 - i)]);
-    value = (value << 8) | byte;
-  }
+  for (std::size_t i = 0; i < 4; ++i)
+    value = (value << 8) | static_cast<unsigned char>(bytes[at + i]);
   return value;
 }
 
@@ -31,7 +33,7 @@ Found record_of_png(std::string_view bytes) {
   const std::string begin = std::string(kRecordName) + '\0';
   constexpr std::size_t kFrame = 12;  // length, type and checksum of a chunk
   for (std::size_t at = 8; at + kFrame <= bytes.size();) {
-    const std::size_t length = number_at(bytes, at, 4, true);
+    const std::size_t length = big_endian_at(bytes, at);
     if (length > bytes.size() - at - kFrame) return std::nullopt;
     const std::string_view body = bytes.substr(at + 8, length);
     if (bytes.substr(at + 4, 4) == "tEXt" && body.starts_with(begin))
@@ -41,19 +43,14 @@ Found record_of_png(std::string_view bytes) {
   return std::nullopt;
 }
 
-// Among the stored entries, from the first one on.
-Found record_of_npz(std::string_view bytes) {
-  constexpr std::size_t kHeader = 30;
-  for (std::size_t at = 0; at + kHeader <= bytes.size();) {
-    if (number_at(bytes, at, 4, false) != 0x04034b50u || number_at(bytes, at + 8, 2, false) != 0)
-      return std::nullopt;
-    const std::size_t size = number_at(bytes, at + 18, 4, false);
-    const std::size_t name = number_at(bytes, at + 26, 2, false);
-    const std::size_t body = kHeader + name + number_at(bytes, at + 28, 2, false);
-    if (body > bytes.size() - at || size > bytes.size() - at - body) return std::nullopt;
-    if (bytes.substr(at + kHeader, name) == "meta.json")
-      return std::string(bytes.substr(at + body, size));
-    at += body + size;
+Found record_of_npz(std::span<const std::byte> bytes) {
+  constexpr std::uint64_t kMostBytes = 64u << 20;
+  const ZipReader zip(bytes);
+  for (const ZipReader::Entry& entry : zip.entries()) {
+    if (entry.name != "meta.json" || entry.size > kMostBytes) continue;
+    const auto content = zip.content(entry);
+    if (!content) return std::nullopt;
+    return std::string(reinterpret_cast<const char*>(content->data()), content->size());
   }
   return std::nullopt;
 }
@@ -84,7 +81,7 @@ Result<std::string> read_image_record(const std::filesystem::path& path, Diagnos
                                file->bytes().size());
   Found found;
   if (*format == ImageFormat::png) found = record_of_png(bytes);
-  if (*format == ImageFormat::npz) found = record_of_npz(bytes);
+  if (*format == ImageFormat::npz) found = record_of_npz(file->bytes());
   if (*format == ImageFormat::exr) found = record_of_exr(path);
   if (found) return *std::move(found);
   log.report_file(Code::E0207, path.string(), "the image has no record of how it was made",

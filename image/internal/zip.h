@@ -1,7 +1,8 @@
-// Zip archives with fixed dates. Private to image.
+// Zip archives, written with fixed dates. Private to image.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,34 @@ class ZipWriter {
   std::uint64_t zip64_from_;
   std::uint64_t position_ = 0;
   std::vector<Entry> entries_;
+};
+
+// Reader of an archive in memory, of which any byte may be wrong.
+class ZipReader {
+ public:
+  struct Entry {
+    std::string name;
+    std::uint64_t size;    // bytes of the content
+    std::uint64_t stored;  // bytes in the archive
+    std::uint64_t offset;  // of the local header
+    std::uint32_t crc;
+    std::uint16_t method;
+  };
+
+  explicit ZipReader(std::span<const std::byte> bytes);
+  // False: there is no sound central directory.
+  bool good() const { return good_; }
+  const std::vector<Entry>& entries() const { return entries_; }  // in its order
+  // Returns the content, of entry.size bytes, which the caller has judged; none: damaged.
+  std::optional<std::vector<std::byte>> content(const Entry& entry) const;
+
+ private:
+  std::uint64_t number(std::uint64_t at, unsigned count) const;
+  bool read_directory();
+
+  std::span<const std::byte> bytes_;
+  std::vector<Entry> entries_;
+  bool good_ = false;
 };
 
 }  // namespace panwright::image

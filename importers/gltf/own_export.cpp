@@ -39,6 +39,13 @@ NodeKind kind_of(const Document& document, const tinygltf::Model& model, int nod
   return NodeKind::part;
 }
 
+std::string label_of(const Document& document, const tinygltf::Model& model, int node) {
+  if (!is_ours(model)) return {};
+  const Json* extras = document.root.list("nodes")[static_cast<std::size_t>(node)].find("extras");
+  const Json* label = extras ? extras->find("label") : nullptr;
+  return label && label->is(Json::Kind::string) ? std::string(label->text) : std::string();
+}
+
 std::optional<int> exported_root(const tinygltf::Model& model, const std::vector<int>& roots) {
   if (!is_ours(model) || roots.size() != 1) return std::nullopt;
   const Node& top = model.nodes[static_cast<std::size_t>(roots[0])];

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "importers/gltf/document.h"
@@ -22,6 +23,9 @@ enum class NodeKind : std::uint8_t {
 };
 
 NodeKind kind_of(const Document& document, const tinygltf::Model& model, int node);
+
+// Returns the part that a node of an exported file is labelled as; empty: none.
+std::string label_of(const Document& document, const tinygltf::Model& model, int node);
 
 // Returns the node of the model's root, which stands below one that turns z up into y up. Nothing
 // for a file of another program, or one that was changed.

@@ -60,6 +60,13 @@ layout::Decal record_of(const DecalContent& content, StringTable& strings) {
   return record;
 }
 
+layout::Label record_of(const LabelContent& content, StringTable& strings) {
+  layout::Label record{};
+  record.node = content.node;
+  record.name = strings.id(content.name);
+  return record;
+}
+
 }  // namespace
 
 void add_records(const TableContents& contents, layout::SectionKind kind, StringTable& strings,
@@ -94,6 +101,9 @@ void add_records(const TableContents& contents, layout::SectionKind kind, String
       break;
     case layout::SectionKind::levels:
       for (const auto& content : contents.levels) append(to, content);
+      break;
+    case layout::SectionKind::labels:
+      for (const auto& content : contents.labels) append(to, record_of(content, strings));
       break;
     default:
       break;

@@ -94,6 +94,13 @@ struct DecalContent {
   double depth = 1;
 };
 
+// A part of the model in labels of images: a node with all below it. All of one name are one
+// part.
+struct LabelContent {
+  std::string name;
+  std::uint32_t node = 0;
+};
+
 // Tables of a model whose records follow from their contents alone, by section.
 struct TableContents {
   // The files that were read, in order of first use.
@@ -116,6 +123,8 @@ struct TableContents {
   std::vector<layout::Sheet> sheets;
   // Levels of detail; absent where there are none.
   std::vector<layout::Level> levels;
+  // The labelled parts; absent where there are none.
+  std::vector<LabelContent> labels;
 };
 
 // Sections in memory, and the records of their tables.
@@ -254,6 +263,14 @@ class ModelTables {
   // levels of detail have it too.
   std::span<const layout::Back> backs() const {
     return array<layout::Back>(layout::SectionKind::backs);
+  }
+
+  // The labelled parts; absent where there are none.
+  std::span<const layout::Label> labels() const {
+    return array<layout::Label>(layout::SectionKind::labels);
+  }
+  std::string_view label_name(std::size_t index) const {
+    return string(labels()[index].name);
   }
 
  protected:

@@ -16,10 +16,10 @@
 namespace panwright::preview {
 
 // Draws imposters one after the other through the image of a frame, from the largest to the
-// smallest, each once more if its estimated error is too large.
+// smallest. Each is drawn once more if its estimated error is too large.
 class ImposterSampler {
  public:
-  // What the imposters of one image are drawn with.
+  // Inputs and state of one image.
   struct Draw {
     const world::World& world;
     const world::Camera& camera;

@@ -16,7 +16,9 @@ bool SceneState::update(const world::World& world, const world::Camera& camera,
   for (std::size_t i = 0; i < world.size(); ++i)
     leveled_.push_back({&world[i].pose(), targets_[i].bounds ? &*targets_[i].bounds : nullptr,
                         targets_[i].steps.get()});
-  levels_ = level_finder_.find(camera, leveled_,
+  world::Camera coarser = camera;
+  coarser.focal /= options.level_pixels;
+  levels_ = level_finder_.find(coarser, leveled_,
                                options.levels ? options.level_pixel : std::optional<double>(0));
   hidden_.assign(world.size(), 0);
   return true;

@@ -107,14 +107,14 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
 }
 
 // what lies at the pixels' centres
-void add_ground_truth(const TraceScene& scene, const world::Camera& camera, bool flat,
-                      image::Image& image, const Job& job) {
-  image.depth.resize(image.pixels(), INFINITY);
-  image.range.resize(image.pixels(), INFINITY);
-  image.normal.resize(3 * image.pixels());
-  image.node_id.resize(image.pixels());
-  image.material_id.resize(image.pixels());
-  image.target_id.resize(image.pixels());
+void trace_ground_truth(const TraceScene& scene, const world::Camera& camera, bool flat,
+                        image::Image& image, const Job& job) {
+  image.depth.assign(image.pixels(), INFINITY);
+  image.range.assign(image.pixels(), INFINITY);
+  image.normal.assign(3 * image.pixels(), 0);
+  image.node_id.assign(image.pixels(), 0);
+  image.material_id.assign(image.pixels(), 0);
+  image.target_id.assign(image.pixels(), 0);
   const auto trace_row = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
       const auto seen = view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5});
@@ -209,6 +209,16 @@ Result<ReferenceImage> Reference::render(const world::World& world, const world:
   return run_job(job, log, [&] { return rendered(world, camera, options, log, job); });
 }
 
+bool Reference::add_ground_truth(const world::World& world, const world::Camera& camera, bool flat,
+                                 image::Image& image, DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&] {
+    impl_->scene.update(world, job);
+    impl_->scene.place_camera(camera);
+    trace_ground_truth(impl_->scene, camera, flat, image, job);
+    return true;
+  });
+}
+
 Result<ReferenceImage> Reference::rendered(const world::World& world, const world::Camera& camera,
                                            const ReferenceOptions& options, DiagnosticLog& log,
                                            const Job& job) {
@@ -255,7 +265,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
   ViewSamples view{scene, suns, wide, {options.bounces, options.flat, world.white()}, options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
-  if (options.ground_truth) add_ground_truth(scene, camera, options.flat, image, job);
+  if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, empty_because(world, scene.rays(), cells));
   result.seconds = seconds_since(start);

@@ -102,6 +102,12 @@ class Reference {
                                 const ReferenceOptions& options, DiagnosticLog& log,
                                 const Job& job = {});
 
+  // Sets the ground truth layers of an image of the camera's size, as render() does.
+  //
+  // Expects, fails: as render(), without a limit of memory. Cost: a ray a pixel.
+  bool add_ground_truth(const world::World& world, const world::Camera& camera, bool flat,
+                        image::Image& image, DiagnosticLog& log, const Job& job = {});
+
   // Counts of acceleration structures built so far.
   const trace::Work& work() const;
 

@@ -217,10 +217,11 @@ bool Assembler::enter(Use& use, const Item& item, std::string name,
           "this one is left out");
     });
   }
+  const NodeProperties* const properties = properties_of(use, item);
+  if (properties) node.label = properties->label;
   scene_.nodes.push_back(std::move(node));
   context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
-  if (const NodeProperties* properties = properties_of(use, item);
-      properties && properties->material >= 0)
+  if (properties && properties->material >= 0)
     context.surface = surfaces_.named(properties->material);
   return true;
 }

@@ -40,6 +40,8 @@ std::uint32_t Loader::read_properties(Work& work, std::uint32_t element) {
   if (work.file.units.level >= 1) {
     if (const auto which = given("name"))
       properties.name = values.text(element, *which).value_or("");
+    if (const auto which = given("label"))
+      properties.label = values.text(element, *which).value_or("");
     if (const auto which = given("material"))
       if (Definition* material =
               look_up(work.file, element, *which, work.file.materials, "material"))

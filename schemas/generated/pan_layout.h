@@ -438,6 +438,16 @@ static_assert(offsetof(Keypoint, position) == 0);
 static_assert(offsetof(Keypoint, node) == 24);
 static_assert(offsetof(Keypoint, name) == 28);
 
+// A part of the model in labels of images: a node with all below it. All of one name are one
+// part.
+struct Label {
+  std::uint32_t node;
+  std::uint32_t name;
+};
+static_assert(sizeof(Label) == 8);
+static_assert(offsetof(Label, node) == 0);
+static_assert(offsetof(Label, name) == 4);
+
 // A texture projected onto an instance. A point of its mesh, in the decal's frame, takes the
 // texel at texcoord (x/width + 1/2, y/height + 1/2). Both must lie in 0 to 1, |z| <= depth, and
 // the normal of the visible side must have z > 0. The texture's alpha mixes it with the diffuse
@@ -702,8 +712,9 @@ enum class SectionKind : std::uint32_t {
   mesh_streams = 25,
   stream_bytes = 26,
   backs = 27,
+  labels = 28,
 };
-inline constexpr std::size_t kSectionKinds = 27;
+inline constexpr std::size_t kSectionKinds = 28;
 
 struct SectionInfo {
   SectionKind kind;
@@ -744,6 +755,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::mesh_streams, "mesh_streams", 88, 88, 8, true, true},
     {SectionKind::stream_bytes, "stream_bytes", 1, 1, 1, false, true},
     {SectionKind::backs, "backs", 8, 8, 4, true, true},
+    {SectionKind::labels, "labels", 8, 8, 4, true, true},
 };
 
 // Rules of the records of a section beside those of their fields, and how they are shown. Lists of
@@ -789,6 +801,7 @@ inline constexpr TableInfo kTables[kSectionKinds] = {
     {"", "", "", "", "", false, 0, 0, SectionKind::mesh_streams},
     {"", "", "", "", "", false, 0, 0, SectionKind::stream_bytes},
     {"instance", "", "", "", "", false, 0, 0, SectionKind::backs},
+    {"node", "node", "label {name}", "label {name}", "", true, 0, 0, SectionKind::labels},
 };
 
 // Kind of a later format, which readers may ignore.
@@ -798,7 +811,7 @@ struct ReservedKind {
 };
 
 inline constexpr std::array<ReservedKind, 1> kReservedKinds{{
-    {28, "lights"},
+    {29, "lights"},
 }};
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -1170,6 +1183,10 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::instances, 0, 0, "", nullptr},
     {SectionKind::backs, "material", 4, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::materials, 0, 0, "", nullptr},
+    {SectionKind::labels, "node", 0, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::nodes, 0, 0, "at", nullptr},
+    {SectionKind::labels, "name", 4, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
 };
 
 // A required feature and the minor version that added it.

@@ -210,7 +210,8 @@ inline constexpr std::size_t pangu_model_angle = 2;
 inline constexpr std::size_t pangu_model_up = 3;
 inline constexpr std::size_t group_count = 0;
 inline constexpr std::size_t group_name = 1;
-inline constexpr std::size_t group_material = 2;
+inline constexpr std::size_t group_label = 2;
+inline constexpr std::size_t group_material = 3;
 inline constexpr std::size_t include_type = 0;
 inline constexpr std::size_t include_file = 1;
 inline constexpr std::size_t frame_s_label = 0;
@@ -227,14 +228,15 @@ inline constexpr std::size_t include_raw_file = 1;
 inline constexpr std::size_t sphere_rings = 0;
 inline constexpr std::size_t sphere_quads = 1;
 inline constexpr std::size_t mesh_name = 0;
-inline constexpr std::size_t mesh_material = 1;
-inline constexpr std::size_t mesh_back = 2;
-inline constexpr std::size_t mesh_tolerance = 3;
-inline constexpr std::size_t mesh_foil = 4;
-inline constexpr std::size_t mesh_translate = 5;
-inline constexpr std::size_t mesh_rotate = 6;
-inline constexpr std::size_t mesh_quat = 7;
-inline constexpr std::size_t mesh_scale = 8;
+inline constexpr std::size_t mesh_label = 1;
+inline constexpr std::size_t mesh_material = 2;
+inline constexpr std::size_t mesh_back = 3;
+inline constexpr std::size_t mesh_tolerance = 4;
+inline constexpr std::size_t mesh_foil = 5;
+inline constexpr std::size_t mesh_translate = 6;
+inline constexpr std::size_t mesh_rotate = 7;
+inline constexpr std::size_t mesh_quat = 8;
+inline constexpr std::size_t mesh_scale = 9;
 inline constexpr std::size_t tristrip_count = 0;
 inline constexpr std::size_t param_name = 0;
 inline constexpr std::size_t param_value = 1;
@@ -290,36 +292,40 @@ inline constexpr std::size_t budget_centroid = 5;
 inline constexpr std::size_t budget_approach = 6;
 inline constexpr std::size_t budget_corridor = 7;
 inline constexpr std::size_t node_name = 0;
-inline constexpr std::size_t node_material = 1;
-inline constexpr std::size_t node_translate = 2;
-inline constexpr std::size_t node_rotate = 3;
-inline constexpr std::size_t node_quat = 4;
-inline constexpr std::size_t node_scale = 5;
+inline constexpr std::size_t node_label = 1;
+inline constexpr std::size_t node_material = 2;
+inline constexpr std::size_t node_translate = 3;
+inline constexpr std::size_t node_rotate = 4;
+inline constexpr std::size_t node_quat = 5;
+inline constexpr std::size_t node_scale = 6;
 inline constexpr std::size_t use_part = 0;
 inline constexpr std::size_t use_name = 1;
-inline constexpr std::size_t use_material = 2;
-inline constexpr std::size_t use_translate = 3;
-inline constexpr std::size_t use_rotate = 4;
-inline constexpr std::size_t use_quat = 5;
-inline constexpr std::size_t use_scale = 6;
+inline constexpr std::size_t use_label = 2;
+inline constexpr std::size_t use_material = 3;
+inline constexpr std::size_t use_translate = 4;
+inline constexpr std::size_t use_rotate = 5;
+inline constexpr std::size_t use_quat = 6;
+inline constexpr std::size_t use_scale = 7;
 inline constexpr std::size_t with_name = 0;
 inline constexpr std::size_t with_value = 1;
 inline constexpr std::size_t repeat_count = 0;
 inline constexpr std::size_t repeat_var = 1;
 inline constexpr std::size_t repeat_name = 2;
-inline constexpr std::size_t repeat_material = 3;
-inline constexpr std::size_t repeat_translate = 4;
-inline constexpr std::size_t repeat_rotate = 5;
-inline constexpr std::size_t repeat_quat = 6;
-inline constexpr std::size_t repeat_scale = 7;
+inline constexpr std::size_t repeat_label = 3;
+inline constexpr std::size_t repeat_material = 4;
+inline constexpr std::size_t repeat_translate = 5;
+inline constexpr std::size_t repeat_rotate = 6;
+inline constexpr std::size_t repeat_quat = 7;
+inline constexpr std::size_t repeat_scale = 8;
 inline constexpr std::size_t include_1_file = 0;
 inline constexpr std::size_t include_1_type = 1;
 inline constexpr std::size_t include_1_name = 2;
-inline constexpr std::size_t include_1_material = 3;
-inline constexpr std::size_t include_1_translate = 4;
-inline constexpr std::size_t include_1_rotate = 5;
-inline constexpr std::size_t include_1_quat = 6;
-inline constexpr std::size_t include_1_scale = 7;
+inline constexpr std::size_t include_1_label = 3;
+inline constexpr std::size_t include_1_material = 4;
+inline constexpr std::size_t include_1_translate = 5;
+inline constexpr std::size_t include_1_rotate = 6;
+inline constexpr std::size_t include_1_quat = 7;
+inline constexpr std::size_t include_1_scale = 8;
 inline constexpr std::size_t import_file = 0;
 inline constexpr std::size_t import_units = 1;
 inline constexpr std::size_t import_up = 2;
@@ -334,10 +340,11 @@ inline constexpr std::size_t import_time = 10;
 inline constexpr std::size_t import_primitives = 11;
 inline constexpr std::size_t import_deflection = 12;
 inline constexpr std::size_t import_name = 13;
-inline constexpr std::size_t import_translate = 14;
-inline constexpr std::size_t import_rotate = 15;
-inline constexpr std::size_t import_quat = 16;
-inline constexpr std::size_t import_scale = 17;
+inline constexpr std::size_t import_label = 14;
+inline constexpr std::size_t import_translate = 15;
+inline constexpr std::size_t import_rotate = 16;
+inline constexpr std::size_t import_quat = 17;
+inline constexpr std::size_t import_scale = 18;
 inline constexpr std::size_t assign_nodes = 0;
 inline constexpr std::size_t assign_materials = 1;
 inline constexpr std::size_t assign_material = 2;
@@ -346,11 +353,12 @@ inline constexpr std::size_t assign_pictures = 4;
 inline constexpr std::size_t remove_nodes = 0;
 inline constexpr std::size_t remove_materials = 1;
 inline constexpr std::size_t transform_1_name = 0;
-inline constexpr std::size_t transform_1_material = 1;
-inline constexpr std::size_t transform_1_translate = 2;
-inline constexpr std::size_t transform_1_rotate = 3;
-inline constexpr std::size_t transform_1_quat = 4;
-inline constexpr std::size_t transform_1_scale = 5;
+inline constexpr std::size_t transform_1_label = 1;
+inline constexpr std::size_t transform_1_material = 2;
+inline constexpr std::size_t transform_1_translate = 3;
+inline constexpr std::size_t transform_1_rotate = 4;
+inline constexpr std::size_t transform_1_quat = 5;
+inline constexpr std::size_t transform_1_scale = 6;
 inline constexpr std::size_t frame_name = 0;
 inline constexpr std::size_t frame_translate = 1;
 inline constexpr std::size_t frame_rotate = 2;
@@ -372,52 +380,56 @@ inline constexpr std::size_t sphere_1_rings = 2;
 inline constexpr std::size_t sphere_1_quads = 3;
 inline constexpr std::size_t sphere_1_sector = 4;
 inline constexpr std::size_t sphere_1_name = 5;
-inline constexpr std::size_t sphere_1_material = 6;
-inline constexpr std::size_t sphere_1_back = 7;
-inline constexpr std::size_t sphere_1_tolerance = 8;
-inline constexpr std::size_t sphere_1_foil = 9;
-inline constexpr std::size_t sphere_1_translate = 10;
-inline constexpr std::size_t sphere_1_rotate = 11;
-inline constexpr std::size_t sphere_1_quat = 12;
-inline constexpr std::size_t sphere_1_scale = 13;
+inline constexpr std::size_t sphere_1_label = 6;
+inline constexpr std::size_t sphere_1_material = 7;
+inline constexpr std::size_t sphere_1_back = 8;
+inline constexpr std::size_t sphere_1_tolerance = 9;
+inline constexpr std::size_t sphere_1_foil = 10;
+inline constexpr std::size_t sphere_1_translate = 11;
+inline constexpr std::size_t sphere_1_rotate = 12;
+inline constexpr std::size_t sphere_1_quat = 13;
+inline constexpr std::size_t sphere_1_scale = 14;
 inline constexpr std::size_t ellipsoid_radii = 0;
 inline constexpr std::size_t ellipsoid_segments = 1;
 inline constexpr std::size_t ellipsoid_rings = 2;
 inline constexpr std::size_t ellipsoid_name = 3;
-inline constexpr std::size_t ellipsoid_material = 4;
-inline constexpr std::size_t ellipsoid_back = 5;
-inline constexpr std::size_t ellipsoid_tolerance = 6;
-inline constexpr std::size_t ellipsoid_foil = 7;
-inline constexpr std::size_t ellipsoid_translate = 8;
-inline constexpr std::size_t ellipsoid_rotate = 9;
-inline constexpr std::size_t ellipsoid_quat = 10;
-inline constexpr std::size_t ellipsoid_scale = 11;
+inline constexpr std::size_t ellipsoid_label = 4;
+inline constexpr std::size_t ellipsoid_material = 5;
+inline constexpr std::size_t ellipsoid_back = 6;
+inline constexpr std::size_t ellipsoid_tolerance = 7;
+inline constexpr std::size_t ellipsoid_foil = 8;
+inline constexpr std::size_t ellipsoid_translate = 9;
+inline constexpr std::size_t ellipsoid_rotate = 10;
+inline constexpr std::size_t ellipsoid_quat = 11;
+inline constexpr std::size_t ellipsoid_scale = 12;
 inline constexpr std::size_t box_size = 0;
 inline constexpr std::size_t box_bevel = 1;
 inline constexpr std::size_t box_edges = 2;
 inline constexpr std::size_t box_name = 3;
-inline constexpr std::size_t box_material = 4;
-inline constexpr std::size_t box_back = 5;
-inline constexpr std::size_t box_tolerance = 6;
-inline constexpr std::size_t box_foil = 7;
-inline constexpr std::size_t box_translate = 8;
-inline constexpr std::size_t box_rotate = 9;
-inline constexpr std::size_t box_quat = 10;
-inline constexpr std::size_t box_scale = 11;
+inline constexpr std::size_t box_label = 4;
+inline constexpr std::size_t box_material = 5;
+inline constexpr std::size_t box_back = 6;
+inline constexpr std::size_t box_tolerance = 7;
+inline constexpr std::size_t box_foil = 8;
+inline constexpr std::size_t box_translate = 9;
+inline constexpr std::size_t box_rotate = 10;
+inline constexpr std::size_t box_quat = 11;
+inline constexpr std::size_t box_scale = 12;
 inline constexpr std::size_t cylinder_radius = 0;
 inline constexpr std::size_t cylinder_height = 1;
 inline constexpr std::size_t cylinder_caps = 2;
 inline constexpr std::size_t cylinder_sector = 3;
 inline constexpr std::size_t cylinder_segments = 4;
 inline constexpr std::size_t cylinder_name = 5;
-inline constexpr std::size_t cylinder_material = 6;
-inline constexpr std::size_t cylinder_back = 7;
-inline constexpr std::size_t cylinder_tolerance = 8;
-inline constexpr std::size_t cylinder_foil = 9;
-inline constexpr std::size_t cylinder_translate = 10;
-inline constexpr std::size_t cylinder_rotate = 11;
-inline constexpr std::size_t cylinder_quat = 12;
-inline constexpr std::size_t cylinder_scale = 13;
+inline constexpr std::size_t cylinder_label = 6;
+inline constexpr std::size_t cylinder_material = 7;
+inline constexpr std::size_t cylinder_back = 8;
+inline constexpr std::size_t cylinder_tolerance = 9;
+inline constexpr std::size_t cylinder_foil = 10;
+inline constexpr std::size_t cylinder_translate = 11;
+inline constexpr std::size_t cylinder_rotate = 12;
+inline constexpr std::size_t cylinder_quat = 13;
+inline constexpr std::size_t cylinder_scale = 14;
 inline constexpr std::size_t cone_radius = 0;
 inline constexpr std::size_t cone_top_radius = 1;
 inline constexpr std::size_t cone_height = 2;
@@ -425,65 +437,70 @@ inline constexpr std::size_t cone_caps = 3;
 inline constexpr std::size_t cone_sector = 4;
 inline constexpr std::size_t cone_segments = 5;
 inline constexpr std::size_t cone_name = 6;
-inline constexpr std::size_t cone_material = 7;
-inline constexpr std::size_t cone_back = 8;
-inline constexpr std::size_t cone_tolerance = 9;
-inline constexpr std::size_t cone_foil = 10;
-inline constexpr std::size_t cone_translate = 11;
-inline constexpr std::size_t cone_rotate = 12;
-inline constexpr std::size_t cone_quat = 13;
-inline constexpr std::size_t cone_scale = 14;
+inline constexpr std::size_t cone_label = 7;
+inline constexpr std::size_t cone_material = 8;
+inline constexpr std::size_t cone_back = 9;
+inline constexpr std::size_t cone_tolerance = 10;
+inline constexpr std::size_t cone_foil = 11;
+inline constexpr std::size_t cone_translate = 12;
+inline constexpr std::size_t cone_rotate = 13;
+inline constexpr std::size_t cone_quat = 14;
+inline constexpr std::size_t cone_scale = 15;
 inline constexpr std::size_t disc_radius = 0;
 inline constexpr std::size_t disc_inner_radius = 1;
 inline constexpr std::size_t disc_sector = 2;
 inline constexpr std::size_t disc_segments = 3;
 inline constexpr std::size_t disc_name = 4;
-inline constexpr std::size_t disc_material = 5;
-inline constexpr std::size_t disc_back = 6;
-inline constexpr std::size_t disc_tolerance = 7;
-inline constexpr std::size_t disc_foil = 8;
-inline constexpr std::size_t disc_translate = 9;
-inline constexpr std::size_t disc_rotate = 10;
-inline constexpr std::size_t disc_quat = 11;
-inline constexpr std::size_t disc_scale = 12;
+inline constexpr std::size_t disc_label = 5;
+inline constexpr std::size_t disc_material = 6;
+inline constexpr std::size_t disc_back = 7;
+inline constexpr std::size_t disc_tolerance = 8;
+inline constexpr std::size_t disc_foil = 9;
+inline constexpr std::size_t disc_translate = 10;
+inline constexpr std::size_t disc_rotate = 11;
+inline constexpr std::size_t disc_quat = 12;
+inline constexpr std::size_t disc_scale = 13;
 inline constexpr std::size_t torus_radius = 0;
 inline constexpr std::size_t torus_tube_radius = 1;
 inline constexpr std::size_t torus_sector = 2;
 inline constexpr std::size_t torus_segments = 3;
 inline constexpr std::size_t torus_rings = 4;
 inline constexpr std::size_t torus_name = 5;
-inline constexpr std::size_t torus_material = 6;
-inline constexpr std::size_t torus_back = 7;
-inline constexpr std::size_t torus_tolerance = 8;
-inline constexpr std::size_t torus_foil = 9;
-inline constexpr std::size_t torus_translate = 10;
-inline constexpr std::size_t torus_rotate = 11;
-inline constexpr std::size_t torus_quat = 12;
-inline constexpr std::size_t torus_scale = 13;
+inline constexpr std::size_t torus_label = 6;
+inline constexpr std::size_t torus_material = 7;
+inline constexpr std::size_t torus_back = 8;
+inline constexpr std::size_t torus_tolerance = 9;
+inline constexpr std::size_t torus_foil = 10;
+inline constexpr std::size_t torus_translate = 11;
+inline constexpr std::size_t torus_rotate = 12;
+inline constexpr std::size_t torus_quat = 13;
+inline constexpr std::size_t torus_scale = 14;
 inline constexpr std::size_t dish_diameter = 0;
 inline constexpr std::size_t dish_focal_length = 1;
 inline constexpr std::size_t dish_thickness = 2;
 inline constexpr std::size_t dish_segments = 3;
 inline constexpr std::size_t dish_rings = 4;
 inline constexpr std::size_t dish_name = 5;
-inline constexpr std::size_t dish_material = 6;
-inline constexpr std::size_t dish_back = 7;
-inline constexpr std::size_t dish_tolerance = 8;
-inline constexpr std::size_t dish_foil = 9;
-inline constexpr std::size_t dish_translate = 10;
-inline constexpr std::size_t dish_rotate = 11;
-inline constexpr std::size_t dish_quat = 12;
-inline constexpr std::size_t dish_scale = 13;
+inline constexpr std::size_t dish_label = 6;
+inline constexpr std::size_t dish_material = 7;
+inline constexpr std::size_t dish_back = 8;
+inline constexpr std::size_t dish_tolerance = 9;
+inline constexpr std::size_t dish_foil = 10;
+inline constexpr std::size_t dish_translate = 11;
+inline constexpr std::size_t dish_rotate = 12;
+inline constexpr std::size_t dish_quat = 13;
+inline constexpr std::size_t dish_scale = 14;
 inline constexpr std::size_t plane_size = 0;
 inline constexpr std::size_t plane_name = 1;
-inline constexpr std::size_t plane_material = 2;
-inline constexpr std::size_t plane_back = 3;
-inline constexpr std::size_t plane_tolerance = 4;
-inline constexpr std::size_t plane_foil = 5;
-inline constexpr std::size_t plane_translate = 6;
-inline constexpr std::size_t plane_rotate = 7;
-inline constexpr std::size_t plane_quat = 8;
-inline constexpr std::size_t plane_scale = 9;
+inline constexpr std::size_t plane_label = 2;
+inline constexpr std::size_t plane_material = 3;
+inline constexpr std::size_t plane_back = 4;
+inline constexpr std::size_t plane_tolerance = 5;
+inline constexpr std::size_t plane_foil = 6;
+inline constexpr std::size_t plane_translate = 7;
+inline constexpr std::size_t plane_rotate = 8;
+inline constexpr std::size_t plane_quat = 9;
+inline constexpr std::size_t plane_scale = 10;
 inline constexpr std::size_t tube_radius = 0;
 inline constexpr std::size_t tube_inner_radius = 1;
 inline constexpr std::size_t tube_curve = 2;
@@ -492,95 +509,102 @@ inline constexpr std::size_t tube_caps = 4;
 inline constexpr std::size_t tube_segments = 5;
 inline constexpr std::size_t tube_rings = 6;
 inline constexpr std::size_t tube_name = 7;
-inline constexpr std::size_t tube_material = 8;
-inline constexpr std::size_t tube_back = 9;
-inline constexpr std::size_t tube_tolerance = 10;
-inline constexpr std::size_t tube_foil = 11;
-inline constexpr std::size_t tube_translate = 12;
-inline constexpr std::size_t tube_rotate = 13;
-inline constexpr std::size_t tube_quat = 14;
-inline constexpr std::size_t tube_scale = 15;
+inline constexpr std::size_t tube_label = 8;
+inline constexpr std::size_t tube_material = 9;
+inline constexpr std::size_t tube_back = 10;
+inline constexpr std::size_t tube_tolerance = 11;
+inline constexpr std::size_t tube_foil = 12;
+inline constexpr std::size_t tube_translate = 13;
+inline constexpr std::size_t tube_rotate = 14;
+inline constexpr std::size_t tube_quat = 15;
+inline constexpr std::size_t tube_scale = 16;
 inline constexpr std::size_t lathe_curve = 0;
 inline constexpr std::size_t lathe_sector = 1;
 inline constexpr std::size_t lathe_segments = 2;
 inline constexpr std::size_t lathe_rings = 3;
 inline constexpr std::size_t lathe_name = 4;
-inline constexpr std::size_t lathe_material = 5;
-inline constexpr std::size_t lathe_back = 6;
-inline constexpr std::size_t lathe_tolerance = 7;
-inline constexpr std::size_t lathe_foil = 8;
-inline constexpr std::size_t lathe_translate = 9;
-inline constexpr std::size_t lathe_rotate = 10;
-inline constexpr std::size_t lathe_quat = 11;
-inline constexpr std::size_t lathe_scale = 12;
+inline constexpr std::size_t lathe_label = 5;
+inline constexpr std::size_t lathe_material = 6;
+inline constexpr std::size_t lathe_back = 7;
+inline constexpr std::size_t lathe_tolerance = 8;
+inline constexpr std::size_t lathe_foil = 9;
+inline constexpr std::size_t lathe_translate = 10;
+inline constexpr std::size_t lathe_rotate = 11;
+inline constexpr std::size_t lathe_quat = 12;
+inline constexpr std::size_t lathe_scale = 13;
 inline constexpr std::size_t extrude_height = 0;
 inline constexpr std::size_t extrude_smooth = 1;
 inline constexpr std::size_t extrude_caps = 2;
 inline constexpr std::size_t extrude_name = 3;
-inline constexpr std::size_t extrude_material = 4;
-inline constexpr std::size_t extrude_back = 5;
-inline constexpr std::size_t extrude_tolerance = 6;
-inline constexpr std::size_t extrude_foil = 7;
-inline constexpr std::size_t extrude_translate = 8;
-inline constexpr std::size_t extrude_rotate = 9;
-inline constexpr std::size_t extrude_quat = 10;
-inline constexpr std::size_t extrude_scale = 11;
+inline constexpr std::size_t extrude_label = 4;
+inline constexpr std::size_t extrude_material = 5;
+inline constexpr std::size_t extrude_back = 6;
+inline constexpr std::size_t extrude_tolerance = 7;
+inline constexpr std::size_t extrude_foil = 8;
+inline constexpr std::size_t extrude_translate = 9;
+inline constexpr std::size_t extrude_rotate = 10;
+inline constexpr std::size_t extrude_quat = 11;
+inline constexpr std::size_t extrude_scale = 12;
 inline constexpr std::size_t polygons_smooth = 0;
 inline constexpr std::size_t polygons_name = 1;
-inline constexpr std::size_t polygons_material = 2;
-inline constexpr std::size_t polygons_back = 3;
-inline constexpr std::size_t polygons_tolerance = 4;
-inline constexpr std::size_t polygons_foil = 5;
-inline constexpr std::size_t polygons_translate = 6;
-inline constexpr std::size_t polygons_rotate = 7;
-inline constexpr std::size_t polygons_quat = 8;
-inline constexpr std::size_t polygons_scale = 9;
+inline constexpr std::size_t polygons_label = 2;
+inline constexpr std::size_t polygons_material = 3;
+inline constexpr std::size_t polygons_back = 4;
+inline constexpr std::size_t polygons_tolerance = 5;
+inline constexpr std::size_t polygons_foil = 6;
+inline constexpr std::size_t polygons_translate = 7;
+inline constexpr std::size_t polygons_rotate = 8;
+inline constexpr std::size_t polygons_quat = 9;
+inline constexpr std::size_t polygons_scale = 10;
 inline constexpr std::size_t subdiv_border = 0;
 inline constexpr std::size_t subdiv_levels = 1;
 inline constexpr std::size_t subdiv_name = 2;
-inline constexpr std::size_t subdiv_material = 3;
-inline constexpr std::size_t subdiv_back = 4;
-inline constexpr std::size_t subdiv_tolerance = 5;
-inline constexpr std::size_t subdiv_foil = 6;
-inline constexpr std::size_t subdiv_translate = 7;
-inline constexpr std::size_t subdiv_rotate = 8;
-inline constexpr std::size_t subdiv_quat = 9;
-inline constexpr std::size_t subdiv_scale = 10;
+inline constexpr std::size_t subdiv_label = 3;
+inline constexpr std::size_t subdiv_material = 4;
+inline constexpr std::size_t subdiv_back = 5;
+inline constexpr std::size_t subdiv_tolerance = 6;
+inline constexpr std::size_t subdiv_foil = 7;
+inline constexpr std::size_t subdiv_translate = 8;
+inline constexpr std::size_t subdiv_rotate = 9;
+inline constexpr std::size_t subdiv_quat = 10;
+inline constexpr std::size_t subdiv_scale = 11;
 inline constexpr std::size_t cage_crease_sharpness = 0;
 inline constexpr std::size_t cage_corner_sharpness = 0;
 inline constexpr std::size_t joint_node = 0;
-inline constexpr std::size_t joint_name = 1;
-inline constexpr std::size_t joint_type = 2;
-inline constexpr std::size_t joint_axis = 3;
-inline constexpr std::size_t joint_lower = 4;
-inline constexpr std::size_t joint_upper = 5;
-inline constexpr std::size_t joint_value = 6;
-inline constexpr std::size_t joint_mimic = 7;
-inline constexpr std::size_t joint_multiplier = 8;
-inline constexpr std::size_t joint_offset = 9;
-inline constexpr std::size_t joint_pointing = 10;
-inline constexpr std::size_t joint_gimbal = 11;
-inline constexpr std::size_t joint_point_at = 12;
-inline constexpr std::size_t joint_material = 13;
-inline constexpr std::size_t joint_translate = 14;
-inline constexpr std::size_t joint_rotate = 15;
-inline constexpr std::size_t joint_quat = 16;
-inline constexpr std::size_t joint_scale = 17;
+inline constexpr std::size_t joint_label = 1;
+inline constexpr std::size_t joint_name = 2;
+inline constexpr std::size_t joint_type = 3;
+inline constexpr std::size_t joint_axis = 4;
+inline constexpr std::size_t joint_lower = 5;
+inline constexpr std::size_t joint_upper = 6;
+inline constexpr std::size_t joint_value = 7;
+inline constexpr std::size_t joint_mimic = 8;
+inline constexpr std::size_t joint_multiplier = 9;
+inline constexpr std::size_t joint_offset = 10;
+inline constexpr std::size_t joint_pointing = 11;
+inline constexpr std::size_t joint_gimbal = 12;
+inline constexpr std::size_t joint_point_at = 13;
+inline constexpr std::size_t joint_material = 14;
+inline constexpr std::size_t joint_translate = 15;
+inline constexpr std::size_t joint_rotate = 16;
+inline constexpr std::size_t joint_quat = 17;
+inline constexpr std::size_t joint_scale = 18;
 inline constexpr std::size_t import_joint_nodes = 0;
 inline constexpr std::size_t import_joint_origin = 1;
 inline constexpr std::size_t import_joint_axis_from = 2;
-inline constexpr std::size_t import_joint_name = 3;
-inline constexpr std::size_t import_joint_type = 4;
-inline constexpr std::size_t import_joint_axis = 5;
-inline constexpr std::size_t import_joint_lower = 6;
-inline constexpr std::size_t import_joint_upper = 7;
-inline constexpr std::size_t import_joint_value = 8;
-inline constexpr std::size_t import_joint_mimic = 9;
-inline constexpr std::size_t import_joint_multiplier = 10;
-inline constexpr std::size_t import_joint_offset = 11;
-inline constexpr std::size_t import_joint_pointing = 12;
-inline constexpr std::size_t import_joint_gimbal = 13;
-inline constexpr std::size_t import_joint_point_at = 14;
+inline constexpr std::size_t import_joint_label = 3;
+inline constexpr std::size_t import_joint_name = 4;
+inline constexpr std::size_t import_joint_type = 5;
+inline constexpr std::size_t import_joint_axis = 6;
+inline constexpr std::size_t import_joint_lower = 7;
+inline constexpr std::size_t import_joint_upper = 8;
+inline constexpr std::size_t import_joint_value = 9;
+inline constexpr std::size_t import_joint_mimic = 10;
+inline constexpr std::size_t import_joint_multiplier = 11;
+inline constexpr std::size_t import_joint_offset = 12;
+inline constexpr std::size_t import_joint_pointing = 13;
+inline constexpr std::size_t import_joint_gimbal = 14;
+inline constexpr std::size_t import_joint_point_at = 15;
 inline constexpr std::size_t mli_type = 0;
 inline constexpr std::size_t mli_on = 1;
 inline constexpr std::size_t mli_materials = 2;
@@ -597,13 +621,14 @@ inline constexpr std::size_t mli_length = 12;
 inline constexpr std::size_t mli_flange = 13;
 inline constexpr std::size_t mli_size = 14;
 inline constexpr std::size_t mli_name = 15;
-inline constexpr std::size_t mli_material = 16;
-inline constexpr std::size_t mli_back = 17;
-inline constexpr std::size_t mli_tolerance = 18;
-inline constexpr std::size_t mli_translate = 19;
-inline constexpr std::size_t mli_rotate = 20;
-inline constexpr std::size_t mli_quat = 21;
-inline constexpr std::size_t mli_scale = 22;
+inline constexpr std::size_t mli_label = 16;
+inline constexpr std::size_t mli_material = 17;
+inline constexpr std::size_t mli_back = 18;
+inline constexpr std::size_t mli_tolerance = 19;
+inline constexpr std::size_t mli_translate = 20;
+inline constexpr std::size_t mli_rotate = 21;
+inline constexpr std::size_t mli_quat = 22;
+inline constexpr std::size_t mli_scale = 23;
 inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
@@ -720,6 +745,7 @@ inline constexpr Number kNumbers_group_count[] = {
 inline constexpr Attribute kAttributes_group[] = {
     {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_group[] = {
@@ -1020,6 +1046,7 @@ inline constexpr std::string_view kMembers_mesh_0[] = {
 };
 inline constexpr Attribute kAttributes_mesh[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1473,6 +1500,7 @@ inline constexpr Rule kRules_budget[] = {
 };
 inline constexpr Attribute kAttributes_node[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1485,6 +1513,7 @@ inline constexpr ElementId kChoice_use_0[] = {
 inline constexpr Attribute kAttributes_use[] = {
     {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1505,6 +1534,7 @@ inline constexpr Attribute kAttributes_repeat[] = {
     {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "i", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1515,6 +1545,7 @@ inline constexpr Attribute kAttributes_include_1[] = {
     {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, "pxn", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1584,6 +1615,7 @@ inline constexpr Attribute kAttributes_import[] = {
     {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1726,6 +1758,7 @@ inline constexpr Attribute kAttributes_sphere_1[] = {
     {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1755,6 +1788,7 @@ inline constexpr Attribute kAttributes_ellipsoid[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1776,6 +1810,7 @@ inline constexpr Attribute kAttributes_box[] = {
     {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1801,6 +1836,7 @@ inline constexpr Attribute kAttributes_cylinder[] = {
     {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1824,6 +1860,7 @@ inline constexpr Attribute kAttributes_cone[] = {
     {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1842,6 +1879,7 @@ inline constexpr Attribute kAttributes_disc[] = {
     {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1861,6 +1899,7 @@ inline constexpr Attribute kAttributes_torus[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1886,6 +1925,7 @@ inline constexpr Attribute kAttributes_dish[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1902,6 +1942,7 @@ inline constexpr Number kNumbers_plane_size[] = {
 inline constexpr Attribute kAttributes_plane[] = {
     {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1931,6 +1972,7 @@ inline constexpr Attribute kAttributes_tube[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1952,6 +1994,7 @@ inline constexpr Attribute kAttributes_lathe[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1978,6 +2021,7 @@ inline constexpr Attribute kAttributes_extrude[] = {
     {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -2000,6 +2044,7 @@ inline constexpr ElementId kChoice_polygons_1[] = {
 inline constexpr Attribute kAttributes_polygons[] = {
     {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -2049,6 +2094,7 @@ inline constexpr Attribute kAttributes_subdiv[] = {
     {"border", 1, true, false, {ValueKind::word, 1, {}, kWords_subdiv_border, Dimension::none, false, false, 1, 0}, {}, "corners", false},
     {"levels", 1, true, false, {ValueKind::integer, 1, kNumbers_subdiv_levels, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -2122,6 +2168,7 @@ inline constexpr std::string_view kMembers_joint_5[] = {
 };
 inline constexpr Attribute kAttributes_joint[] = {
     {"node", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
@@ -2156,6 +2203,7 @@ inline constexpr Attribute kAttributes_import_joint[] = {
     {"nodes", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"origin", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"axis_from", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
@@ -2228,6 +2276,7 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"flange", 1, true, false, {ValueKind::real, 1, kNumbers_mli_flange, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"size", 1, true, false, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},

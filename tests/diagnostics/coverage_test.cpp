@@ -26,6 +26,7 @@ using nlohmann::json;
 using support::TemporaryFolder;
 
 const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
+const std::string kLabels = PANWRIGHT_SOURCE_DIR "/examples/labels";
 const fs::path kBad = PANWRIGHT_SOURCE_DIR "/tests/pxn/data/bad";
 const fs::path kBadCad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad";
 
@@ -149,6 +150,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
                                         "-o",     folder / "run", "--engine",  "reference",
                                         "--size", "4x4",          "--samples", "1"};
   codes_of(run);
+  folder.write("torn.labels.json", "{");
   std::vector<Trigger> triggers = {
       {"E0220", {"render", pan, "-o", png, "--camera-file", camera_file}, {}},
       {"W0221",
@@ -173,6 +175,15 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
        {}},
       {"E8013", {"scenario", folder.write("wrong.toml", "surce = 1\n")}, {}},
       {"E8014", run, {}},
+      {"E9001", {"labels", folder.path(), "--format", "coco", "-o", folder / "coco"}, {}},
+      {"W9002", {"labels", kLabels, "--format", "bop", "-o", folder / "bop"}, {}},
+      {"E9003", {"labels", kLabels, "--format", "speed", "-o", folder / "speed"}, {}},
+      {"E9005",
+       {"run",
+        folder.write("labels.toml",
+                     "[[source]]\nfile = \"course.csv\"\n[labels]\nparts = { a = \"none\" }\n"),
+        "--target", "f=" + pan, "-o", folder / "labelled", "--engine", "reference"},
+       {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
       {"E0103", {"compile", kFigure8, "-o", folder / "no/f.pan"}, {}},

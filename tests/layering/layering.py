@@ -14,8 +14,8 @@ LEVELS = [
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world"]},
-    {"preview": ["world", "image"], "preview/reference": ["trace", "image"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "scenario", "sensor", "preview", "preview/reference"]},
+    {"labels": ["trace", "image"], "preview": ["world", "image"], "preview/reference": ["trace", "image"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "scenario", "labels", "sensor", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
@@ -31,6 +31,7 @@ PARTS = {
     "image": {"internal": []},
     "sensor": {"internal": []},
     "scenario": {"internal": []},
+    "labels": {"internal": [], "formats": ["internal"]},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 BESIDE = {"preview/context": "gl", "preview/device": "model", "preview/renderer": "frame"}
@@ -40,7 +41,7 @@ UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]
 # Sub-folders that serve their folder alone; cmake/PanwrightInstall.cmake leaves them out too.
 OWN = ("importers/vrml/", "importers/gltf/", "importers/meshes/", "importers/step/", "importers/urdf/", "importers/mjcf/", "pxn/text/", "pxn/expression/",
-       "pxn/reader/", "preview/gl/", "preview/model/", "preview/frame/")
+       "pxn/reader/", "preview/gl/", "preview/model/", "preview/frame/", "labels/formats/")
 # The reference renderer and its rays are an oracle of the preview: of what they could share they include
 # these alone, and call none of what follows.
 REFERENCE = ("preview/reference/", "trace/")

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "tests/pxn/reading.h"
 
@@ -46,6 +47,30 @@ TEST(Level1, APartIsStoredOnceAndShownWhereItIsUsed) {
                                                      "other", "sphere2", "block2", "box2", "pair2",
                                                      "sphere3", "block3", "box3"}));
   expect_near(world_place(r, r.scene->instances[3].node), Vec3(10, 0, 6), 0);
+}
+
+TEST(Level1, NodesShapesUsesAndJointsHaveLabels) {
+  const Reading r = read_model(R"(
+    <part name="wing"><box name="panel" size="1 1 0.1" label="panel"/></part>
+    <node name="bus" label="bus"><box size="1"/></node>
+    <use part="wing" label="left"/>
+    <joint name="drive" type="continuous" label="array"><use part="wing" name="right"/></joint>
+    <repeat count="2" var="k"><box name="fin" size="1" label="fin{k}"/></repeat>
+    <box name="tank" size="1" label="tank" foil="smooth"/>)");
+  EXPECT_EQ(r.summary(), "");
+  std::map<std::string, std::string> labels;
+  for (const scene::Node& node : r.scene->nodes)
+    if (!node.label.empty()) labels[node.name] = node.label;
+  EXPECT_EQ(labels.at("bus"), "bus");
+  EXPECT_EQ(labels.at("wing"), "left");
+  EXPECT_EQ(labels.at("drive"), "array");
+  EXPECT_EQ(labels.at("panel"), "panel");
+  EXPECT_EQ(labels.at("fin"), "fin1");
+  // foil beside the shape that it covers belongs to its part
+  std::size_t of_tank = 0;
+  for (const scene::Instance& instance : r.scene->instances)
+    of_tank += r.scene->nodes[static_cast<std::size_t>(instance.node)].label == "tank";
+  EXPECT_EQ(of_tank, 2u);
 }
 
 TEST(Level1, ARepeatCountsFromZeroAndPlacesAnew) {

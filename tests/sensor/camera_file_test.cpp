@@ -84,8 +84,21 @@ constexpr const char* kSpeed = R"({"Nu": 1920, "Nv": 1200, "ppx": 5.86e-6, "ppy"
  "distCoeffs": [-0.2, 0.1, 0.004, -0.003, 0.02]}
 )";
 
+// A message CameraInfo of ROS 2.
+constexpr const char* kMessage = R"(header:
+  frame_id: left
+height: 1200
+width: 1920
+distortion_model: plumb_bob
+d: [-0.2, 0.1, 0.004, -0.003, 0.02]
+k: [2988.5, 0.0, 960.0, 0.0, 2988.25, 600.0, 0.0, 0.0, 1.0]
+r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+binning_x: 0
+binning_y: 0
+)";
+
 TEST(CameraFile, OneCameraInEachFormat) {
-  for (const char* text : {kOwn, kOpenCv, kRos, kKalibr, kSpeed}) {
+  for (const char* text : {kOwn, kOpenCv, kRos, kMessage, kKalibr, kSpeed}) {
     SCOPED_TRACE(text);
     const auto camera = read(text);
     ASSERT_TRUE(camera);
@@ -262,6 +275,20 @@ TEST(CameraFile, Refused) {
     EXPECT_NE(problems.find(expected), problems.npos) << problems;
     EXPECT_NE(problems.find("[E0220]"), problems.npos) << problems;
   }
+}
+
+TEST(CameraFile, MountIsAUnitQuaternion) {
+  const auto camera = read(std::string(kOwn) + "mount = [0.6, 0, 0.8, 0]\n");
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->mount_from_camera, Quat(0.6, 0, 0.8, 0));
+  DiagnosticLog log;
+  const auto text = camera_text(*camera, CameraFormat::toml, log);
+  ASSERT_TRUE(text);
+  EXPECT_EQ(read(*text)->mount_from_camera, camera->mount_from_camera);
+  EXPECT_FALSE(camera_text(*camera, CameraFormat::ros, log));
+  std::string problems;
+  EXPECT_FALSE(read(std::string(kOwn) + "mount = [1, 1, 0, 0]\n", &problems));
+  EXPECT_NE(problems.find("unit quaternion"), problems.npos) << problems;
 }
 
 TEST(CameraFile, IgnoredPartsAreSaid) {

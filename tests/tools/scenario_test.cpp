@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/math.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -111,6 +113,68 @@ TEST_F(Scenarios, GoesOnWithWhatIsMissing) {
   EXPECT_THAT(run("own").err, HasSubstr("'000002.npy' of no run"));
   EXPECT_EQ(contents(folder_ / "own/000002.npy"), "mine");
   EXPECT_THAT(run("run.toml").err, HasSubstr("it is no folder"));
+}
+
+// The box of 1 m is 5.5 m before a camera of 12/tan(15 deg) pixels.
+TEST_F(Scenarios, LabelsAreBesideTheImages) {
+  const std::string labelled = folder_.write(
+      "labelled.toml", contents(scenario_) + "[labels]\nflow = true\nparts = { lid = \"lid\" }\n");
+  const auto labels = [&](const std::string& output, std::vector<std::string> words = {}) {
+    words.insert(words.begin(), {"run", labelled, "-o", folder_ / output, "--type", "png"});
+    return panwright(words);
+  };
+  const Outcome done = labels("whole");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json frame = json::parse(contents(folder_ / "whole/000000.labels.json"));
+  EXPECT_EQ(frame["image"], "000000.png");
+  EXPECT_EQ(frame["number"], 0);
+  EXPECT_TRUE(frame["backward"].is_null());
+  ASSERT_EQ(frame["things"].size(), 2u);
+  EXPECT_EQ(frame["things"][0]["target"], "box");
+  EXPECT_EQ(frame["things"][1]["label"], "lid");
+  const double half = 12 / std::tan(kPi / 12) * 0.5 / 5.5;
+  const double expected[] = {12 - half, 8 - half, 12 + half, 8 + half};
+  for (const json& thing : frame["things"]) {
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(thing["amodal_box"][k].get<double>(), expected[k], 1e-6) << k;
+    EXPECT_NEAR(thing["visible_pixels"].get<double>(), 4 * half * half, 1);
+    EXPECT_EQ(thing["camera_from_thing"]["translation"][2].get<double>(), 6);
+  }
+  const json middle = json::parse(contents(folder_ / "whole/000001.labels.json"));
+  EXPECT_EQ(middle["time"], 5.0);
+  EXPECT_EQ(middle["forward"], "000001.forward.flo");
+  EXPECT_TRUE(fs::exists(folder_ / "whole/000001.backward.flo"));
+  // a frame without its labels is made again, to the same bytes
+  ASSERT_EQ(labels("part").code, 0);
+  fs::remove(folder_ / "part/000001.labels.json");
+  fs::remove(folder_ / "part/000001.masks.npz");
+  const Outcome again = labels("part", {"--resume"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  for (const auto& entry : fs::directory_iterator(folder_ / "whole")) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(contents(entry.path().string()) == contents(folder_ / ("part/" + name))) << name;
+  }
+  // without flow it is another run; with an option, labels are those of targets alone
+  EXPECT_THAT(run("whole", {"--resume", "--labels"}).err, HasSubstr("E8014"));
+  ASSERT_EQ(run("plain", {"--labels", "--frames", "0"}).code, 0);
+  const json plain = json::parse(contents(folder_ / "plain/000000.labels.json"));
+  EXPECT_EQ(plain["things"].size(), 1u);
+  EXPECT_EQ(plain["things"][0], frame["things"][0]);
+}
+
+TEST_F(Scenarios, MistakesInLabelsAreFoundBeforeImages) {
+  const auto problem = [&](const std::string& text) {
+    const std::string bad = folder_.write("bad.toml", contents(scenario_) + "[labels]\n" + text);
+    const Outcome done = panwright({"run", bad, "-o", folder_ / "bad"});
+    EXPECT_NE(done.code, 0);
+    EXPECT_FALSE(fs::exists(folder_ / "bad/000000.png"));
+    return done.err;
+  };
+  EXPECT_THAT(problem("parts = { lid = \"box/root/lids\" }\n"), HasSubstr("E9005"));
+  EXPECT_THAT(problem("parts = { lid = 3 }\n"), HasSubstr("expected the path of a node"));
+  EXPECT_THAT(problem("parts = \"lid\"\n"), HasSubstr("not a table of nodes by label"));
+  EXPECT_THAT(problem("keypoint_slack = 0\n"), HasSubstr("not above 0"));
+  EXPECT_THAT(problem("flows = true\n"), HasSubstr("did you mean 'flow'?"));
 }
 
 TEST_F(Scenarios, FramesAreChosen) {
@@ -237,7 +301,7 @@ TEST_F(Scenarios, CameraFilesWithDistortion) {
   const std::string image = folder_ / "a.exr", again = folder_ / "b.exr";
   const std::vector<std::string> words = {"render",        box_,   "-o",       image,
                                           "--camera-file", camera, "--camera", "0 -4 0"};
-  EXPECT_THAT(panwright(words).err, HasSubstr("requires --engine reference"));
+  EXPECT_EQ(panwright(words).code, 0);
   std::vector<std::string> traced = words;
   traced.insert(traced.end(), {"--engine", "reference", "--samples", "2"});
   const Outcome first = panwright(traced);
@@ -246,8 +310,14 @@ TEST_F(Scenarios, CameraFilesWithDistortion) {
   const Outcome second = panwright({"render", "--again", image, "-o", again});
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_TRUE(contents(image) == contents(again));
-  EXPECT_THAT(panwright({"render", box_, "-o", image, "--distortion", "brown -0.2"}).err,
-              HasSubstr("requires --engine reference"));
+  // a pupil that moves, once for all views
+  const std::string moving = folder_.write("moving.toml",
+                                           "size = 24\nfocal = 30\ndistortion = \"cahvore\"\n"
+                                           "r = [0, 0, 0]\ne = [0.01, 0, 0]\n");
+  const Outcome refused =
+      panwright({"render", box_, "-o", image, "--camera-file", moving, "--camera", "0 -4 0"});
+  EXPECT_NE(refused.code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("requires --engine reference"));
   EXPECT_THAT(panwright({"render", box_, "-o", image, "--engine", "reference", "--distortion",
                          "brown -0.2"})
                   .err,

@@ -28,6 +28,8 @@ enum class SettingId : std::uint8_t {
   distortion,
   camera_file,
   ortho,
+  exposure,
+  line_time,
   pose,
   joint,
   define,
@@ -89,6 +91,8 @@ struct Settings {
   Setting<std::string> distortion;
   Setting<std::string> camera_file;
   Setting<double> ortho;
+  Setting<double> exposure{0.0};
+  Setting<double> line_time{0.0};
   Setting<std::vector<PoseSetting>> pose;
   Setting<std::vector<JointText>> joint;
   Setting<std::vector<std::pair<std::string, std::string>>> define;

@@ -72,13 +72,19 @@ inline constexpr SettingInfo kSettings[] = {
      "--intrinsics", "Camera and Sun", "\"FX FY CX CY\"", "Pinhole intrinsics in pixels"},
     {"distortion", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "a model and its numbers, as \"brown -0.2 0.1 0 0\"", "a model and its numbers, as \"brown -0.2 0.1 0 0\"",
-     "--distortion", "Camera and Sun", "\"MODEL K…\"", "Lens distortion with --intrinsics (reference): brown K1 K2 P1 P2…, fisheye, division, powers or cahvore"},
+     "--distortion", "Camera and Sun", "\"MODEL K…\"", "Lens distortion with --intrinsics: brown K1 K2 P1 P2…, fisheye, division, powers or cahvore"},
     {"camera-file", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
      "a file name", "a file name",
      "--camera-file", "Camera and Sun", "FILE", "Size and lens from a camera file: .toml of this program, or of OpenCV, ROS, Kalibr or SPEED"},
     {"ortho", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, kUnbounded, kAbove, EngineSet::both, Recorded::given,
      "a number of metres", "a width in metres above 0",
      "--ortho", "Camera and Sun", "METRES", "Width of an orthographic image"},
+    {"exposure", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1000000.0, 0, EngineSet::both, Recorded::changed,
+     "seconds, 0 to 1e6", "seconds, 0 to 1e6",
+     "--exposure", "Camera and Sun", "SECONDS", "Exposure time, around the time of the frame: what moves is blurred (default 0: an instant)"},
+    {"line-time", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, -1000.0, 1000.0, 0, EngineSet::both, Recorded::changed,
+     "seconds, -1000 to 1000", "seconds, -1000 to 1000",
+     "--line-time", "Camera and Sun", "SECONDS", "Rolling shutter: time from the exposure of a row to that of the row below it; negative: above it (default 0: all at once)"},
     {"pose", kFormNumbers | kFormText | kFormMap, kFormNumbers | kFormText, 7, SettingUnit::none, {}, -kUnbounded, kUnbounded, kSeveral, EngineSet::both, Recorded::never,
      "seven numbers x y z qw qx qy qz, text, or an object of these by target", "seven numbers x y z qw qx qy qz, text, or an object of these by target",
      "--pose", "Camera and Sun", "[NAME=]\"X Y Z QW QX QY QZ\"", "Position and attitude world_from_model of a target, the quaternion as of --quat (NAME= is optional for a single one); may be repeated"},
@@ -169,8 +175,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -195,6 +201,8 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::distortion: return f(id, settings.distortion...);
     case SettingId::camera_file: return f(id, settings.camera_file...);
     case SettingId::ortho: return f(id, settings.ortho...);
+    case SettingId::exposure: return f(id, settings.exposure...);
+    case SettingId::line_time: return f(id, settings.line_time...);
     case SettingId::pose: return f(id, settings.pose...);
     case SettingId::joint: return f(id, settings.joint...);
     case SettingId::define: return f(id, settings.define...);
@@ -249,6 +257,8 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::distortion, settings.distortion...);
   f(SettingId::camera_file, settings.camera_file...);
   f(SettingId::ortho, settings.ortho...);
+  f(SettingId::exposure, settings.exposure...);
+  f(SettingId::line_time, settings.line_time...);
   f(SettingId::pose, settings.pose...);
   f(SettingId::joint, settings.joint...);
   f(SettingId::define, settings.define...);
@@ -292,8 +302,6 @@ inline constexpr Exclusion kExclusions[] = {
 inline constexpr Requirement kRequirements[] = {
     {SettingId::samples, SettingId::engine, false, [](const Settings& s) { return bool(s.samples && *s.samples == Settings::Samples::automatic); },
      [](const Settings& s) { return bool(*s.engine == Settings::Engine::gl); }, "--samples is 'auto', expected a whole number from 1 to 64"},
-    {SettingId::distortion, SettingId::engine, true, [](const Settings& s) { return bool(s.distortion); },
-     [](const Settings& s) { return bool(*s.engine == Settings::Engine::reference); }, "distortion of the lens requires --engine reference"},
     {SettingId::pixel_error, SettingId::samples, true, [](const Settings& s) { return bool(s.pixel_error); },
      [](const Settings& s) { return bool(*s.samples == Settings::Samples::automatic); }, "--pixel-error requires --samples auto"},
     {SettingId::adaptive, SettingId::samples, true, [](const Settings& s) { return bool(s.adaptive && *s.adaptive); },

@@ -6,15 +6,17 @@
 #include <optional>
 #include <string>
 
+#include "workspace/internal/label_writer.h"
 #include "workspace/product.h"
 #include "workspace/run.h"
 
 namespace panwright::workspace {
 
-// At most one drawer of each engine, kept between runs.
+// Kept between runs: at most one drawer of each engine, and the maker of labels.
 struct Drawers {
   std::optional<Drawer> gl;
   std::optional<Drawer> reference;
+  LabelWriter labels;
   std::optional<Drawer>& of(const DrawOptions& options) {
     return options.engine == Engine::gl ? gl : reference;
   }

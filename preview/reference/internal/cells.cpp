@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/axis_box.h"
 #include "base/parallel.h"
@@ -79,6 +80,11 @@ bool is_out_of_view(const world::Camera& camera, std::span<const Vec3> corners) 
   return behind || left || right || above || below;
 }
 
+bool pupil_moves(const world::Camera& camera) {
+  const auto* cahvore = std::get_if<sensor::Cahvore>(&camera.distortion->distortion());
+  return cahvore != nullptr && cahvore->e != decltype(cahvore->e){};
+}
+
 // The area of a sphere on an image with distortion: that of the rim of its cone. The rim's image
 // surrounds that of what is inside it.
 AxisRectangle distorted_area(const world::Camera& camera, const Vec3& centre, double radius) {
@@ -88,9 +94,7 @@ AxisRectangle distorted_area(const world::Camera& camera, const Vec3& centre, do
   const AxisRectangle everywhere{Vec2(-kInfinity), Vec2(kInfinity)};
   const double distance = glm::length(centre);
   const double sine = radius / distance;
-  const auto* cahvore = std::get_if<sensor::Cahvore>(&camera.distortion->distortion());
-  const bool pupil_moves = cahvore != nullptr && cahvore->e != decltype(cahvore->e){};
-  if (!(sine < 0.9) || pupil_moves) return everywhere;
+  if (!(sine < 0.9) || pupil_moves(camera)) return everywhere;
   const Vec3 axis = centre / distance;
   const Vec3 beside =
       glm::normalize(glm::cross(axis, std::fabs(axis.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
@@ -107,6 +111,28 @@ AxisRectangle distorted_area(const world::Camera& camera, const Vec3& centre, do
   return area;
 }
 
+// The area of a box on an image with distortion: the outline of its image is that of some edges.
+// Nothing: a point of them has no place.
+std::optional<AxisRectangle> distorted_edges(const world::Camera& camera,
+                                             const std::array<Vec3, 8>& corners) {
+  constexpr int kSteps = 8;
+  constexpr double kSlack = 0.02;  // what images of edges bend between points
+  AxisRectangle area;
+  for (std::size_t from = 0; from < 8; ++from)
+    for (std::size_t axis = 1; axis < 8; axis *= 2) {
+      if ((from & axis) != 0) continue;
+      for (int k = 0; k <= kSteps; ++k) {
+        const double t = double{1} / kSteps * k;
+        const auto place =
+            camera.distortion->place((1 - t) * corners[from] + t * corners[from + axis]);
+        if (!place) return std::nullopt;
+        area.add(camera.focal * *place + camera.principal);
+      }
+    }
+  area.widen(kSlack * area.longest() + 1e-6);
+  return area;
+}
+
 AxisRectangle area_of(const world::Camera& camera, const trace::Model::Part& part,
                       const trace::Affine& camera_from_mesh, const Vec3& target) {
   std::array<Vec3, 8> corners = corners_of(part);
@@ -116,11 +142,17 @@ AxisRectangle area_of(const world::Camera& camera, const trace::Model::Part& par
   const double rounding = 1e-15 * std::max({far.x, far.y, far.z});
   if (camera.distortion != nullptr) {
     Vec3 low(kInfinity), high(-kInfinity);
-    for (const Vec3& corner : corners) {
-      low = glm::min(low, camera_from_mesh(corner));
-      high = glm::max(high, camera_from_mesh(corner));
+    for (Vec3& corner : corners) {
+      corner = camera_from_mesh(corner);
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
     }
-    return distorted_area(camera, (low + high) / 2.0, glm::length(high - low) / 2 + rounding);
+    const Vec3 centre = (low + high) / 2.0;
+    const double radius = glm::length(high - low) / 2 + rounding;
+    // boxes around the eye, and such as rounding moves, by the sphere around them
+    if (radius < 0.5 * glm::length(centre) && rounding < 1e-6 * radius && !pupil_moves(camera))
+      if (const auto area = distorted_edges(camera, corners)) return *area;
+    return distorted_area(camera, centre, radius);
   }
   Projected whole(camera, camera_from_mesh, rounding);
   for (Vec3& corner : corners) {

@@ -1,0 +1,95 @@
+#include "labels/parts.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "base/text.h"
+
+namespace panwright::labels {
+
+namespace {
+
+bool is_path(const std::string& path, const std::string& given) {
+  if (path == given) return true;
+  return path.size() > given.size() && path.ends_with(given) &&
+         path[path.size() - given.size() - 1] == '/';
+}
+
+// Nodes of each label, in the order of the first.
+using LabelledNodes = std::vector<std::pair<std::string, std::vector<std::uint32_t>>>;
+
+LabelledNodes labelled_nodes(const world::Instance& target, const std::vector<ChosenPart>& chosen,
+                             std::vector<char>& found) {
+  LabelledNodes result;
+  const pan::Model& model = *target.model();
+  const auto add = [&](const std::string& label, std::uint32_t node) {
+    auto at = std::ranges::find(result, label, &LabelledNodes::value_type::first);
+    if (at == result.end()) at = result.insert(result.end(), {label, {}});
+    if (at->second.empty() || at->second.back() != node) at->second.push_back(node);
+  };
+  const auto own = model.labels();
+  std::size_t next = 0;
+  for (std::uint32_t node = 0; node < model.nodes().size(); ++node) {
+    for (; next < own.size() && own[next].node == node; ++next)
+      if (const std::string_view label = model.string(own[next].name); !label.empty())
+        add(std::string(label), node);
+    const std::string path = chosen.empty() ? "" : target.name() + "/" + model.node_path(node);
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+      if (is_path(path, chosen[k].node)) {
+        add(chosen[k].label, node);
+        found[k] = 1;
+      }
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<Things> named_things(const world::World& world, const std::vector<ChosenPart>& chosen,
+                            DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  Things result;
+  std::vector<char> found(chosen.size());
+  std::map<std::vector<std::uint32_t>, std::uint32_t> leaves;
+  for (std::uint32_t t = 0; t < world.size(); ++t) {
+    const auto nodes = world[t].model()->nodes();
+    // the things of each node
+    std::vector<std::vector<std::uint32_t>> of(nodes.size());
+    const auto add = [&](const std::string& label, std::vector<std::uint32_t> roots) {
+      const auto thing = static_cast<std::uint32_t>(result.things.size());
+      std::vector<char> within(nodes.size());
+      for (const std::uint32_t root : roots) within[root] = 1;
+      // parents stand before their children
+      for (std::size_t n = 0; n < nodes.size(); ++n) {
+        if (nodes[n].parent >= 0 && within[static_cast<std::size_t>(nodes[n].parent)])
+          within[n] = 1;
+        if (within[n]) of[n].push_back(thing);
+      }
+      result.things.push_back({t, label, std::move(roots)});
+    };
+    add("", {0});
+    for (auto& [label, roots] : labelled_nodes(world[t], chosen, found))
+      add(label, std::move(roots));
+    auto& leaf_of = result.leaf_of.emplace_back(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const auto [at, fresh] =
+          leaves.emplace(of[n], static_cast<std::uint32_t>(result.of_leaf.size()));
+      if (fresh) result.of_leaf.push_back(of[n]);
+      leaf_of[n] = at->second;
+    }
+  }
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    if (!found[k])
+      log.report(Code::E9005, {},
+                 fmt::format("the label {} is for {}, which is no node of a target",
+                             in_quotes(chosen[k].label), in_quotes(chosen[k].node)),
+                 "paths of nodes: panwright info MODEL --nodes");
+  if (log.errors() != errors) return failed;
+  return result;
+}
+
+}  // namespace panwright::labels

@@ -1,0 +1,200 @@
+// Exposures over time of `panwright run` against closed forms: a plate that moves before an
+// orthographic camera.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tests/support/oracles.h"
+#include "tests/support/process.h"
+
+namespace panwright::exposures_test {
+namespace {
+
+using support::contents;
+using support::Outcome;
+using support::panwright;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+
+constexpr int kWidth = 64, kHeight = 32;
+constexpr double kPixels = 16;    // per metre
+constexpr double kSpeed = 16;     // pixels a second, to the right
+constexpr double kTime = 1.0301;  // of the frame
+
+// Right edge of the plate in an instant, pixels.
+double edge_at(double time) { return kWidth / 2.0 + kPixels * (time - 1 + 0.5); }
+
+class Exposures : public testing::TestWithParam<std::string> {
+ protected:
+  const TemporaryFolder folder_;
+  const std::string box_ =
+      folder_.write("box.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>");
+  const std::string way_ = folder_.write("way.csv",
+                                         "time[s],box.x[m],box.y[m],box.z[m]\n"
+                                         "0,-1,0,0\n2,1,0,0\n");
+  const std::string scenario_ = folder_.write(
+      "run.toml",
+      fmt::format("[targets]\nbox = \"box.pxn\"\n[[source]]\nfile = \"way.csv\"\n[view]\n"
+                  "size = [{}, {}]\northo = {}\ncamera = [0, -6, 0]\nsun = [0, -1, 0]\n"
+                  "engine = \"{}\"\nsamples = {}\n",
+                  kWidth, kHeight, kWidth / kPixels, GetParam(), 16));
+
+  Outcome run(const std::string& output, std::vector<std::string> words) const {
+    words.insert(words.begin(), {"run", scenario_, "-o", folder_ / output, "--type", "npy", "--at",
+                                 fmt::format("{}", kTime)});
+    return panwright(words);
+  }
+
+  // Rows of the image of a run, relative to the plate's radiance.
+  std::vector<std::vector<double>> rows(const std::string& output,
+                                        std::vector<std::string> words) const {
+    const Outcome done = run(output, std::move(words));
+    EXPECT_EQ(done.code, 0) << done.err;
+    const auto image = oracles::read_npy(folder_ / (output + "/000000.npy"));
+    std::vector<std::vector<double>> out(kHeight, std::vector<double>(kWidth));
+    if (!image) return out;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        out[std::size_t(y)][std::size_t(x)] = image->rgb[std::size_t(3 * (y * kWidth + x))];
+    // what is lit all the time
+    const double plate = out[kHeight / 2][kWidth / 2];
+    for (auto& row : out)
+      for (double& value : row) value /= plate;
+    return out;
+  }
+};
+
+#ifdef PANWRIGHT_GL
+INSTANTIATE_TEST_SUITE_P(Engines, Exposures, testing::Values("gl", "reference"),
+                         [](const auto& one) { return one.param; });
+#else
+INSTANTIATE_TEST_SUITE_P(Engines, Exposures, testing::Values("reference"),
+                         [](const auto& one) { return one.param; });
+#endif
+
+// Share of a pixel that a plate covers, in the mean of an exposure: the integral of a ramp.
+double ramp(double pixel, double edge, double length) {
+  constexpr int kParts = 1000;
+  double sum = 0;
+  for (int k = 0; k < kParts; ++k) {
+    const double x = pixel + (k + 0.5) / kParts;
+    sum += std::clamp((edge + 0.5 * length - x) / length, 0.0, 1.0) / kParts;
+  }
+  return sum;
+}
+
+TEST_P(Exposures, EdgesAreRamps) {
+  constexpr double kExposure = 0.5;
+  const auto image = rows("blur", {"--exposure", "0.5"});
+  // 0.004: two ends of a ramp of 8 pixels, from steps of half a pixel; noise of the reference
+  for (int x = kWidth / 2; x < kWidth; ++x) {
+    double mean = 0;
+    for (int y = 12; y < 20; ++y) mean += image[std::size_t(y)][std::size_t(x)] / 8;
+    EXPECT_NEAR(mean, ramp(x, edge_at(kTime), kSpeed * kExposure), 0.01) << x;
+  }
+}
+
+// Row r exposes r line times after the first one; and the last one first.
+TEST_P(Exposures, EdgesLean) {
+  for (const char* line_time : {"0.015625", "-0.015625"})
+    for (const char* exposure : {"0", "0.125"}) {
+      const auto image = rows(std::string("lean") + line_time + exposure,
+                              {"--line-time", line_time, "--exposure", exposure, "--samples",
+                               GetParam() == "gl" ? "64" : "16"});
+      for (int y = 8; y < 24; ++y) {
+        double edge = kWidth / 2.0;
+        for (int x = kWidth / 2; x < kWidth; ++x) edge += image[std::size_t(y)][std::size_t(x)];
+        const double late = line_time[0] == '-' ? kHeight - 1 - y : y;
+        // 0.008 measured: of samples 1/64 pixel apart; the reference has noise
+        EXPECT_NEAR(edge, edge_at(kTime + late / 64), GetParam() == "gl" ? 0.02 : 0.05)
+            << y << " " << line_time << " " << exposure;
+      }
+    }
+}
+
+TEST_P(Exposures, AnInstantIsAsWithout) {
+  ASSERT_EQ(run("plain", {}).code, 0);
+  ASSERT_EQ(run("zero", {"--exposure", "0", "--line-time", "0"}).code, 0);
+  // shorter than a motion of half a pixel
+  ASSERT_EQ(run("short", {"--exposure", "0.03"}).code, 0);
+  const std::string plain = contents(folder_ / "plain/000000.npy");
+  EXPECT_TRUE(plain == contents(folder_ / "zero/000000.npy"));
+  EXPECT_TRUE(plain == contents(folder_ / "short/000000.npy"));
+  ASSERT_EQ(run("once", {"--exposure", "0.5"}).code, 0);
+  ASSERT_EQ(run("again", {"--exposure", "0.5"}).code, 0);
+  EXPECT_FALSE(plain == contents(folder_ / "once/000000.npy"));
+  EXPECT_TRUE(contents(folder_ / "once/000000.npy") == contents(folder_ / "again/000000.npy"));
+}
+
+// A layer of an .npz, with its header.
+std::string layer(const std::string& file, const std::string& name) {
+  const std::string bytes = contents(file);
+  const std::size_t at = bytes.find(name + ".npy");
+  return at == bytes.npos ? "" : bytes.substr(at, bytes.find("PK\3\4", at) - at);
+}
+
+TEST_P(Exposures, TruthIsThatOfTheMiddle) {
+  ASSERT_EQ(run("still", {"--type", "npz"}).code, 0);
+  const Outcome done = run("moving", {"--type", "npz", "--exposure", "0.5", "--json"});
+  ASSERT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, HasSubstr("\"moments\": 17"));
+  for (const char* name : {"depth", "normal", "target_id", "node_id"}) {
+    const std::string expected = layer(folder_ / "still/000000.npz", name);
+    EXPECT_GT(expected.size(), 1000u);
+    EXPECT_TRUE(expected == layer(folder_ / "moving/000000.npz", name)) << name;
+  }
+}
+
+TEST_P(Exposures, NeedABeforeAndAnAfter) {
+  const Outcome outside = panwright({"run", scenario_, "-o", folder_ / "outside", "--at", "0.1",
+                                     "--at", "0", "--exposure", "0.2"});
+  EXPECT_NE(outside.code, 0);
+  EXPECT_THAT(outside.err, HasSubstr("the exposure of the frame at 0 s: "));
+  EXPECT_THAT(outside.err, HasSubstr("E8003"));
+  const std::string views =
+      folder_.write("views.json", "[{\"output\": \"a.npy\", \"exposure\": 0.1}]");
+  const Outcome view = panwright({"render", box_, "--views", views});
+  EXPECT_NE(view.code, 0);
+  EXPECT_THAT(view.err, HasSubstr("exposure is '0.1', expected 0"));
+  EXPECT_THAT(run("minus", {"--exposure", "-1"}).err, HasSubstr("expected seconds, 0 to 1e6"));
+  EXPECT_THAT(run("inf", {"--line-time", "inf"}).err, HasSubstr("--line-time is 'inf'"));
+}
+
+#ifdef PANWRIGHT_GL
+// Light is spread, not lost: a target of two pixels over ten.
+TEST(ExposuresOfFarTargets, KeepTheirFlux) {
+  const TemporaryFolder folder;
+  folder.write("box.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>");
+  folder.write("way.csv", "time[s],box.x[m],box.y[m],box.z[m]\n0,-5,0,0\n2,5,0,0\n");
+  const std::string scenario = folder.write(
+      "run.toml",
+      "[targets]\nbox = \"box.pxn\"\n[[source]]\nfile = \"way.csv\"\n[view]\nsize = [40, 24]\n"
+      "intrinsics = [4000, 4000, 20, 12]\ncamera = [0, -2000, 300]\nsun = [0.3, -1, 0.4]\n");
+  double sums[2];
+  int largest[2];
+  for (int k = 0; k < 2; ++k) {
+    const std::string output = folder / fmt::format("{}", k);
+    const Outcome done = panwright({"run", scenario, "-o", output, "--type", "npy", "--at", "1",
+                                    "--exposure", k == 0 ? "0" : "1"});
+    ASSERT_EQ(done.code, 0) << done.err;
+    const auto image = oracles::read_npy(output + "/000000.npy");
+    ASSERT_TRUE(image);
+    const oracles::ImageSum sum = oracles::pinhole_sum(*image, 4000, {20, 12});
+    sums[k] = sum.sum.x;
+    // at the same place
+    EXPECT_NEAR(sum.centre[0].x, 20, 0.02);
+    largest[k] = static_cast<int>(std::ranges::count_if(image->rgb, [](float v) { return v > 0; }));
+  }
+  EXPECT_GT(largest[1], 3 * largest[0]);
+  // 1e-4 measured; 5e-4 is the error of an imposter's flux
+  EXPECT_NEAR(sums[1] / sums[0], 1, 5e-4);
+}
+#endif
+
+}  // namespace
+}  // namespace panwright::exposures_test
