@@ -19,6 +19,7 @@
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/kept_meshes.h"
 #include "compiler/internal/mesh_levels.h"
+#include "compiler/internal/round_parts.h"
 #include "compiler/internal/size_check.h"
 #include "compiler/internal/sound.h"
 #include "compiler/internal/storage.h"
@@ -470,57 +471,6 @@ std::vector<PartReport> parts_of(const scene::Scene& scene, const internal::Fitt
   return parts;
 }
 
-// The sum of what shapes may be off, by what they send of the model's light.
-double flux_of_shapes(const scene::Scene& scene, const Plan& plan,
-                      const std::vector<std::uint32_t>& place, const pan::Contents& out) {
-  double sum = 0;
-  for (std::size_t i = 0; i < place.size() && !plan.weights.empty(); ++i) {
-    if (place[i] == kLeftOut) continue;
-    const auto radius =
-        radius_of_curvature(scene.shapes[static_cast<std::size_t>(scene.instances[i].shape)]);
-    const double error = out.meshes[out.instances[place[i]].mesh].error;
-    if (radius && *radius > 0)
-      sum += plan.weights[i] * std::min(kFluxFactor * error / *radius, 1.0);
-  }
-  return sum;
-}
-
-// Rods that are thin for the tolerance have few sides.
-void note_coarse(const scene::Scene& scene, const Plan& plan,
-                 const std::vector<std::uint32_t>& place, const pan::Contents& out,
-                 DiagnosticLog& log) {
-  constexpr double kCoarse = 0.1;
-  std::size_t count = 0, worst = 0;
-  double most = 0, least_radius = 0;
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    const MeshJob& job = plan.jobs[plan.job_of[i]];
-    if (place[i] == kLeftOut || job.reason == pan::layout::ToleranceReason::explicit_counts)
-      continue;
-    const auto radius =
-        radius_of_curvature(scene.shapes[static_cast<std::size_t>(scene.instances[i].shape)]);
-    const double error = out.meshes[out.instances[place[i]].mesh].error;
-    if (!radius || !(error > kCoarse * *radius)) continue;
-    ++count;
-    if (error / *radius <= most) continue;
-    most = error / *radius;
-    least_radius = *radius;
-    worst = i;
-  }
-  if (count == 0) return;
-  const scene::Instance& instance = scene.instances[worst];
-  const bool one = count == 1;
-  log.report(Code::N2029, {},
-             fmt::format("{}: {}, this one by {:.2g} % of {:.3g}; the flux of such a part may be "
-                         "off by 10 % and more",
-                         place_of(instance.source),
-                         one ? "1 round part differs from its mesh by over a tenth of its radius"
-                             : fmt::format("{} round parts differ from their meshes by over a "
-                                           "tenth of their radii",
-                                           count),
-                         100 * most, least_radius),
-             "give a smaller tolerance= to the part, or to the budget");
-}
-
 // What the file holds: with views of the fitted scene's textures.
 pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Report& report,
                           DiagnosticLog& log, const Job& job) {
@@ -562,8 +512,8 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
   }
   if (options.mesh_levels) internal::add_mesh_levels(scene, options.cache, out, job);
   report.parts = parts_of(scene, fitted, plan, product, place, out);
-  report.flux_shapes = flux_of_shapes(scene, plan, place, out);
-  note_coarse(scene, plan, place, out, log);
+  report.flux_shapes = internal::flux_of_shapes(scene, plan, place, out);
+  internal::note_coarse(scene, plan, place, out, log);
   if (options.storage.streams()) internal::encode_meshes(options.storage, out, report.storage, job);
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)

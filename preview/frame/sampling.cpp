@@ -1,7 +1,5 @@
 #include "preview/frame/sampling.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
