@@ -31,8 +31,8 @@ void note_coarse(const scene::Scene& scene, const Plan& plan, std::span<const st
   double most = 0, least_radius = 0;
   for (std::size_t i = 0; i < place.size(); ++i) {
     const MeshJob& job = plan.jobs[plan.job_of[i]];
-    if (place[i] >= out.instances.size() ||
-        job.reason == pan::layout::ToleranceReason::explicit_counts)
+    // pixels and flux have bounds of their own
+    if (place[i] >= out.instances.size() || job.reason != pan::layout::ToleranceReason::tolerance)
       continue;
     const auto radius =
         radius_of_curvature(scene.shapes[static_cast<std::size_t>(scene.instances[i].shape)]);

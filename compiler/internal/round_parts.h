@@ -18,7 +18,8 @@ namespace panwright::compiler::internal {
 double flux_of_shapes(const scene::Scene& scene, const Plan& plan,
                       std::span<const std::uint32_t> place, const pan::Contents& out);
 
-// Reports: N2029, for round parts whose mesh is over a tenth of their radius away.
+// Reports: N2029, for round parts whose mesh a stated tolerance leaves over a tenth of their radius
+// away.
 void note_coarse(const scene::Scene& scene, const Plan& plan, std::span<const std::uint32_t> place,
                  const pan::Contents& out, DiagnosticLog& log);
 

@@ -224,7 +224,8 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
        {}},
       {"N2029",
        {"check", folder.write("rod.pxn",
-                              "<pangu_model ver=\"1\"><cylinder radius=\"2mm\" height=\"1\"/>"
+                              "<pangu_model ver=\"1\"><budget tolerance=\"1mm\"/><cylinder "
+                              "radius=\"2mm\" height=\"1\"/>"
                               "</pangu_model>")},
        {}},
       {"N2025",
