@@ -63,6 +63,7 @@ class FolderConversion {
     if (chosen.empty()) return failed;
     const auto files = frames_in(conversion_.folder, log_);
     if (!files) return failed;
+    warn_of_unfinished(files->size());
     const bool several = chosen.size() > 1;
     FrameParts parts{false, false};
     for (const Format* format : chosen) {
@@ -153,6 +154,22 @@ class FolderConversion {
     for (const auto& writer : writers_)
       if (!writer->add(frame)) return false;
     return true;
+  }
+
+  // A run that was stopped lists frames that have no labels yet.
+  void warn_of_unfinished(std::size_t found) {
+    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
+    const fs::path list = conversion_.folder / "frames.jsonl";
+    std::error_code ignored;
+    if (!fs::exists(list, ignored)) return;
+    DiagnosticLog apart = log_.apart();
+    const auto text = read_file(list, kMostBytes, apart);
+    if (!text) return;
+    const auto frames = static_cast<std::size_t>(std::ranges::count(*text, '\n'));
+    if (frames > found)
+      log_.report_file(Code::W9002, conversion_.folder.string(),
+                       fmt::format("{} of {} frames of the run have labels", found, frames),
+                       "panwright run … --resume makes the others");
   }
 
   // All frames of a run have the same targets.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -13,10 +15,31 @@ namespace panwright::labels {
 
 namespace {
 
-bool is_path(const std::string& path, const std::string& given) {
+bool is_end(std::string_view path, std::string_view given) {
   if (path == given) return true;
   return path.size() > given.size() && path.ends_with(given) &&
          path[path.size() - given.size() - 1] == '/';
+}
+
+// The whole path, its end, or the target's name and the end.
+bool is_path(std::string_view target, std::string_view path, std::string_view given) {
+  if (is_end(path, given)) return true;
+  const bool named =
+      given.size() > target.size() && given.starts_with(target) && given[target.size()] == '/';
+  return named && is_end(path, given.substr(target.size() + 1));
+}
+
+// The name of a node that is nearest to the last one of a path.
+std::optional<std::string> nearest_node(const world::World& world, std::string_view given) {
+  std::set<std::string> names;
+  for (std::size_t t = 0; t < world.size(); ++t)
+    for (std::size_t n = 0; n < world[t].model()->nodes().size(); ++n) {
+      const std::string path = world[t].model()->node_path(n);
+      names.insert(path.substr(path.rfind('/') + 1));
+    }
+  const std::vector<std::string_view> all(names.begin(), names.end());
+  const auto near = nearest_name(given.substr(given.rfind('/') + 1), all);
+  return near ? std::optional(std::string(*near)) : std::nullopt;
 }
 
 // Nodes of each label, in the order of the first.
@@ -39,7 +62,7 @@ LabelledNodes labelled_nodes(const world::Instance& target, const std::vector<Ch
         add(std::string(label), node);
     const std::string path = chosen.empty() ? "" : target.name() + "/" + model.node_path(node);
     for (std::size_t k = 0; k < chosen.size(); ++k)
-      if (is_path(path, chosen[k].node)) {
+      if (is_path(target.name(), path, chosen[k].node)) {
         add(chosen[k].label, node);
         found[k] = 1;
       }
@@ -83,11 +106,14 @@ Result<Things> named_things(const world::World& world, const std::vector<ChosenP
     }
   }
   for (std::size_t k = 0; k < chosen.size(); ++k)
-    if (!found[k])
+    if (!found[k]) {
+      const auto near = nearest_node(world, chosen[k].node);
       log.report(Code::E9005, {},
                  fmt::format("the label {} is for {}, which is no node of a target",
                              in_quotes(chosen[k].label), in_quotes(chosen[k].node)),
-                 "paths of nodes: panwright info MODEL --nodes");
+                 fmt::format("{}nodes: panwright info MODEL --nodes",
+                             near ? fmt::format("did you mean '{}'? ", *near) : ""));
+    }
   if (log.errors() != errors) return failed;
   return result;
 }

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "labels/frame_files.h"
+#include "labels/parts.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/frame_json.h"
@@ -232,6 +233,17 @@ class SequenceRun {
     return bool(made);
   }
 
+  // Labels that no part has, and rows of several times: labels are of one.
+  bool check_labels(const world::World& world) {
+    if (labelling_ == nullptr) return true;
+    if (shutter_.line_time != 0) {
+      log_.report(Code::E0201, {}, "--line-time and labels cannot be combined: rows differ in time",
+                  "leave out [labels] and --labels");
+      return false;
+    }
+    return bool(labels::named_things(world, labelling_->options.parts, log_));
+  }
+
   // Returns true if the sources cover the exposure of a frame.
   bool is_covered(double time) const {
     if (shutter_.instant()) return true;
@@ -263,7 +275,7 @@ class SequenceRun {
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
-      if (k == 0 && !find_shutter(*frame, number, world)) return false;
+      if (k == 0 && !(find_shutter(*frame, number, world) && check_labels(world))) return false;
       if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
       line["outputs"] = outputs_of(stem);
@@ -337,9 +349,23 @@ class SequenceRun {
 
   bool is_complete(const std::string& stem) const {
     std::error_code ignored;
-    return options_.resume && std::ranges::all_of(files_of(stem), [&](const std::string& file) {
-             return fs::exists(fs::path(options_.folder) / file, ignored);
-           });
+    const fs::path folder = options_.folder;
+    if (!options_.resume || !std::ranges::all_of(files_of(stem), [&](const std::string& file) {
+          return fs::exists(folder / file, ignored);
+        }))
+      return false;
+    if (labelling_ == nullptr) return true;
+    DiagnosticLog apart = log_.apart();
+    const auto frame = labels::read_frame(folder / files_of(stem).back(), apart, {false, false});
+    const auto there = [&](std::string_view extension) {
+      return fs::exists(folder / (stem + std::string(extension)), ignored);
+    };
+    if (!frame) return false;
+    const bool shown = std::ranges::any_of(
+        frame->things, [](const labels::Thing& thing) { return thing.amodal.width > 0; });
+    return (!shown || there(labels::kMasksExtension)) &&
+           (!labelling_->flow || opened_->times.size() < 2 || there(labels::kForwardExtension) ||
+            there(labels::kBackwardExtension));
   }
 
   bool add_labels(std::size_t k, const std::string& stem, const world::World& world,

@@ -23,6 +23,7 @@ ExposureSum::ExposureSum(const Frame& frame, double psf_sigma) : frame_(frame) {
   const std::size_t pixels = std::size_t{frame.camera().width} * frame.camera().height;
   radiance_.resize(3 * pixels);
   coverage_.resize(pixels);
+  moments_of_.resize(frame.camera().height);
   sum_.image.width = frame.camera().width;
   sum_.image.height = frame.camera().height;
 }
@@ -65,6 +66,7 @@ void ExposureSum::add(std::size_t moment, const Drawn& drawn) {
   const ShutterMoments::Rows rows = frame_.shutter->rows(moment);
   for (std::uint32_t row = rows.first; row < rows.end; ++row)
     add_row(moment, row, from, std::size_t{row - first} * image.width);
+  for (std::uint32_t row = rows.first; row < rows.end; ++row) ++moments_of_[row];
   add_reports(moment, drawn);
 }
 
@@ -102,12 +104,10 @@ void ExposureSum::add_reports(std::size_t moment, const Drawn& drawn) {
     all.samples += share * one.samples;
     // moments without light say nothing beside others
     if (one.rmse != preview::kNothingLit) {
-      all.rmse = some_lit_ ? std::max(all.rmse, one.rmse) : one.rmse;
-      all.flux = some_lit_ ? std::max(all.flux, one.flux) : one.flux;
+      const auto [squares, light] = light_of(moment, drawn.image);
+      squared_errors_ += one.rmse * one.rmse * squares;
+      flux_errors_ += one.flux * light;
       some_lit_ = true;
-    } else if (!some_lit_) {
-      all.rmse = one.rmse;
-      all.flux = one.flux;
     }
     all.limited = all.limited || one.limited;
     all.shadow_edge = std::max(all.shadow_edge, one.shadow_edge);
@@ -124,6 +124,38 @@ void ExposureSum::add_reports(std::size_t moment, const Drawn& drawn) {
     sum_.measured->rays += drawn.measured->rays;
     sum_.measured->seconds += drawn.measured->seconds;
   }
+}
+
+// Sums over the drawn rows of a moment, by its share in each: of squared radiance, and of radiance.
+std::pair<double, double> ExposureSum::light_of(std::size_t moment,
+                                                const image::Image& from) const {
+  const std::uint32_t first = drawn_rows(moment).first;
+  const ShutterMoments::Rows rows = frame_.shutter->rows(moment);
+  double squares = 0, light = 0;
+  for (std::uint32_t row = rows.first; row < rows.end; ++row) {
+    const double share = frame_.shutter->share(moment, row);
+    const float* at = from.radiance.data() + std::size_t{3} * (row - first) * from.width;
+    for (std::size_t i = 0; i < std::size_t{3} * from.width; ++i) {
+      const double value = share * double{at[i]};
+      squares += value * value;
+      light += value;
+    }
+  }
+  return {squares, light};
+}
+
+void ExposureSum::measure_errors() {
+  double squares = 0, light = 0;
+  for (const double value : radiance_) {
+    squares += value * value;
+    light += value;
+  }
+  preview::SamplingReport& all = *sum_.sampling;
+  all.rmse = all.flux = preview::kNothingLit;
+  if (!some_lit_ || !(squares > 0)) return;
+  const unsigned most = *std::max_element(moments_of_.begin(), moments_of_.end());
+  all.rmse = std::sqrt(most * squared_errors_ / squares);
+  all.flux = flux_errors_ / light;
 }
 
 // Sum of radiance × solid angle, as of one image; its error for independent pixels.
@@ -149,6 +181,7 @@ void ExposureSum::measure_flux() {
 Drawn ExposureSum::take() {
   image::Image& image = sum_.image;
   if (sum_.measured) measure_flux();
+  if (sum_.sampling) measure_errors();
   image.radiance.assign(radiance_.begin(), radiance_.end());
   image.coverage.assign(coverage_.begin(), coverage_.end());
   image.standard_error.clear();

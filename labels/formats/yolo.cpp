@@ -32,7 +32,7 @@ class YoloWriter : public LabelWriter {
     if (kind_ == YoloKind::poses)
       for (; !names_.empty(); names_.pop_back(), lines_.pop_back())
         if (!write_last()) return false;
-    std::string text = "path: .\ntrain: images/train\nval: images/train\n";
+    std::string text = "train: images/train\nval: images/train\n";
     if (kind_ == YoloKind::poses) text += fmt::format("kpt_shape: [{}, 3]\n", points_);
     text += "names:\n";
     for (const ThingClass* each : used())

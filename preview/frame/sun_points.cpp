@@ -16,11 +16,13 @@ double light_within(double radius, double limb_darkening) {
          (1 - limb_darkening / 3);
 }
 
-// measured (tests/preview/sun_points_test.cpp): kError · points^-3/4
+// measured (tests/preview/sun_points_test.cpp): kError · points^-3/4, more with fewer than eight
 constexpr double kError = 0.305;
+constexpr double kOfFew = 1.15;
 
 double error_of_sun_points(unsigned points) {
-  return points > 1 ? kError / std::pow(points, 0.75) : 0;
+  if (points <= 1) return 0;
+  return kError * (points < 8 ? kOfFew : 1) / std::pow(points, 0.75);
 }
 
 unsigned sun_points_for(double error) {

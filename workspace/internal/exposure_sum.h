@@ -28,20 +28,26 @@ class ExposureSum {
   // Expects: moments in order, each once.
   void add(std::size_t moment, const Drawn& drawn);
 
-  // Returns the mean, with the sums and the largest errors of the reports.
+  // Returns the mean, with the sums of the reports. Errors are bounds: those of the moments of a
+  // row are taken as equal in sign.
   Drawn take();
 
  private:
   ShutterMoments::Rows drawn_rows(std::size_t moment) const;
   void add_row(std::size_t moment, std::uint32_t row, const image::Image& from, std::size_t place);
   void add_reports(std::size_t moment, const Drawn& drawn);
+  std::pair<double, double> light_of(std::size_t moment, const image::Image& from) const;
   void measure_flux();
+  void measure_errors();
 
   const Frame& frame_;
   std::uint32_t margin_ = 0;  // rows
   std::vector<double> radiance_, coverage_;
   std::vector<double> variance_;  // of the radiance, where errors are known
   bool some_lit_ = false;
+  double squared_errors_ = 0;         // of all moments, radiance
+  double flux_errors_ = 0;            // the same
+  std::vector<unsigned> moments_of_;  // of each row
   Drawn sum_;
 };
 
