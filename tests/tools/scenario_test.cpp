@@ -117,8 +117,9 @@ TEST_F(Scenarios, GoesOnWithWhatIsMissing) {
 
 // The box of 1 m is 5.5 m before a camera of 12/tan(15 deg) pixels.
 TEST_F(Scenarios, LabelsAreBesideTheImages) {
-  const std::string labelled = folder_.write(
-      "labelled.toml", contents(scenario_) + "[labels]\nflow = true\nparts = { lid = \"lid\" }\n");
+  const std::string labelled =
+      folder_.write("labelled.toml",
+                    contents(scenario_) + "[labels]\nflow = true\nparts = { lid = \"box/lid\" }\n");
   const auto labels = [&](const std::string& output, std::vector<std::string> words = {}) {
     words.insert(words.begin(), {"run", labelled, "-o", folder_ / output, "--type", "png"});
     return panwright(words);
@@ -148,6 +149,7 @@ TEST_F(Scenarios, LabelsAreBesideTheImages) {
   ASSERT_EQ(labels("part").code, 0);
   fs::remove(folder_ / "part/000001.labels.json");
   fs::remove(folder_ / "part/000001.masks.npz");
+  fs::remove(folder_ / "part/000000.masks.npz");
   const Outcome again = labels("part", {"--resume"});
   ASSERT_EQ(again.code, 0) << again.err;
   for (const auto& entry : fs::directory_iterator(folder_ / "whole")) {
@@ -168,9 +170,13 @@ TEST_F(Scenarios, MistakesInLabelsAreFoundBeforeImages) {
     const Outcome done = panwright({"run", bad, "-o", folder_ / "bad"});
     EXPECT_NE(done.code, 0);
     EXPECT_FALSE(fs::exists(folder_ / "bad/000000.png"));
+    EXPECT_FALSE(fs::exists(folder_ / "bad/frames.jsonl"));
     return done.err;
   };
   EXPECT_THAT(problem("parts = { lid = \"box/root/lids\" }\n"), HasSubstr("E9005"));
+  EXPECT_THAT(problem("parts = { lid = \"box/root/lids\" }\n"), HasSubstr("did you mean 'lid'?"));
+  EXPECT_THAT(run("rolling", {"--labels", "--line-time", "0.1"}).err,
+              HasSubstr("rows differ in time"));
   EXPECT_THAT(problem("parts = { lid = 3 }\n"), HasSubstr("expected the path of a node"));
   EXPECT_THAT(problem("parts = \"lid\"\n"), HasSubstr("not a table of nodes by label"));
   EXPECT_THAT(problem("keypoint_slack = 0\n"), HasSubstr("not above 0"));
