@@ -184,7 +184,8 @@ TEST(Penumbra, OnlyWhereItShows) {
   EXPECT_EQ(points(2, 0, Shadows::automatic), 1u);  // 0.46 pixels
   EXPECT_EQ(points(1.6, 0, Shadows::automatic), 8u);
   EXPECT_EQ(points(0.4, 0, Shadows::automatic), 16u);
-  EXPECT_EQ(points(0.4, 0, Shadows::automatic, 1e6), 8u);
+  EXPECT_EQ(points(0.4, 0, Shadows::automatic, 1e6), 4u);   // 2.3 pixels
+  EXPECT_EQ(points(0.05, 0, Shadows::automatic, 1e6), 8u);  // 18.6 pixels
   EXPECT_EQ(points(0.4, 0, Shadows::soft, 1e6), 64u);
   EXPECT_EQ(points(0.1, 1, Shadows::automatic), 1u);
   EXPECT_EQ(points(0.1, 0, Shadows::hard), 1u);
