@@ -51,25 +51,25 @@ std::vector<std::vector<Carriage>> carriages(const Moment& now, const Moment& ot
 }
 
 // Surface at a pixel's centre.
-struct Sighted {
+struct SurfacePoint {
   Vec3 point;  // metres, camera axes
   std::uint32_t target = 0, node = 0;
 };
 
-std::optional<Sighted> by_ray(const trace::Scene& scene, const trace::Ray& sight) {
-  const trace::Hit hit = scene.nearest(sight);
+std::optional<SurfacePoint> by_ray(const trace::Scene& scene, const trace::Ray& ray) {
+  const trace::Hit hit = scene.nearest(ray);
   if (!hit) return std::nullopt;
   const auto& part = scene.targets()[hit.target].target->model().parts()[hit.part];
-  return Sighted{sight.origin + hit.distance * sight.direction, hit.target, part.node};
+  return SurfacePoint{ray.origin + hit.distance * ray.direction, hit.target, part.node};
 }
 
-std::optional<Sighted> by_layers(const image::Image& layers, const ImagePlane& plane,
-                                 std::size_t pixel, const trace::Ray& sight) {
+std::optional<SurfacePoint> by_layers(const image::Image& layers, const ImagePlane& plane,
+                                      std::size_t pixel, const trace::Ray& ray) {
   if (layers.target_id[pixel] == 0 || layers.node_id[pixel] == 0) return std::nullopt;
   const double away = plane.orthographic() ? layers.depth[pixel] : layers.range[pixel];
   if (!std::isfinite(away)) return std::nullopt;
-  return Sighted{sight.origin + away * sight.direction, layers.target_id[pixel] - 1,
-                 layers.node_id[pixel] - 1};
+  return SurfacePoint{ray.origin + away * ray.direction, layers.target_id[pixel] - 1,
+                      layers.node_id[pixel] - 1};
 }
 
 }  // namespace
@@ -93,10 +93,10 @@ Flow flow_to(const Moment& now, const Moment& other, const trace::Scene& scene,
         const std::size_t pixel = y * width + x;
         if (layers != nullptr && layers->target_id[pixel] == 0) continue;
         const Vec2 centre(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-        const auto sight = plane.sight(centre);
-        if (!sight) continue;
+        const auto ray = plane.view_ray(centre);
+        if (!ray) continue;
         const auto seen =
-            layers != nullptr ? by_layers(*layers, plane, pixel, *sight) : by_ray(scene, *sight);
+            layers != nullptr ? by_layers(*layers, plane, pixel, *ray) : by_ray(scene, *ray);
         if (!seen) continue;
         const Carriage& carriage = carried[seen->target][seen->node];
         if (!carriage.there) continue;

@@ -166,7 +166,7 @@ std::optional<Vec2> ImagePlane::place(const Vec3& point) const {
   return camera_.focal * Vec2(point) / point.z + camera_.principal;
 }
 
-std::optional<trace::Ray> ImagePlane::sight(const Vec2& place) const {
+std::optional<trace::Ray> ImagePlane::view_ray(const Vec2& place) const {
   const Vec2 plane = (place - camera_.principal) / camera_.focal;
   trace::Ray ray;
   if (orthographic()) {
@@ -183,13 +183,13 @@ std::optional<trace::Ray> ImagePlane::sight(const Vec2& place) const {
   return ray;
 }
 
-std::optional<trace::Ray> ImagePlane::sight_to(const Vec3& point) const {
+std::optional<trace::Ray> ImagePlane::view_ray_to(const Vec3& point) const {
   trace::Ray ray;
   if (orthographic()) {
     ray.origin = Vec3(point.x, point.y, 0);
   } else if (!central()) {
     const auto at = place(point);
-    const auto through = at ? sight(*at) : std::nullopt;
+    const auto through = at ? view_ray(*at) : std::nullopt;
     if (!through) return std::nullopt;
     ray.origin = through->origin;
   }

@@ -24,16 +24,16 @@ class ImagePlane {
   const world::Camera& camera() const { return camera_; }
   bool distorted() const { return camera_.distortion != nullptr; }
   bool orthographic() const { return camera_.projection == world::Projection::orthographic; }
-  // True: all lines of sight meet in the camera's position.
+  // True: all view rays meet in the camera's position.
   bool central() const;
 
   // Returns the place of a point; none: behind the camera, or outside the domain of its lens.
   std::optional<Vec2> place(const Vec3& point) const;
-  // Returns the line of sight of a place, for rays from an observer at the camera's pose; none: the
+  // Returns the view ray of a place, from an observer at the camera's pose; none: the
   // lens has none there.
-  std::optional<trace::Ray> sight(const Vec2& place) const;
-  // Returns the line of sight that ends in a point, as far as the point.
-  std::optional<trace::Ray> sight_to(const Vec3& point) const;
+  std::optional<trace::Ray> view_ray(const Vec2& place) const;
+  // Returns the view ray that ends in a point, as far as the point.
+  std::optional<trace::Ray> view_ray_to(const Vec3& point) const;
 
  private:
   const world::Camera& camera_;

@@ -113,9 +113,9 @@ std::vector<Keypoint> keypoints_of(const world::World& world, std::uint32_t targ
     to_light.direction = to_sun;
     to_light.min_distance = slack;
     out.lit = footing.faces(to_sun) && !scene.any(to_light, trace::Insides::stop);
-    const auto sight = plane.sight_to(camera_from_model(footing.position));
-    if (!sight) continue;
-    trace::Ray line = *sight;
+    const auto ray = plane.view_ray_to(camera_from_model(footing.position));
+    if (!ray) continue;
+    trace::Ray line = *ray;
     line.max_distance -= slack;
     const Vec3 towards = -line.direction * camera_from_model.linear;
     out.occluded =

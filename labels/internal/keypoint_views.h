@@ -4,7 +4,7 @@
 // error of the target's meshes. It faces a direction if the normal of a facet there does, the
 // nearest alone; on open meshes both sides count. Off surfaces it faces everything.
 //
-//   occluded  it does not face the camera, or its line of sight meets a surface, those nearer than
+//   occluded  it does not face the camera, or its view ray meets a surface, those nearer than
 //             `slack` to it left out. Backs of closed meshes hide nothing, as in images.
 //   lit       it faces the Sun, and the ray to its centre meets nothing beyond `slack`.
 #pragma once

@@ -20,8 +20,8 @@ class HoleTest {
         camera_from_mesh_(drawn.camera_from_mesh) {}
 
   bool is_there(const Vec2& place, std::uint32_t triangle) const {
-    const auto sight = plane_.sight(place);
-    if (!sight) return false;
+    const auto ray = plane_.view_ray(place);
+    if (!ray) return false;
     const pan::MeshView& mesh = model_.parts()[part_].mesh;
     Vec3 corner[3];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -29,12 +29,12 @@ class HoleTest {
       corner[k] = camera_from_mesh_(Vec3(p.x, p.y, p.z));
     }
     const Vec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
-    const Vec3 across = glm::cross(sight->direction, ac);
+    const Vec3 across = glm::cross(ray->direction, ac);
     const double volume = glm::dot(ab, across);
     if (volume == 0) return false;
-    const Vec3 from = sight->origin - corner[0];
+    const Vec3 from = ray->origin - corner[0];
     const double u = glm::dot(from, across) / volume;
-    const double v = glm::dot(sight->direction, glm::cross(from, ab)) / volume;
+    const double v = glm::dot(ray->direction, glm::cross(from, ab)) / volume;
     return model_.is_there(part_, triangle, Vec2(u, v));
   }
 
@@ -134,8 +134,8 @@ class Judge {
   // Index of the leaf in leaves_ that a sample shows; where a ray passes by, by rounding, the first
   // that has it.
   std::uint32_t nearest(int x, int y, unsigned bit) const {
-    const auto sight = shown_.plane.sight(region_.place(x, y, bit));
-    const trace::Hit hit = sight ? shown_.scene.nearest(*sight) : trace::Hit{};
+    const auto ray = shown_.plane.view_ray(region_.place(x, y, bit));
+    const trace::Hit hit = ray ? shown_.scene.nearest(*ray) : trace::Hit{};
     std::uint32_t first = kNoLeaf;
     const std::uint32_t leaf = hit ? leaf_of(hit) : kNoLeaf;
     for (std::uint32_t k = 0; k < leaves_.size(); ++k) {
