@@ -13,30 +13,14 @@
 #include "base/file.h"
 #include "image/image.h"
 #include "image/internal/zip.h"
+#include "tests/image/image_folder.h"
 
 namespace panwright::image::arrays_test {
 namespace {
 
 using testing::ElementsAre;
 
-class ArrayFiles : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("panwright-arrays-" + std::to_string(getpid()) + "-" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path path(const char* name) const { return folder_ / name; }
-  static std::string bytes(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-
- private:
-  std::filesystem::path folder_;
-};
+class ArrayFiles : public testing_support::ImageFolder {};
 
 Image with_depth() {
   Image image;

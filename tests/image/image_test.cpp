@@ -21,6 +21,7 @@
 #include "base/file.h"
 #include "base/math.h"
 #include "image/internal/zip.h"
+#include "tests/image/image_folder.h"
 #include "tests/support/paths.h"
 
 namespace panwright::image::image_test {
@@ -28,24 +29,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-class ImageFiles : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("panwright-image-" + std::to_string(getpid()) + "-" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path path(const char* name) const { return folder_ / name; }
-  static std::string bytes(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-
- private:
-  std::filesystem::path folder_;
-};
+class ImageFiles : public testing_support::ImageFolder {};
 
 // every value differs from every other of its layer
 Image numbered(std::uint32_t width, std::uint32_t height, bool ground_truth) {

@@ -2,7 +2,7 @@
 #include "preview/frame/lens_splat.h"
 #include "preview/frame/lens_views.h"
 #include "preview/lens_renderer.h"
-#include "tests/reference/reference_models.h"
+#include "tests/reference/lens_cases.h"
 
 namespace panwright::preview::lens_test {
 namespace {
@@ -10,25 +10,9 @@ namespace {
 using namespace testing_support;
 using panwright::testing_support::world_of;
 
-struct Case {
-  const char* name;
-  double focal;
-  sensor::Distortion distortion;
-};
-const Case kCases[] = {
-    {"brown", 90, sensor::Brown{{-.25, .08, 4e-3, -3e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, .02, .01}}},
-    {"fisheye", 50, sensor::Fisheye{{-.02, .005}}},
-    {"division", 60, sensor::Division{-.25}},
-    {"CAHVOR", 80, sensor::Cahvore{.axis = glm::normalize(Vec3(.02, -.01, 1)), .r = {0, -.1, .02}}},
-};
-
 // A unit sphere at a place of the camera's axes, the Sun to its upper left.
-View sphere_at(const Case& each, const Vec3& place) {
-  View view = looking_from({0, -1, 0}, 10, 1, 128, 0.5);
-  view.camera.focal = Vec2(each.focal);
-  view.camera.world_from_camera = glm::angleAxis(kPi / 2, glm::normalize(Vec3(1, 2, 3)));
-  view.camera.position = -(view.camera.world_from_camera * place);
-  view.camera.distortion = std::make_shared<sensor::DistortionMap>(each.distortion);
+View sphere_at(const LensCase& each, const Vec3& place) {
+  View view = sphere_through(each, place);
   view.to_sun = view.camera.world_from_camera * Vec3(-0.5, -0.4, -1);
   return view;
 }
@@ -101,7 +85,7 @@ Disc covered(const image::Image& image) {
 // take 1e-4 of the area.
 TEST(LensRenderer, SphereCoversItsImage) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(0.8)));
-  for (const Case& each : kCases)
+  for (const LensCase& each : kLensCases)
     for (const Vec3& direction : {Vec3(0.1, -0.05, 1), Vec3(0.6, 0.5, 1)})
       for (const double distance : {3.0, 40.0, 400.0, 20000.0}) {
         const Vec3 place = distance * glm::normalize(direction);
@@ -126,7 +110,7 @@ TEST(LensRenderer, SphereCoversItsImage) {
 // With a PSF, a far target's light keeps its sum and its place.
 TEST(LensRenderer, PsfKeepsFluxAndPlaceOfFarTarget) {
   const pan::Model model = model_of(single(sphere(60, 60), lambert(0.8)));
-  for (const Case& each : kCases) {
+  for (const LensCase& each : kLensCases) {
     const Vec3 place = 2000.0 * glm::normalize(Vec3(0.53, 0.47, 1));
     const View view = sphere_at(each, place);
     const Disc exact = rim_of(view.camera, place);
@@ -164,7 +148,7 @@ TEST(LensRenderer, NoCoefficientsGiveThePinhole) {
 // Against the reference's rays: boxes and their shadows, no closed form.
 TEST(LensRenderer, AgreesWithTheReference) {
   const pan::Model model = model_of(single(box(Vec3(0.8, 0.5, 0.6)), lambert(0.8)));
-  for (const Case& each : kCases)
+  for (const LensCase& each : kLensCases)
     for (const unsigned samples : {0u, 4u}) {
       SCOPED_TRACE(each.name);
       const View view = sphere_at(each, {1, -0.8, 3.4});
@@ -195,7 +179,7 @@ TEST(LensRenderer, AgreesWithTheReference) {
 
 // Texels of light 1 give pixels of light 1, from one view or many, up to the ends of the domain.
 TEST(LensRenderer, TexelsCoverPixelsOnce) {
-  for (const Case& each : kCases)
+  for (const LensCase& each : kLensCases)
     for (const double rate : {1.5, 3.0}) {
       SCOPED_TRACE(each.name);
       const world::Camera camera = sphere_at(each, {0, 0, 4}).camera;
@@ -258,7 +242,7 @@ TEST(LensRenderer, GroundTruthIsThatOfThePinhole) {
 // Beside and behind the camera, in views of their own.
 TEST(LensRenderer, FisheyeSeesBehindItself) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(0.8)));
-  const Case fisheye{"fisheye", 24, sensor::Fisheye{}};
+  const LensCase fisheye{"fisheye", 24, sensor::Fisheye{}};
   for (const Vec3& place : {Vec3(4, 0, -1), Vec3(1.5, 0, -0.1)})
     for (const unsigned samples : {0u, 4u}) {
       const View view = sphere_at(fisheye, place);
@@ -292,7 +276,7 @@ TEST(LensRenderer, SmallDomainsLeavePixelsEmpty) {
 // A small target before a large one, and a hidden one, share pixels.
 TEST(LensRenderer, SmallTargetBeforeLargeOne) {
   const pan::Model ball = model_of(single(sphere(40, 40), lambert(0.8)));
-  const View view = sphere_at(kCases[0], {0.4, 0.3, 4});
+  const View view = sphere_at(kLensCases[0], {0.4, 0.3, 4});
   world::World world = world_of(ball, view);
   DiagnosticLog log;
   const Quat& q = view.camera.world_from_camera;

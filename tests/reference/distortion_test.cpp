@@ -1,41 +1,19 @@
 // Cameras with distortion: what a sphere covers, by closed forms and by the camera's own rays.
-#include "reference_models.h"
+#include "tests/reference/lens_cases.h"
 
 namespace panwright::preview::distortion_test {
 namespace {
 
 using namespace testing_support;
 
-struct Case {
-  const char* name;
-  double focal;
-  sensor::Distortion distortion;
-};
-const Case kCases[] = {
-    {"brown", 90, sensor::Brown{{-.25, .08, 4e-3, -3e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, .02, .01}}},
-    {"fisheye", 50, sensor::Fisheye{{-.02, .005}}},
-    {"division", 60, sensor::Division{-.25}},
-    {"CAHVOR", 80, sensor::Cahvore{.axis = glm::normalize(Vec3(.02, -.01, 1)), .r = {0, -.1, .02}}},
-};
-
-// A unit sphere of many facets at a place of the camera's axes.
-View sphere_at(const Case& each, const Vec3& place) {
-  View view = looking_from({0, -1, 0}, 10, 1, 128, 0.5);
-  view.camera.focal = Vec2(each.focal);
-  view.camera.world_from_camera = glm::angleAxis(kPi / 2, glm::normalize(Vec3(1, 2, 3)));
-  view.camera.position = -(view.camera.world_from_camera * place);
-  view.camera.distortion = std::make_shared<sensor::DistortionMap>(each.distortion);
-  return view;
-}
-
 // Sum over pixels of coverage times solid angle: that of the sphere, 2π(1 - cos α). Worst of these:
 // 4.5e-4, by the noise of 128 samples a pixel; facets take 2e-5.
 TEST(ReferenceDistortion, SphereCoversItsSolidAngle) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(0.8)));
-  for (const Case& each : kCases)
+  for (const LensCase& each : kLensCases)
     for (const Vec3& place : {Vec3(0, 0, 4), Vec3(-1, 0.8, 3.4)}) {
       SCOPED_TRACE(each.name);
-      const View view = sphere_at(each, place);
+      const View view = sphere_through(each, place);
       const ReferenceImage result = traced(model, view, direct_light(128));
       double covered = 0;
       for (std::uint32_t row = 0; row < 128; ++row)
@@ -53,9 +31,9 @@ TEST(ReferenceDistortion, SphereCoversItsSolidAngle) {
 // Truth layers hold what the ray through a pixel's centre meets.
 TEST(ReferenceDistortion, TruthIsOfTheCentresRays) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(0.8)));
-  for (const Case& each : kCases) {
+  for (const LensCase& each : kLensCases) {
     SCOPED_TRACE(each.name);
-    const View view = sphere_at(each, {1.5, -1, 3});
+    const View view = sphere_through(each, {1.5, -1, 3});
     ReferenceOptions options = direct_light(8);
     options.ground_truth = true;
     const image::Image image = traced(model, view, options).image;
@@ -86,9 +64,9 @@ TEST(ReferenceDistortion, TruthIsOfTheCentresRays) {
 // A sphere beside and behind the camera, which a pinhole cannot show.
 TEST(ReferenceDistortion, FisheyeSeesBehindItself) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(0.8)));
-  const Case fisheye{"fisheye", 24, sensor::Fisheye{}};
+  const LensCase fisheye{"fisheye", 24, sensor::Fisheye{}};
   const Vec3 place(4, 0, -1);
-  const ReferenceImage result = traced(model, sphere_at(fisheye, place), direct_light(128));
+  const ReferenceImage result = traced(model, sphere_through(fisheye, place), direct_light(128));
   Vec2 centre(0);
   double sum = 0;
   for (int row = 0; row < 128; ++row)
