@@ -29,11 +29,6 @@ bool holds(const Point& point) {
   return is_finite(point.position) && is_radiant(point.intensity) && is_size(point.radius);
 }
 
-bool holds(const Body& body) {
-  return is_finite(body.centre) && std::isfinite(body.radius) && body.radius > 0 &&
-         is_radiant(body.radiance);
-}
-
 // Light of a sphere; scale: irradiance times squared distance.
 Incidence of_sphere(const Vec3& centre, double radius, const Vec3& scale, const Vec3& point) {
   const Vec3 toward = centre - point;
@@ -67,11 +62,6 @@ Incidence from(const Spot& spot, const Vec3& point) {
 
 Incidence from(const Point& source, const Vec3& point) {
   return of_sphere(source.position, source.radius, source.intensity, point);
-}
-
-Incidence from(const Body& body, const Vec3& point) {
-  return of_sphere(body.centre, body.radius, body.radiance * (kPi * body.radius * body.radius),
-                   point);
 }
 
 }  // namespace

@@ -51,24 +51,14 @@ struct Point {
   bool operator==(const Point&) const = default;
 };
 
-// Sphere that sends the light of others, as a planet: by the mean radiance of the part that is
-// seen.
-struct Body {
-  Vec3 centre{0};     // metres
-  double radius = 1;  // metres, > 0
-  Vec3 radiance{1};   // W/(m² sr) per band
-  bool operator==(const Body&) const = default;
-};
-
-using Source = std::variant<Sun, Spot, Point, Body>;
+using Source = std::variant<Sun, Spot, Point>;
 
 // Returns whether all numbers are finite and within the limits above; radiant quantities >= 0.
 [[nodiscard]] bool is_sound(const Source& source);
 
 // Returns the light that a source gives an unoccluded point. The irradiance of a point and a spot
-// is intensity/distance², that of a body π·radiance·(radius/distance)², exact for whole spheres.
-// Within a source it is that on its surface; at the place of one without a size it is 0.
-// Expects: is_sound(). Cost: O(1).
+// is intensity/distance². Within a source it is that on its surface; at the place of one without a
+// size it is 0. Expects: is_sound(). Cost: O(1).
 [[nodiscard]] Incidence incidence(const Source& source, const Vec3& point);
 
 // A source with a stamp, the key of what is derived from it.

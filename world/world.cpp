@@ -188,6 +188,15 @@ void World::set_white(const std::optional<Vec3>& white) {
   stamp_ = next_stamp();
 }
 
+void World::set_sky(std::vector<light::Body> bodies, bool sun_visible) {
+  assert(
+      std::ranges::all_of(bodies, [](const light::Body& body) { return light::is_sound(body); }));
+  if (bodies_ == bodies && sun_visible_ == sun_visible) return;
+  bodies_ = std::move(bodies);
+  sun_visible_ = sun_visible;
+  stamp_ = sky_stamp_ = next_stamp();
+}
+
 Vec3 World::white() const {
   return white_.value_or(sun().irradiance ? light::kSolarIrradiance : Vec3(1));
 }

@@ -17,6 +17,7 @@
 #include "base/result.h"
 #include "base/stamp.h"
 #include "geometry/kinematics/joint.h"
+#include "light/body.h"
 #include "light/light.h"
 #include "pan/model.h"
 #include "world/camera.h"
@@ -141,8 +142,18 @@ class World {
   const std::optional<Vec3>& given_white() const { return white_; }
   Vec3 white() const;
 
+  // Sets the bodies of the sky, which light targets, eclipse the Sun and stand in the background.
+  //
+  //   sun_visible  the Sun's own disc is drawn
+  // Expects: light::is_sound() bodies.
+  void set_sky(std::vector<light::Body> bodies, bool sun_visible);
+  std::span<const light::Body> bodies() const { return bodies_; }
+  bool sun_visible() const { return sun_visible_; }
+  bool has_sky() const { return sun_visible_ || !bodies_.empty(); }
+
   Stamp stamp() const { return stamp_; }            // changes with anything
   Stamp sun_stamp() const { return sun_.stamp(); }  // changes with the Sun
+  Stamp sky_stamp() const { return sky_stamp_; }    // changes with the bodies
 
  private:
   NodeState& state_of(Instance& instance, std::uint32_t node);
@@ -151,7 +162,10 @@ class World {
   std::vector<Instance> instances_;
   light::Light sun_;
   std::optional<Vec3> white_;
+  std::vector<light::Body> bodies_;
+  bool sun_visible_ = false;
   Stamp stamp_ = kFirstStamp;
+  Stamp sky_stamp_ = kFirstStamp;
 };
 
 }  // namespace panwright::world

@@ -13,9 +13,9 @@ LEVELS = [
     {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
-    {"trace": ["world"], "scenario": ["world"]},
-    {"labels": ["trace", "image"], "preview": ["world", "image"], "preview/reference": ["trace", "image"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "scenario", "labels", "sensor", "preview", "preview/reference"]},
+    {"trace": ["world"], "scenario": ["world"], "sky": ["world", "image"]},
+    {"labels": ["trace", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}

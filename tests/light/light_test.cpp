@@ -90,30 +90,9 @@ TEST(Light, SpotConeAndPower) {
     }
 }
 
-// The irradiance of a sphere's cap by a quadrature over its directions; the Earth from 400 km has
-// 88.5 % of its radiance times π.
-TEST(Light, BodyDisc) {
-  const Body body{.centre = {0, 0, -10}, .radius = 4, .radiance = {2, 1, 0.5}};
-  for (const double distance : {4.0, 4.2, 8.0, 400.0}) {
-    const Incidence light = incidence(body, body.centre + Vec3(0, distance, 0));
-    const double rho = std::asin(4 / distance);
-    constexpr int n = 20000;
-    double sum = 0;
-    for (int i = 0; i < n; ++i) {
-      const double angle = (i + 0.5) * rho / n;
-      sum += 2 * kPi * std::sin(angle) * std::cos(angle) * rho / n;
-    }
-    expect_near(light.irradiance, body.radiance * sum, 1e-8);
-    EXPECT_EQ(light.to_light, Vec3(0, -1, 0));
-    EXPECT_NEAR(8 * light.alpha2, std::pow(std::sin(rho), 2), kTiny);
-  }
-  const Body earth{.radius = 6371e3, .radiance = Vec3(1)};
-  EXPECT_NEAR(incidence(earth, Vec3(6771e3, 0, 0)).irradiance.x / kPi, 0.885339, 1e-6);
-}
-
 TEST(Light, SoundSources) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(is_sound(Sun{}) && is_sound(Spot{}) && is_sound(Point{}) && is_sound(Body{}));
+  EXPECT_TRUE(is_sound(Sun{}) && is_sound(Spot{}) && is_sound(Point{}));
   EXPECT_FALSE(is_sound(Sun{.direction = Vec3(0)}));
   EXPECT_FALSE(is_sound(Sun{.distance = 0}));
   EXPECT_FALSE(is_sound(Sun{.irradiance = Vec3(1, -1, 1)}));
@@ -124,8 +103,6 @@ TEST(Light, SoundSources) {
   EXPECT_FALSE(is_sound(Spot{.radius = kInf}));
   EXPECT_FALSE(is_sound(Point{.position = Vec3(kInf)}));
   EXPECT_FALSE(is_sound(Point{.intensity = Vec3(-1)}));
-  EXPECT_FALSE(is_sound(Body{.radius = 0}));
-  EXPECT_FALSE(is_sound(Body{.radiance = Vec3(kInf)}));
 }
 
 TEST(Light, StampsChangeWithTheSource) {

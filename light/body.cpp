@@ -1,0 +1,162 @@
+#include "light/body.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "image/srgb.h"
+
+namespace panwright::light {
+
+BodyMap::BodyMap(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
+  std::array<float, 256> linear;
+  for (std::size_t i = 0; i < linear.size(); ++i)
+    linear[i] = static_cast<float>(image::srgb_decoded(static_cast<std::uint8_t>(i)));
+  const std::uint32_t step = (width + kMostWidth - 1) / kMostWidth;
+  Level level;
+  level.width = std::max(1u, width / step);
+  level.height = std::max(1u, height / step);
+  level.rgb.resize(std::size_t{3} * level.width * level.height);
+  for (std::uint32_t row = 0; row < level.height; ++row)
+    for (std::uint32_t column = 0; column < level.width; ++column)
+      for (std::size_t k = 0; k < 3; ++k) {
+        float sum = 0;
+        for (std::uint32_t y = 0; y < step; ++y)
+          for (std::uint32_t x = 0; x < step; ++x) {
+            const std::size_t at = std::size_t{row * step + y} * width + column * step + x;
+            sum += linear[rgba[4 * at + k]];
+          }
+        level.rgb[3 * (std::size_t{row} * level.width + column) + k] =
+            sum / static_cast<float>(step * step);
+      }
+  levels_.push_back(std::move(level));
+  normalise();
+  add_levels();
+}
+
+void BodyMap::normalise() {
+  Level& level = levels_[0];
+  Vec3 sum(0);
+  double weights = 0;
+  for (std::uint32_t row = 0; row < level.height; ++row) {
+    const double weight = det::sin(kPi * (row + 0.5) / level.height);
+    Vec3 line(0);
+    for (std::size_t i = 0; i < level.width; ++i)
+      for (int k = 0; k < 3; ++k)
+        line[k] +=
+            level.rgb[3 * (std::size_t{row} * level.width + i) + static_cast<std::size_t>(k)];
+    sum += weight * line;
+    weights += weight * level.width;
+  }
+  for (std::size_t i = 0; i < level.rgb.size(); ++i) {
+    const double mean = sum[static_cast<int>(i % 3)] / weights;
+    level.rgb[i] = mean > 0 ? static_cast<float>(level.rgb[i] / mean) : 1.0f;
+  }
+}
+
+void BodyMap::add_levels() {
+  while (levels_.back().width > 1 && levels_.back().height > 1) {
+    const Level& fine = levels_.back();
+    Level coarse;
+    coarse.width = fine.width / 2;
+    coarse.height = std::max(1u, fine.height / 2);
+    coarse.rgb.resize(std::size_t{3} * coarse.width * coarse.height);
+    for (std::uint32_t row = 0; row < coarse.height; ++row)
+      for (std::uint32_t column = 0; column < coarse.width; ++column)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto of = [&](std::uint32_t y, std::uint32_t x) {
+            return fine.rgb[3 * (std::size_t{std::min(2 * row + y, fine.height - 1)} * fine.width +
+                                 2 * column + x) +
+                            k];
+          };
+          coarse.rgb[3 * (std::size_t{row} * coarse.width + column) + k] =
+              0.25f * (of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1));
+        }
+    levels_.push_back(std::move(coarse));
+  }
+}
+
+Vec3 BodyMap::bilinear(const Level& level, double u, double v) const {
+  const double x = u * level.width - 0.5, y = v * level.height - 0.5;
+  const double left = std::floor(x), top = std::floor(y);
+  const auto wrapped = [&](double column) {
+    const double width = level.width;
+    return static_cast<std::size_t>(column < 0 ? column + width
+                                               : (column >= width ? column - width : column));
+  };
+  const auto held = [&](double row) {
+    return static_cast<std::size_t>(std::clamp(row, 0.0, level.height - 1.0));
+  };
+  const std::size_t columns[2] = {wrapped(left), wrapped(left + 1)};
+  const std::size_t rows[2] = {held(top), held(top + 1)};
+  const double ax = x - left, ay = y - top;
+  Vec3 result(0);
+  for (std::size_t j = 0; j < 2; ++j)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double weight = (i == 1 ? ax : 1 - ax) * (j == 1 ? ay : 1 - ay);
+      const float* rgb = &level.rgb[3 * (rows[j] * level.width + columns[i])];
+      result += weight * Vec3(rgb[0], rgb[1], rgb[2]);
+    }
+  return result;
+}
+
+Vec3 BodyMap::at(const Vec3& direction, double footprint) const {
+  const double length = std::sqrt(glm::dot(direction, direction));
+  const double u = std::clamp(0.5 + det::atan2(direction.y, direction.x) / (2 * kPi), 0.0, 1.0);
+  const double v = det::acos(std::clamp(direction.z / length, -1.0, 1.0)) / kPi;
+  const double texels = footprint * levels_[0].width / (2 * kPi);
+  if (!(texels > 1)) return bilinear(levels_[0], u, v);
+  const double level =
+      std::min(det::log(texels) / std::numbers::ln2, static_cast<double>(levels_.size() - 1));
+  const auto fine = static_cast<std::size_t>(level);
+  const Vec3 value = bilinear(levels_[fine], u, v);
+  if (fine + 1 >= levels_.size()) return value;
+  return glm::mix(value, bilinear(levels_[fine + 1], u, v), level - static_cast<double>(fine));
+}
+
+std::optional<Body> body_preset(std::string_view name) {
+  Body body;
+  body.name = name;
+  if (name == "earth") {
+    body.radii = Vec3(6378137, 6378137, 6356752.314245);  // WGS 84
+    return body;
+  }
+  if (name == "moon") {
+    body.radii = Vec3(1737400);  // IAU 2015
+    body.photometry.law = Law::lunar_lambert;
+    body.photometry.rolo = true;
+    body.albedo = Vec3(1);
+    return body;
+  }
+  return std::nullopt;
+}
+
+bool is_sound(const Body& body) {
+  constexpr double kFlattest = 100;
+  const Vec3& r = body.radii;
+  const double least = std::min({r.x, r.y, r.z}), most = max_component(r);
+  const Photometry& law = body.photometry;
+  const Vec3& albedo = body.albedo;
+  return is_finite(body.centre) && is_finite(r) && least > 0 && most <= kFlattest * least &&
+         std::fabs(glm::dot(body.world_from_body, body.world_from_body) - 1) < 1e-6 &&
+         is_finite(albedo) && albedo.x >= 0 && albedo.y >= 0 && albedo.z >= 0 &&
+         law.single_scattering >= 0 && law.single_scattering <= 1 && law.asymmetry > -1 &&
+         law.asymmetry < 1 && law.surge >= 0 && std::isfinite(law.surge) && law.surge_width > 0 &&
+         std::isfinite(law.surge_width);
+}
+
+Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
+               const Vec3& to_sun, const Vec3& to_viewer, const Vec3& irradiance) {
+  const double mu0 = glm::dot(normal, to_sun), mu = glm::dot(normal, to_viewer);
+  if (!(mu0 > 0 && mu > 0)) return Vec3(0);
+  const Photometry& law = body.photometry;
+  const bool phased = law.rolo || law.law == Law::lunar_lambert || law.law == Law::hapke;
+  const double phase = phased ? angle_between(to_sun, to_viewer) : 0;
+  Vec3 result = body.albedo * irradiance * (radiance_factor(law, mu0, mu, phase) / kPi);
+  if (law.rolo) result *= phase_factor(law, phase);
+  if (body.map) result *= body.map->at(place, footprint);
+  return result;
+}
+
+}  // namespace panwright::light

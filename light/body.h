@@ -1,0 +1,76 @@
+// Bodies of the sky: planets, moons and asteroids as ellipsoids that send sunlight on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/math.h"
+#include "light/photometry.h"
+
+namespace panwright::light {
+
+// Albedo over a body, relative to its mean: equirectangular, north at the top, longitude 0 in the
+// middle, eastern longitudes right of it. Levels of detail are means of areas.
+class BodyMap {
+ public:
+  // Builds a map of 8-bit sRGB colours. Each band's mean over the sphere becomes 1; a band that is
+  // black everywhere is 1. Wider than kMostWidth, columns and rows are averaged first.
+  //
+  //   rgba  4·width·height, row 0 the top row
+  // Expects: width = 2·height, height ≥ 1. Cost: O(pixels).
+  BodyMap(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+  static constexpr std::uint32_t kMostWidth = 4096;
+
+  // Returns the value at a direction from the centre, in the body's axes.
+  //
+  //   footprint  angle that is averaged, radians; 0: the finest level, bilinear
+  Vec3 at(const Vec3& direction, double footprint) const;
+  std::uint32_t width() const { return levels_[0].width; }
+
+ private:
+  struct Level {
+    std::uint32_t width = 0, height = 0;
+    std::vector<float> rgb;
+  };
+  Vec3 bilinear(const Level& level, double u, double v) const;
+  void add_levels();
+  void normalise();
+  std::vector<Level> levels_;  // from the finest, each half as wide
+};
+
+struct Body {
+  std::string name;
+  Vec3 centre{0};                    // world axes, metres
+  Quat world_from_body{1, 0, 0, 0};  // unit; z to the north pole, x to longitude 0 on the equator
+  Vec3 radii{1};                     // semi-axes along the body's axes, metres, > 0
+  Photometry photometry;
+  Vec3 albedo{0.3};  // per band, ≥ 0: factors of the law, for Lambert's the Bond albedo; with
+                     // Photometry::rolo 1 is the Moon's
+  std::shared_ptr<const BodyMap> map;  // factors of the albedo; null: none
+  bool operator==(const Body&) const = default;
+};
+
+// Returns a body of kBodyPresets at the origin: `earth` (WGS 84, albedo 0.3), `moon` (ROLO).
+std::optional<Body> body_preset(std::string_view name);
+inline constexpr std::string_view kBodyPresets[] = {"earth", "moon"};
+
+// Returns whether all numbers are finite and within the limits above, radii at most 1:100 of each
+// other.
+[[nodiscard]] bool is_sound(const Body& body);
+
+// Radiance of a surface towards a viewer, in the unit of the irradiance per steradian.
+//
+//   place       direction from the centre in the body's axes, any length: the albedo's place
+//   normal      unit; to_sun, to_viewer: unit; in one frame
+//   irradiance  of the Sun on a plane that faces it
+//   footprint   angle from the centre that the albedo is averaged over, radians
+Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
+               const Vec3& to_sun, const Vec3& to_viewer, const Vec3& irradiance);
+
+}  // namespace panwright::light

@@ -1,0 +1,137 @@
+// The share of the Sun that bodies leave at a point.
+#include <algorithm>
+#include <cmath>
+
+#include "sky/sky.h"
+
+namespace panwright::sky {
+namespace {
+
+constexpr int kChords = 256;
+
+// The line x along a chord y of the Sun's disc, as rays of an ellipsoid's space: those that meet
+// the unit sphere have |ω|² > |from × ω|², and −from·ω > 0 in front.
+struct ChordLine {
+  Vec3 from;                               // the point
+  Vec3 middle, x, y;                       // directions at the disc's centre, by x and by y
+  Vec3 middle_moment, x_moment, y_moment;  // from × these
+
+  ChordLine(const Ellipsoid& shape, const Vec3& at, const Vec3& to_sun, const Vec3& along,
+            const Vec3& across, double sine)
+      : from(at),
+        middle(shape.unit_from_world * (to_sun * std::sqrt(1 - 0.5 * sine * sine))),
+        x(shape.unit_from_world * (along * sine)),
+        y(shape.unit_from_world * (across * sine)),
+        middle_moment(glm::cross(from, middle)),
+        x_moment(glm::cross(from, x)),
+        y_moment(glm::cross(from, y)) {}
+};
+
+struct Span {
+  double low, high;
+};
+
+// Adds what is hidden of [−half, half] at a chord.
+void add_hidden(const ChordLine& line, double y, double half, std::vector<Span>& hidden) {
+  const Vec3 a = line.middle + y * line.y, w = line.middle_moment + y * line.y_moment;
+  const double c0 = glm::dot(a, a) - glm::dot(w, w);
+  const double c1 = glm::dot(a, line.x) - glm::dot(w, line.x_moment);
+  const double c2 = glm::dot(line.x, line.x) - glm::dot(line.x_moment, line.x_moment);
+  // in front: d0 + x·d1 > 0
+  const double d0 = -glm::dot(line.from, a), d1 = -glm::dot(line.from, line.x);
+  double low = -half, high = half;
+  if (d1 > 0)
+    low = std::max(low, -d0 / d1);
+  else if (d1 < 0)
+    high = std::min(high, -d0 / d1);
+  else if (!(d0 > 0))
+    return;
+  const auto add = [&](double from, double to) {
+    from = std::max(from, low);
+    to = std::min(to, high);
+    if (from < to) hidden.push_back({from, to});
+  };
+  const double discriminant = c1 * c1 - c0 * c2;
+  if (c2 == 0 || !(discriminant > 0)) {
+    if (c2 > 0 || (c2 == 0 && c0 > 0)) add(low, high);
+    return;
+  }
+  // c0 + 2·c1·x + c2·x² > 0
+  const double sum = -(c1 + std::copysign(std::sqrt(discriminant), c1));
+  double first = sum / c2, second = sum != 0 ? c0 / sum : first;
+  if (first > second) std::swap(first, second);
+  if (c2 < 0) {
+    add(first, second);
+  } else {
+    add(low, first);
+    add(second, high);
+  }
+}
+
+// Integral of 1 − u + u·sqrt(half² − x²) from 0 to x.
+double light_to(double x, double half, double limb) {
+  const double t = std::clamp(x / half, -1.0, 1.0);
+  return (1 - limb) * x +
+         0.5 * limb * half * half * (t * std::sqrt(std::max(0.0, 1 - t * t)) + det::asin(t));
+}
+
+double lit_of_chord(std::vector<Span>& hidden, double half, double limb) {
+  double lit = light_to(half, half, limb) - light_to(-half, half, limb);
+  std::ranges::sort(hidden, {}, &Span::low);
+  double reached = -half;
+  for (const Span& span : hidden) {
+    const double low = std::max(span.low, reached);
+    if (span.high <= low) continue;
+    lit -= light_to(span.high, half, limb) - light_to(low, half, limb);
+    reached = span.high;
+  }
+  return std::max(lit, 0.0);
+}
+
+enum class Cover { none, partial, whole };
+
+// Whether a body may hide the disc, by how far its impact parameter changes over it.
+Cover cover_of(const ChordLine& line) {
+  const double size = std::sqrt(glm::dot(line.middle, line.middle));
+  const double step = std::sqrt(glm::dot(line.x, line.x) + glm::dot(line.y, line.y)) / size;
+  const double distance = std::sqrt(glm::dot(line.from, line.from));
+  const double impact = std::sqrt(glm::dot(line.middle_moment, line.middle_moment)) / size;
+  const double change = 1.1 * step * distance;
+  const double ahead = -glm::dot(line.from, line.middle) / size;
+  if (ahead < -change || impact > 1 + change) return Cover::none;
+  return impact < 1 - change && ahead > change ? Cover::whole : Cover::partial;
+}
+
+}  // namespace
+
+double Sky::sun_share(const Vec3& point, std::optional<std::size_t> except) const {
+  std::vector<ChordLine> lines;
+  Vec3 along = across_[0];
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (i == except) continue;
+    const Vec3 from = shapes_[i].from(point);
+    if (glm::dot(from, from) < 1) return 0;
+    if (lines.empty()) {
+      const Vec3 toward = shapes_[i].centre - point;
+      const Vec3 beside = toward - to_sun_ * glm::dot(toward, to_sun_);
+      const double length = std::sqrt(glm::dot(beside, beside));
+      along = length > 0 ? beside / length : across_[0];
+    }
+    const ChordLine line(shapes_[i], from, to_sun_, along, glm::cross(to_sun_, along), sun_sine_);
+    const Cover cover = cover_of(line);
+    if (cover == Cover::whole) return 0;
+    if (cover == Cover::partial) lines.push_back(line);
+  }
+  if (lines.empty()) return 1;
+  double lit = 0;
+  std::vector<Span> hidden;
+  for (int i = 0; i < kChords; ++i) {
+    const det::SinCos turn = det::sincos(kPi * ((i + 0.5) / kChords - 0.5));
+    hidden.clear();
+    for (const ChordLine& line : lines) add_hidden(line, turn.sin, turn.cos, hidden);
+    lit += lit_of_chord(hidden, turn.cos, limb_) * turn.cos;
+  }
+  return std::clamp(lit * (kPi / kChords) / (kPi * (1 - limb_ / 3)), 0.0, 1.0);
+}
+
+}  // namespace panwright::sky

@@ -1,0 +1,51 @@
+#include "sky/sky.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace panwright::sky {
+
+Ellipsoid::Ellipsoid(const light::Body& body)
+    : centre(body.centre),
+      volume(body.radii.x * body.radii.y * body.radii.z),
+      radius(det::pow(volume, 1.0 / 3)) {
+  const Mat3 turn = glm::mat3_cast(glm::normalize(body.world_from_body));
+  for (int k = 0; k < 3; ++k) {
+    world_from_unit[k] = turn[k] * body.radii[k];
+    world_from_normal[k] = turn[k] / body.radii[k];
+  }
+  unit_from_world = glm::transpose(world_from_normal);
+}
+
+Sky::Sky(const world::World& world)
+    : bodies_(world.bodies().begin(), world.bodies().end()), sun_visible_(world.sun_visible()) {
+  for (const light::Body& body : bodies_) shapes_.emplace_back(body);
+  const world::Sun& sun = world.sun();
+  to_sun_ = sun.direction / max_component(glm::abs(sun.direction));
+  to_sun_ /= std::sqrt(glm::dot(to_sun_, to_sun_));
+  const Vec3 other = std::fabs(to_sun_.z) < 0.5 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
+  across_[0] = glm::normalize(glm::cross(to_sun_, other));
+  across_[1] = glm::cross(to_sun_, across_[0]);
+  irradiance_ = sun.irradiance.value_or(Vec3(1));
+  sun_sine_ = std::min(world::kSunSineAtOneAu / sun.distance, 0.999);
+  limb_ = sun.limb_darkening;
+}
+
+Vec3 Sky::radiance(std::size_t index, const Vec3& place, const Vec3& to_viewer,
+                   double footprint) const {
+  const Ellipsoid& shape = shapes_[index];
+  const Vec3 normal = glm::normalize(shape.world_from_normal * place);
+  if (!(glm::dot(normal, to_sun_) > 0)) return Vec3(0);
+  const light::Body& body = bodies_[index];
+  Vec3 result = light::reflected(body, body.radii * place, footprint, normal, to_sun_, to_viewer,
+                                 irradiance_);
+  if (size() > 1) result *= sun_share(shape.world(place), index);
+  return result;
+}
+
+Vec3 Sky::sun_radiance(double square) const {
+  const double mu = std::sqrt(std::max(0.0, 1 - square));
+  return irradiance_ * ((1 - limb_ * (1 - mu)) / (1 - limb_ / 3) / (kPi * sun_sine_ * sun_sine_));
+}
+
+}  // namespace panwright::sky

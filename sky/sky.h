@@ -1,0 +1,74 @@
+// Bodies of a world: the radiance of their surfaces, and what they leave of the Sun.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/math.h"
+#include "light/body.h"
+#include "world/world.h"
+
+namespace panwright::sky {
+
+// Ellipsoid as the unit sphere of its own space. A point outside sees places u, |u| = 1, along
+// directions of that space, which need no unit length in the world.
+struct Ellipsoid {
+  explicit Ellipsoid(const light::Body& body);
+  // A point from the centre, in units of the semi-axes.
+  Vec3 from(const Vec3& world_point) const { return unit_from_world * (world_point - centre); }
+  Vec3 world(const Vec3& unit_place) const { return centre + world_from_unit * unit_place; }
+
+  Vec3 centre;           // metres
+  Mat3 unit_from_world;  // of directions
+  Mat3 world_from_unit;
+  Mat3 world_from_normal;  // of normals, any length
+  double volume;           // product of the semi-axes, m³
+  double radius;           // its cube root
+};
+
+// The bodies and the Sun of a world. The Sun is at infinity: its direction is the same everywhere.
+class Sky {
+ public:
+  explicit Sky(const world::World& world);
+
+  std::size_t size() const { return bodies_.size(); }
+  const light::Body& body(std::size_t index) const { return bodies_[index]; }
+  const Ellipsoid& shape(std::size_t index) const { return shapes_[index]; }
+  const Vec3& to_sun() const { return to_sun_; }  // unit
+  double sun_sine() const { return sun_sine_; }   // of its angular radius
+  const Vec3& irradiance() const { return irradiance_; }
+  double limb_darkening() const { return limb_; }
+  bool sun_visible() const { return sun_visible_; }
+
+  // Returns the radiance of a place of a body, eclipsed by the others.
+  //
+  //   place      |u| = 1, in the ellipsoid's space
+  //   to_viewer  world axes, unit
+  //   footprint  angle from the centre that maps are averaged over, radians
+  Vec3 radiance(std::size_t index, const Vec3& place, const Vec3& to_viewer,
+                double footprint) const;
+
+  // Returns the radiance of the Sun's disc.
+  //
+  //   square  (distance from its centre / its radius)², 0 to 1
+  Vec3 sun_radiance(double square) const;
+
+  // Returns the share of the Sun's light that reaches a point, 0 to 1: of the disc with its limb
+  // darkening, by chords, less the ellipsoids' exact outlines. 0 within a body.
+  //
+  //   except  a body that is left out
+  // Error: 2e-4 of the whole (bodies much smaller than the Sun). Cost: O(bodies), 256 chords where
+  // one is partial.
+  double sun_share(const Vec3& point, std::optional<std::size_t> except = {}) const;
+
+ private:
+  std::vector<light::Body> bodies_;
+  std::vector<Ellipsoid> shapes_;
+  Vec3 to_sun_, across_[2];
+  Vec3 irradiance_;
+  double sun_sine_ = 0, limb_ = 0;
+  bool sun_visible_ = false;
+};
+
+}  // namespace panwright::sky
