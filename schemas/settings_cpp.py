@@ -25,6 +25,7 @@ TYPES = {
     "poses": (["numbers", "text", "map"], ["numbers", "text"], 7, "std::vector<PoseSetting>"),
     "joints": (["map"], ["number", "numbers", "text"], 0, "std::vector<JointText>"),
     "defines": (["map"], ["text", "number"], 0, "std::vector<std::pair<std::string, std::string>>"),
+    "planets": (["map"], ["text", "numbers"], 0, "std::vector<std::pair<std::string, std::string>>"),
 }
 FORMS = ("text", "number", "flag", "numbers", "texts", "map")
 # "is …, expected …" and "has the wrong type, expected …", by type

@@ -16,8 +16,8 @@ struct Absent {
 constexpr std::string_view kSensor =
     "images are radiance without noise: apply the detector to the .npz (docs/limits.md)";
 constexpr std::string_view kSky =
-    "the background is black, with coverage 0: put stars and the Earth behind the .npz "
-    "(docs/limits.md)";
+    "--planet NAME=\"X Y Z\" places the Earth, the Moon and others; stars are put behind the .npz "
+    "(docs/sky.md, docs/limits.md)";
 constexpr std::string_view kLayers =
     ".npz and .exr hold depth, range, normals and ids; meta.json names the ids and has the "
     "keypoints in pixels (docs/image-files.md)";
@@ -26,8 +26,8 @@ const Absent kAbsent[] = {
     {{"noise", "read-noise", "shot-noise", "dark-current", "gain", "full-well", "iso",
       "quantum-efficiency", "detector", "sensor", "bit-depth"},
      kSensor},
-    {{"stars", "star-catalog", "star-catalogue", "background", "sky", "skybox", "earth", "moon",
-      "planet", "environment", "hdri", "atmosphere"},
+    {{"stars", "star-catalog", "star-catalogue", "background", "skybox", "earth", "moon",
+      "planets", "environment", "hdri", "atmosphere"},
      kSky},
     {{"exposure", "exposure-time", "gamma", "brightness", "tone-mapping"},
      "--ev STOPS, or --ev auto, sets the exposure of a PNG, --tone photo its curve; the other "

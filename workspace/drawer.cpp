@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "preview/lens_renderer.h"
+#include "sky/backdrop.h"
 #include "workspace/internal/forward.h"
 
 namespace panwright::workspace {
@@ -40,6 +41,17 @@ struct Drawer::Impl {
     DiagnosticLog log;  // to be told with the image
   };
   std::deque<Done> done;  // and not collected; older than those of the renderer
+
+  // Behind the images under way; none: black.
+  struct Behind {
+    std::optional<sky::Sky> sky;
+    world::Camera camera;
+  };
+  std::deque<Behind> behind;
+  std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
+  bool submit(const world::World& world, const world::Camera& camera, bool ground_truth,
+              DiagnosticLog& log, const Job& job);
+  Result<Drawn> collect(DiagnosticLog& log, const Job& job);
 };
 
 // Draws an image with distortion at once. Those of the renderer come before it.
@@ -115,25 +127,24 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
   return true;
 }
 
-bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
-                    DiagnosticLog& log, const Job& job) {
-  if (impl_->renderer) {
-    if (camera.distortion != nullptr)
-      return impl_->submit_lens(world, camera, ground_truth, log, job);
-    preview::RenderOptions options = impl_->options.gl;
-    options.ground_truth = ground_truth;
-    return impl_->renderer->submit(world, camera, options, log, job);
+bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
+                          DiagnosticLog& log, const Job& job) {
+  if (renderer) {
+    if (camera.distortion != nullptr) return submit_lens(world, camera, ground_truth, log, job);
+    preview::RenderOptions own = options.gl;
+    own.ground_truth = ground_truth;
+    return renderer->submit(world, camera, own, log, job);
   }
-  preview::ReferenceOptions options = impl_->options.reference;
-  options.ground_truth = ground_truth;
-  auto traced = impl_->reference.render(world, camera, options, log, job);
+  preview::ReferenceOptions own = options.reference;
+  own.ground_truth = ground_truth;
+  auto traced = reference.render(world, camera, own, log, job);
   if (!traced) {
-    if (job.cancelled()) impl_->done.clear();
+    if (job.cancelled()) done.clear();
     return false;
   }
   traced->image.standard_error = std::move(traced->standard_error);
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
-  impl_->done.push_back(
+  done.push_back(
       {{std::move(traced->image),
         Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
         {}},
@@ -141,21 +152,48 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   return true;
 }
 
-Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
-  if (impl_->done.empty()) {
-    auto image = impl_->renderer->collect(log, job);
+Result<Drawn> Drawer::Impl::collect(DiagnosticLog& log, const Job& job) {
+  if (done.empty()) {
+    auto image = renderer->collect(log, job);
     if (!image) return failed;
-    return Drawn{*std::move(image), {}, impl_->renderer->sampling()};
+    return Drawn{*std::move(image), {}, renderer->sampling()};
   }
-  Impl::Done done = std::move(impl_->done.front());
-  impl_->done.pop_front();
-  forward(done.log, {}, {}, log);
-  return std::move(done.drawn);
+  Done oldest = std::move(done.front());
+  done.pop_front();
+  forward(oldest.log, {}, {}, log);
+  return std::move(oldest.drawn);
 }
 
-std::size_t Drawer::in_flight() const {
-  return impl_->done.size() + (impl_->renderer ? impl_->renderer->in_flight() : 0);
+bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
+                    DiagnosticLog& log, const Job& job) {
+  const bool good = impl_->submit(world, camera, ground_truth, log, job);
+  std::deque<Impl::Behind>& behind = impl_->behind;
+  if (good) {
+    behind.push_back({{}, camera});
+    // the reference has its own
+    if (world.has_sky() && impl_->renderer) behind.back().sky.emplace(world);
+  }
+  while (behind.size() > impl_->in_flight()) behind.pop_front();
+  return good;
 }
+
+Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
+  auto drawn = impl_->collect(log, job);
+  std::deque<Impl::Behind>& behind = impl_->behind;
+  if (drawn && behind.front().sky) {
+    const Impl::Behind& here = behind.front();
+    const bool good = run_job(job, log, [&] {
+      sky::add_behind(sky::backdrop(*here.sky, here.camera, impl_->options.gl.psf_sigma, job),
+                      drawn->image);
+      return true;
+    });
+    if (!good) drawn = failed;
+  }
+  while (behind.size() > impl_->in_flight()) behind.pop_front();
+  return drawn;
+}
+
+std::size_t Drawer::in_flight() const { return impl_->in_flight(); }
 
 void Drawer::recycle(image::Image image) {
   if (impl_->renderer) impl_->renderer->recycle(std::move(image));

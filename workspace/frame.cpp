@@ -89,7 +89,7 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
 
 bool is_sound(const Settings& settings, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
-  if (check(settings, log)) (void)check_lens(settings, log);
+  if (check(settings, log) && check_sky(settings, log)) (void)check_lens(settings, log);
   for (const std::string& output : *settings.outputs) check_output(CameraInstrument(), output, log);
   return log.errors() == errors;
 }
@@ -391,6 +391,9 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
     camera.world_from_camera = glm::normalize(camera.world_from_camera * mount);
   set_sun(settings, camera.world_from_camera, frame);
   posed.set_sun(*frame.sun);
+  auto sky = sky_.read(settings, log);
+  if (!sky) return failed;
+  frame.sky = *std::move(sky);
   joints.set_aims(camera.position, log);
   if (log.errors() != errors) return failed;
   for (const world::Instance& target : posed.instances())
@@ -426,6 +429,10 @@ void show(const WorldState& state, const world::World& world, world::World& show
   for (std::size_t i = 0; i < world.size(); ++i) place_joints(state, world[i], i, shown);
   shown.set_sun(state.sun.value_or(world.sun()));
   shown.set_white(state.white ? state.white : world.given_white());
+  if (state.sky)
+    shown.set_sky(state.sky->bodies, state.sky->sun_visible);
+  else
+    shown.set_sky({world.bodies().begin(), world.bodies().end()}, world.sun_visible());
 }
 
 }  // namespace panwright::workspace

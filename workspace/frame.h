@@ -17,6 +17,7 @@
 #include "workspace/labelling.h"
 #include "workspace/settings.h"
 #include "workspace/shutter.h"
+#include "workspace/sky_settings.h"
 #include "workspace/targets.h"
 #include "workspace/views.h"
 #include "world/world.h"
@@ -36,10 +37,11 @@ struct TargetJoint {
 
 // State of a world at one time.
 struct WorldState {
-  std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
-  std::vector<TargetJoint> joints;  // different from the world, aims resolved
-  std::optional<world::Sun> sun;    // none: the world's
-  std::optional<Vec3> white;        // none: the world's
+  std::vector<TargetPose> poses;        // different from the world; later ones replace earlier ones
+  std::vector<TargetJoint> joints;      // different from the world, aims resolved
+  std::optional<world::Sun> sun;        // none: the world's
+  std::optional<Vec3> white;            // none: the world's
+  std::shared_ptr<const SkyState> sky;  // null: the world's
 };
 
 // State of a world at one moment of an exposure, with the camera's pose.
@@ -94,6 +96,7 @@ class FrameMaker {
   bool use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
+  SkyReader sky_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
   std::set<std::string> refused_;                      // of them, those that were reported
 };

@@ -346,6 +346,9 @@ bool read_setting(SettingId id, std::string_view text, Settings& settings, Diagn
                : reader.add_pose(name, SettingValue(std::string_view(rest)), settings.pose);
   if (id == SettingId::joint) return reader.add(joint_text(text), settings.joint);
   if (id == SettingId::define) return reader.add({name, rest}, settings.define);
+  if (id == SettingId::planet)
+    return sign < text.size() ? reader.add({name, rest}, settings.planet)
+                              : reader.add({{}, std::string(text)}, settings.planet);
   return visit_setting(
       id,
       [&](SettingId, auto& member) {
@@ -373,6 +376,8 @@ bool read_setting(SettingId id, const json& value, Settings& settings, Diagnosti
         reader.add({name, value_text(SettingValue(item))}, settings.joint);
       else if (id == SettingId::define)
         reader.add({name, value_text(SettingValue(item))}, settings.define);
+      else if (id == SettingId::planet)
+        reader.add({name, value_text(SettingValue(item))}, settings.planet);
       else
         reader.add(name + "=" + item.get<std::string>(), settings.targets);
     }
@@ -444,6 +449,11 @@ nlohmann::ordered_json setting_json(SettingId id, const Settings& settings) {
       if ((*settings.layers >> i & 1u) != 0) names.push_back(std::string(image::kLayerNames[i]));
     return names;
   }
+  if (id == SettingId::planet) {
+    auto bodies = nlohmann::ordered_json::object();
+    for (const auto& [name, text] : *settings.planet) bodies[name] = text;
+    return bodies;
+  }
   return visit_setting(
       id, [](SettingId each, const auto& member) { return as_json(info_of(each), *member); },
       settings);
@@ -459,6 +469,8 @@ std::vector<std::string> setting_texts(SettingId id, const Settings& settings) {
   if (!has_value(id, settings)) return out;
   if (id == SettingId::joint)
     for (const JointText& joint : *settings.joint) out.push_back(joint.joint + "=" + joint.value);
+  else if (id == SettingId::planet)
+    for (const auto& [name, text] : *settings.planet) out.push_back(name + "=" + text);
   else if (id == SettingId::pose)
     for (const auto& [target, pose] : *settings.pose)
       out.push_back(fmt::format("{}{}{} {} {} {} {} {} {}", target, target.empty() ? "" : "=",

@@ -39,6 +39,8 @@ enum class SettingId : std::uint8_t {
   sun_irradiance,
   white,
   limb_darkening,
+  planet,
+  sky,
   engine,
   quality,
   samples,
@@ -102,6 +104,8 @@ struct Settings {
   Setting<Vec3> sun_irradiance;
   Setting<Vec3> white;
   Setting<double> limb_darkening{0.0};
+  Setting<std::vector<std::pair<std::string, std::string>>> planet;
+  Setting<std::string> sky;
   Setting<Engine> engine{Engine::gl};
   Setting<Quality> quality{Quality::standard};
   Setting<NumberOr<Samples, std::uint32_t>> samples{Samples::automatic};

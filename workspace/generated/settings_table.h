@@ -112,6 +112,12 @@ inline constexpr SettingInfo kSettings[] = {
     {"limb-darkening", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1.0, 0, EngineSet::both, Recorded::changed,
      "a number from 0 to 1", "a number from 0 to 1",
      "--limb-darkening", "Reference engine (--engine reference)", "U", "Coefficient u of I = 1 - u (1 - cos) over the Sun's disc (default 0); gl applies it to glints only"},
+    {"planet", kFormMap, kFormText | kFormNumbers, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "an object of bodies, as {\"earth\": \"0 0 -6778km\"}", "an object of bodies, as {\"earth\": \"0 0 -6778km\"}",
+     "--planet", "Camera and Sun", "NAME=\"X Y Z\"", "Body of the sky: earth, moon, or another name with radius=; after its centre a quaternion, albedo=, law= and map=FILE; may be repeated"},
+    {"sky", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "names, as \"sun\"", "names, as \"sun\"",
+     "--sky", "Camera and Sun", "\"NAMES\"", "What else stands in the background: sun, its disc"},
     {"engine", kFormText, 0, 0, SettingUnit::none, kEngineWords, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::always,
      "\"gl\" or \"reference\"", "gl or reference",
      "--engine", "", "NAME", "Engine: gl (OpenGL, default) or reference (path tracing on the CPU, slow, with error bars)"},
@@ -175,8 +181,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::planet, SettingId::sky, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -212,6 +218,8 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::sun_irradiance: return f(id, settings.sun_irradiance...);
     case SettingId::white: return f(id, settings.white...);
     case SettingId::limb_darkening: return f(id, settings.limb_darkening...);
+    case SettingId::planet: return f(id, settings.planet...);
+    case SettingId::sky: return f(id, settings.sky...);
     case SettingId::engine: return f(id, settings.engine...);
     case SettingId::quality: return f(id, settings.quality...);
     case SettingId::samples: return f(id, settings.samples...);
@@ -268,6 +276,8 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::sun_irradiance, settings.sun_irradiance...);
   f(SettingId::white, settings.white...);
   f(SettingId::limb_darkening, settings.limb_darkening...);
+  f(SettingId::planet, settings.planet...);
+  f(SettingId::sky, settings.sky...);
   f(SettingId::engine, settings.engine...);
   f(SettingId::quality, settings.quality...);
   f(SettingId::samples, settings.samples...);

@@ -1,0 +1,38 @@
+// Bodies of the sky, from settings (docs/sky.md).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "light/body.h"
+#include "workspace/settings.h"
+
+namespace panwright::workspace {
+
+// State of the sky of a frame.
+struct SkyState {
+  std::vector<light::Body> bodies;
+  bool sun_visible = false;
+};
+
+// Checks `planet` and `sky`, without the files of maps. Fails: E0201.
+bool check_sky(const Settings& settings, DiagnosticLog& log);
+
+// Reader of the sky, which keeps maps by their path.
+class SkyReader {
+ public:
+  // Returns null where the settings have no sky. Of bodies of one name the last counts.
+  //
+  // Expects: check_sky(). Fails: E0101, E0102, E3001, E3002; E0201 for a map that is not twice as
+  // wide as high.
+  Result<std::shared_ptr<const SkyState>> read(const Settings& settings, DiagnosticLog& log);
+
+ private:
+  std::map<std::string, std::shared_ptr<const light::BodyMap>> maps_;
+};
+
+}  // namespace panwright::workspace
