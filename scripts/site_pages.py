@@ -30,6 +30,7 @@ NAVIGATION = [
     ("Window", "studio.md"),
     ("Samples", "sampling.md"),
     ("Shadows", "shadows.md"),
+    ("Sky", "sky.md"),
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),

@@ -75,17 +75,17 @@ double light_to(double x, double half, double limb) {
          0.5 * limb * half * half * (t * std::sqrt(std::max(0.0, 1 - t * t)) + det::asin(t));
 }
 
-double lit_of_chord(std::vector<Span>& hidden, double half, double limb) {
-  double lit = light_to(half, half, limb) - light_to(-half, half, limb);
+double hidden_of_chord(std::vector<Span>& hidden, double half, double limb) {
+  double sum = 0;
   std::ranges::sort(hidden, {}, &Span::low);
   double reached = -half;
   for (const Span& span : hidden) {
     const double low = std::max(span.low, reached);
     if (span.high <= low) continue;
-    lit -= light_to(span.high, half, limb) - light_to(low, half, limb);
+    sum += light_to(span.high, half, limb) - light_to(low, half, limb);
     reached = span.high;
   }
-  return std::max(lit, 0.0);
+  return sum;
 }
 
 enum class Cover { none, partial, whole };
@@ -102,7 +102,66 @@ Cover cover_of(const ChordLine& line) {
   return impact < 1 - change && ahead > change ? Cover::whole : Cover::partial;
 }
 
+// How far the Sun's centre stands beyond the limb, in its radii; far where the body is behind.
+double beyond(const ChordLine& line) {
+  constexpr double kFar = 1e6;
+  if (glm::dot(line.from, line.middle) >= 0) return kFar;
+  const double square = glm::dot(line.middle, line.middle);
+  const double impact = std::sqrt(glm::dot(line.middle_moment, line.middle_moment) / square);
+  const auto slope = [&](const Vec3& step, const Vec3& moment) {
+    return (glm::dot(line.middle_moment, moment) - impact * impact * glm::dot(line.middle, step)) /
+           (std::max(impact, 1e-9) * square);
+  };
+  const double along = slope(line.x, line.x_moment), across = slope(line.y, line.y_moment);
+  const double change = std::sqrt(along * along + across * across);
+  return change > 0 ? std::clamp((impact - 1) / change, -kFar, kFar) : kFar;
+}
+
+// The t of a share, by bisection.
+double edge_of(double share, double limb) {
+  double low = -1, high = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (share_beyond(middle, limb) < share ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace
+
+// By chords: uniform discs, and discs whose brightness is μ.
+double share_beyond(double t, double limb_darkening) {
+  t = std::clamp(t, -1.0, 1.0);
+  const double even = 0.5 + (det::asin(t) + t * std::sqrt(1 - t * t)) / kPi;
+  const double round = 0.5 + t * (3 - t * t) / 4;
+  const double u = limb_darkening;
+  return ((1 - u) * even + u * (2.0 / 3) * round) / (1 - u / 3);
+}
+
+std::optional<EclipseEdge> Sky::eclipse_edge(const Vec3& point, double radius) const {
+  const auto value = [&](const Ellipsoid& shape, const Vec3& at) {
+    return beyond(ChordLine(shape, shape.from(at), to_sun_, across_[0], across_[1], sun_sine_));
+  };
+  std::optional<EclipseEdge> deepest;
+  for (const Ellipsoid& shape : shapes_) {
+    EclipseEdge edge{value(shape, point)};
+    double change = 0;
+    for (int k = 0; k < 3; ++k) {
+      Vec3 step(0);
+      step[k] = radius;
+      const double difference = value(shape, point + step) - value(shape, point - step);
+      edge.gradient[k] = 0.5 * difference / radius;
+      change += std::fabs(0.5 * difference);
+    }
+    if (edge.value > 1 + 2 * change) continue;
+    if (!deepest || edge.value < deepest->value) deepest = edge;
+  }
+  if (!deepest) return std::nullopt;
+  const double share = sun_share(point);
+  constexpr double kPartial = 1e-4;  // beyond, the slope of a share is too small to divide by
+  if (share > kPartial && share < 1 - kPartial) deepest->value = edge_of(share, limb_);
+  return deepest;
+}
 
 double Sky::sun_share(const Vec3& point, std::optional<std::size_t> except) const {
   std::vector<ChordLine> lines;
@@ -123,15 +182,15 @@ double Sky::sun_share(const Vec3& point, std::optional<std::size_t> except) cons
     if (cover == Cover::partial) lines.push_back(line);
   }
   if (lines.empty()) return 1;
-  double lit = 0;
+  double sum = 0;
   std::vector<Span> hidden;
   for (int i = 0; i < kChords; ++i) {
     const det::SinCos turn = det::sincos(kPi * ((i + 0.5) / kChords - 0.5));
     hidden.clear();
     for (const ChordLine& line : lines) add_hidden(line, turn.sin, turn.cos, hidden);
-    lit += lit_of_chord(hidden, turn.cos, limb_) * turn.cos;
+    sum += hidden_of_chord(hidden, turn.cos, limb_) * turn.cos;
   }
-  return std::clamp(lit * (kPi / kChords) / (kPi * (1 - limb_ / 3)), 0.0, 1.0);
+  return std::clamp(1 - sum / (kChords * (1 - limb_ / 3)), 0.0, 1.0);
 }
 
 }  // namespace panwright::sky

@@ -27,6 +27,16 @@ struct Ellipsoid {
   double radius;           // its cube root
 };
 
+// Edge of a shadow near a point, straight: t = value + gradient·(place − point) is how far the
+// Sun's centre stands beyond the limb, in radii of its disc.
+struct EclipseEdge {
+  double value = 1;
+  Vec3 gradient{0};  // 1/m
+};
+
+// Returns the share of the Sun's light beyond a straight edge: 0 at t = −1, 1 at t = 1.
+double share_beyond(double t, double limb_darkening);
+
 // The bodies and the Sun of a world. The Sun is at infinity: its direction is the same everywhere.
 class Sky {
  public:
@@ -61,6 +71,10 @@ class Sky {
   // Error: 2e-4 of the whole (bodies much smaller than the Sun). Cost: O(bodies), 256 chords where
   // one is partial.
   double sun_share(const Vec3& point, std::optional<std::size_t> except = {}) const;
+
+  // Returns the edge of the deepest shadow near a point, for places within a radius of it; none:
+  // all of them are lit. Its share at the point is that of sun_share().
+  std::optional<EclipseEdge> eclipse_edge(const Vec3& point, double radius) const;
 
  private:
   std::vector<light::Body> bodies_;

@@ -26,8 +26,8 @@ const Absent kAbsent[] = {
     {{"noise", "read-noise", "shot-noise", "dark-current", "gain", "full-well", "iso",
       "quantum-efficiency", "detector", "sensor", "bit-depth"},
      kSensor},
-    {{"stars", "star-catalog", "star-catalogue", "background", "skybox", "earth", "moon",
-      "planets", "environment", "hdri", "atmosphere"},
+    {{"stars", "star-catalog", "star-catalogue", "background", "skybox", "earth", "moon", "planets",
+      "environment", "hdri", "atmosphere"},
      kSky},
     {{"exposure", "exposure-time", "gamma", "brightness", "tone-mapping"},
      "--ev STOPS, or --ev auto, sets the exposure of a PNG, --tone photo its curve; the other "

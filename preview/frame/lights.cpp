@@ -6,6 +6,7 @@
 
 #include "light/light.h"
 #include "preview/frame/blocks.h"
+#include "sky/sky.h"
 
 namespace panwright::preview {
 namespace {
@@ -35,6 +36,21 @@ void copy_light(const light::Incidence& light, LightBlock& block) {
   copy_floats(light.irradiance, block.irradiance);
   block.alpha2 = static_cast<float>(light.alpha2);
   block.limb_darkening = static_cast<float>(light.limb);
+}
+
+// Sets the shadow's edge of a body across a receiver; without shadow maps, and so without places of
+// samples, its light at the middle.
+void add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places,
+                 LightBlock& block) {
+  if (!places) {
+    const auto share = static_cast<float>(sky.sun_share(origin));
+    for (float& band : block.irradiance) band *= share;
+    return;
+  }
+  const auto edge = sky.eclipse_edge(origin, std::max(radius, 1e-3));
+  if (!edge) return;
+  copy_floats(edge->gradient, block.eclipse);
+  block.eclipse[3] = static_cast<float>(edge->value);
 }
 
 }  // namespace
@@ -73,11 +89,20 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
   views_.assign(receivers, {});
   // from infinity: the same everywhere
   const light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  std::optional<sky::Sky> sky;
+  if (!scene.world.bodies().empty()) sky.emplace(scene.world);
   for (std::size_t r = 0; r < receivers; ++r) {
     const VisibleTarget& visible = scene.visible.targets[r];
     samples_.push_back(preview::model_from_sample(scene.camera, scene.world[visible.target].pose(),
                                                   *scene.state(r).bounds, visible));
     copy_light(sunlight, views_[r].block);
+    views_[r].block.eclipse[3] = 1;
+    if (sky) {
+      const AxisBox& bounds = *scene.state(r).bounds;
+      const Mat4 world_from_sample = scene.world[visible.target].pose().matrix() * samples_[r];
+      add_eclipse(*sky, Vec3(world_from_sample[3]), 0.5 * glm::length(bounds.high - bounds.low),
+                  shadows(), views_[r].block);
+    }
     if (shadows()) maps_.add_to(views_[r], r, samples_[r]);
   }
   if (!stream_) {

@@ -151,6 +151,7 @@ struct alignas(16) LightBlock {
   float alpha2;  // an eighth of the square of its disc's radius
   float irradiance[3];  // RGB, on a plane that faces it
   float limb_darkening;  // of its disc
+  float eclipse[4];  // of a sample's place and 1: how far the Sun stands beyond a body's limb, in radii of its disc
   float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
   float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose
   float half_map[2];  // half its width and height, texels
@@ -158,24 +159,25 @@ struct alignas(16) LightBlock {
   float texel_depth;  // of one texel, as a share of the map's depth, times w of a place
   std::int32_t points;  // of the light's disc; they are layers of the map
   std::int32_t tiles;  // of the map; 0: it is one
-  float padding_172[1];
+  float padding_188[1];
   float tile_place[48];  // of each tile: a place times w, plus xyz
   float tile_inside[48];  // of each tile: x and y from, x and y to
   float disc[512];  // shears of rays to points of the disc, two a row
 };
-static_assert(sizeof(LightBlock) == 2608);
+static_assert(sizeof(LightBlock) == 2624);
 static_assert(offsetof(LightBlock, to_light) == 0);
 static_assert(offsetof(LightBlock, alpha2) == 12);
 static_assert(offsetof(LightBlock, irradiance) == 16);
 static_assert(offsetof(LightBlock, limb_darkening) == 28);
-static_assert(offsetof(LightBlock, map_from_sample) == 32);
-static_assert(offsetof(LightBlock, map_plane_from_sample) == 96);
-static_assert(offsetof(LightBlock, half_map) == 144);
-static_assert(offsetof(LightBlock, texel_size) == 152);
-static_assert(offsetof(LightBlock, texel_depth) == 160);
-static_assert(offsetof(LightBlock, points) == 164);
-static_assert(offsetof(LightBlock, tiles) == 168);
-static_assert(offsetof(LightBlock, tile_place) == 176);
-static_assert(offsetof(LightBlock, tile_inside) == 368);
-static_assert(offsetof(LightBlock, disc) == 560);
+static_assert(offsetof(LightBlock, eclipse) == 32);
+static_assert(offsetof(LightBlock, map_from_sample) == 48);
+static_assert(offsetof(LightBlock, map_plane_from_sample) == 112);
+static_assert(offsetof(LightBlock, half_map) == 160);
+static_assert(offsetof(LightBlock, texel_size) == 168);
+static_assert(offsetof(LightBlock, texel_depth) == 176);
+static_assert(offsetof(LightBlock, points) == 180);
+static_assert(offsetof(LightBlock, tiles) == 184);
+static_assert(offsetof(LightBlock, tile_place) == 192);
+static_assert(offsetof(LightBlock, tile_inside) == 384);
+static_assert(offsetof(LightBlock, disc) == 576);
 }  // namespace panwright::preview

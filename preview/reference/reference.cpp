@@ -9,7 +9,9 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
+#include "preview/reference/internal/backdrop.h"
 #include "preview/reference/internal/batches.h"
+#include "preview/reference/internal/bodies.h"
 #include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview {
@@ -263,8 +265,19 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   std::vector<Sun> suns;
   for (const trace::Scene::Placed& placed : scene.rays().targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
-  ViewSamples view{scene, suns, wide, {options.bounces, options.flat, world.white()}, options.seed};
+  std::vector<Bodies> bodies;
+  if (!world.bodies().empty()) {
+    const auto targets = scene.rays().targets();
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      bodies.emplace_back(world.bodies(), targets[i].frame, suns[i]);
+    const trace::RigidFrame& observer = scene.rays().observer();
+    bodies.emplace_back(world.bodies(), observer,
+                        Sun(world.sun(), observer.world_from, options.sun_disc));
+  }
+  ViewSamples view{scene,       suns, bodies, wide, {options.bounces, options.flat, world.white()},
+                   options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
+  if (world.has_sky()) add_backdrop(world, scene, camera, cells, options, result, job);
   if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, empty_because(world, scene.rays(), cells));

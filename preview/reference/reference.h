@@ -45,7 +45,8 @@ struct ReferenceImage {
   // over pixels take flux_error.
   std::vector<float> standard_error;
 
-  // Sum of radiance × solid angle of the pixel, the irradiance at a perspective camera; × area,
+  // Of targets, without bodies: sum of radiance × solid angle of the pixel, the irradiance at a
+  // perspective camera; × area,
   // the radiant intensity, for an orthographic one.
   Vec3 flux{0};
   // One standard error, from independent images. Widened for their small number, so that true
@@ -61,6 +62,9 @@ struct ReferenceImage {
 };
 
 // Path tracer of worlds.
+//
+// Bodies of the sky light targets, with all BRDFs and at every bounce. They eclipse the Sun by the
+// place on its disc, hide targets beyond them and stand behind others.
 //
 // Always as authored: materials in double, textures at full resolution (bilinear), the finest
 // meshes. The rays' geometry is in double, each target in its own frame. Camera and targets may be

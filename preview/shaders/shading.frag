@@ -130,6 +130,20 @@ void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
 }
 #endif
 
+#ifdef SHADOWED
+// The share of the Sun's disc beyond the limb of a body: sky::share_beyond().
+float share_beyond_limb(ivec2 place) {
+  vec3 at = uintBitsToFloat(texelFetch(position_samples, place, 0).xyz);
+  float t = dot(light.eclipse, vec4(at, 1.0));
+  if (t >= 1.0) return 1.0;
+  t = max(t, -1.0);
+  float u = light.limb_darkening;
+  float even = 0.5 + (asin(t) + t * sqrt(1.0 - t * t)) * 0.31830988618379067;
+  float round_disc = 0.5 + 0.25 * t * (3.0 - t * t);
+  return ((1.0 - u) * even + u * 0.66666667 * round_disc) / (1.0 - u * 0.33333333);
+}
+#endif
+
 void main() {
   ivec2 place = sample_place();
   uvec4 found = texelFetch(normal_samples, place, 0);
@@ -221,7 +235,8 @@ void main() {
 #endif
 #ifdef SHADOWED
   if (dot(normal, from.to_light) > 0.0) {
-    vec2 visibility = light_visibility(place, dot(normal, to_middle) < 0.0);
+    vec2 visibility =
+        light_visibility(place, dot(normal, to_middle) < 0.0) * share_beyond_limb(place);
     // what is left where the light does not shine
     vec3 shaded = emitted;
 #ifdef ROUGH

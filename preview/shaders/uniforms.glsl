@@ -89,6 +89,7 @@ const int kLightBinding = 4;
   float alpha2; \
   vec3 irradiance; \
   float limb_darkening; \
+  vec4 eclipse; \
   mat4 map_from_sample; \
   vec4 map_plane_from_sample[3]; \
   vec2 half_map; \

@@ -121,6 +121,32 @@ TEST(Eclipse, AnnularByAreas) {
   EXPECT_EQ(Sky(world).sun_share(Vec3(distance, 0, 0)), 0);      // within it
 }
 
+// The edge crosses a truss: of 40 m by a moon of 6 km, whose penumbra is as wide, and the Earth.
+TEST(Eclipse, EdgeNearAPoint) {
+  struct Case {
+    double radius, distance, truss;
+  };
+  for (const auto& [radius, distance, truss] :
+       {Case{3000, 5000, 20}, Case{kRadius, kRadius + 400e3, 50}, Case{kRadius, 42164e3, 5000}}) {
+    for (const double t : {-0.8, 0.0, 0.5}) {
+      const double limb = std::asin(radius / distance) + t * world::kSunSineAtOneAu;
+      const world::World world =
+          sphere_world(radius, distance * Vec3(std::cos(limb), 0, std::sin(limb)), 0.6);
+      const Sky sky(world);
+      const auto edge = sky.eclipse_edge(Vec3(0), truss);
+      ASSERT_TRUE(edge);
+      for (const Vec3& place : {Vec3(0), Vec3(truss, 0, 0), Vec3(0, truss, 0), Vec3(0, 0, truss),
+                                Vec3(0, 0, -0.4 * truss)}) {
+        const double got = share_beyond(edge->value + glm::dot(edge->gradient, place), 0.6);
+        // the limb of the small moon bends by 0.07 m in 20 m, 4e-3 of its penumbra
+        EXPECT_NEAR(got, sky.sun_share(place), 4e-3) << distance << ' ' << t << ' ' << place.z;
+      }
+    }
+  }
+  EXPECT_FALSE(Sky(sphere_world(kRadius, Vec3(-1e8, 0, 0), 0)).eclipse_edge(Vec3(0), 10));
+  EXPECT_FALSE(Sky(sphere_world(kRadius, Vec3(0, 1e8, 0), 0)).eclipse_edge(Vec3(0), 10));
+}
+
 // Seconds from the first to the last light on a circular orbit.
 double crossing(double height) {
   const double orbit = kRadius + height;

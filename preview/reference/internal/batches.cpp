@@ -163,7 +163,8 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   FirstRandoms first;
   first.sun = jittered(shuffled(number, 0), u[2], u[3]);
   // without a disc to look for and without bounces no direction is drawn
-  if (view_.path.bounces > 0 || (!view_.suns.empty() && view_.suns[0].has_disc())) {
+  if (view_.path.bounces > 0 || !view_.bodies.empty() ||
+      (!view_.suns.empty() && view_.suns[0].has_disc())) {
     const std::array<double, 4> v = numbers(name, 1);
     first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
     first.lobe = v[2];
@@ -173,7 +174,8 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   const auto seen = view_ray(view_.camera, sample.place);
   if (!seen) return sample;
   const trace::Ray ray{*seen};
-  const PathResult path = traced(view_.scene, view_.suns, ray, first, name, view_.path, counts);
+  const PathResult path =
+      traced(view_.scene, view_.suns, view_.bodies, ray, first, name, view_.path, counts);
   sample.light = Light(path.radiance, path.covered ? 1 : 0);
   return sample;
 }

@@ -21,6 +21,7 @@ namespace panwright::preview::reference {
 struct ViewSamples {
   const TraceScene& scene;  // with the camera in it
   std::span<const Sun> suns;
+  std::span<const Bodies> bodies;
   world::Camera camera;  // its image may be larger than the requested one
   PathOptions path;
   std::uint64_t seed = 0;

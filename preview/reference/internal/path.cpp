@@ -32,9 +32,13 @@ struct Lit {
   const TraceScene& scene;
   std::uint32_t target;
   const Sun& sun;
+  const Bodies* bodies;  // null: none
   const Point& point;
 
-  bool reaches(const Vec3& to_light) const { return !scene.any({{point.start, to_light}, target}); }
+  bool open(const Vec3& to_light) const { return !scene.any({{point.start, to_light}, target}); }
+  bool reaches(const Vec3& to_sun) const {
+    return !(bodies && bodies->hides(point.start, to_sun)) && open(to_sun);
+  }
 };
 
 // The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
@@ -90,6 +94,41 @@ Vec3 disc_seen(const Sun& sun, const DiscPlaces& places, const materials::Sample
          power_weight(sampled.pdf, density * per_steradian(sun, sampled.to_light));
 }
 
+// The light of bodies that a surface sends to a viewer, their discs sampled.
+Vec3 planetshine(const Lit& lit, const Vec3& to_viewer, const std::array<double, 4>& u,
+                 double u_body, RayCounts& counts) {
+  const Point& point = lit.point;
+  const auto light = lit.bodies->sample(point.start, {u[0], u[1]}, u_body);
+  if (!light) return Vec3(0);
+  const double cosine = glm::dot(point.normal, light->direction);
+  if (!(cosine > 0)) return Vec3(0);
+  const materials::Scattering& scattering = point.surface().scattering;
+  Vec3 result =
+      scattering.brdf(light->direction, to_viewer, point.normal, point.tangent, point.tint) *
+      (cosine / light->pdf);
+  if (is_black(result)) return Vec3(0);
+  const auto hit = lit.bodies->nearest(point.start, light->direction);
+  if (!hit) return Vec3(0);
+  result *= lit.bodies->radiance(light->direction, *hit, {u[2], u[3]}) *
+            power_weight(light->pdf, scattering.pdf(light->direction, to_viewer, point.normal,
+                                                    point.tangent, point.tint));
+  if (is_black(result)) return Vec3(0);
+  ++counts.shadow;
+  return lit.open(light->direction) ? result : Vec3(0);
+}
+
+// What a direction drawn by a lobe gets of a body where nothing stands before it.
+Vec3 body_seen(const Lit& lit, const materials::Sampled& sampled, const Vec2& u) {
+  const auto hit = lit.bodies->nearest(lit.point.start, sampled.to_light);
+  if (!hit) return Vec3(0);
+  const Vec3 light = sampled.weight * lit.bodies->radiance(sampled.to_light, *hit, u);
+  if (sampled.delta) return light;
+  return light * power_weight(sampled.pdf, lit.bodies->pdf(lit.point.start, sampled.to_light));
+}
+
+// Uses of numbers() for bodies, beyond those of paths.
+constexpr std::uint32_t kBodyUse = 1u << 20;
+
 }  // namespace
 
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
@@ -99,13 +138,17 @@ std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
-PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trace::Ray& ray,
-                  const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
-                  RayCounts& counts) {
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
+                  std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,
+                  const StreamKey& name, const PathOptions& options, RayCounts& counts) {
   PathResult result;
   ++counts.camera;
   auto hit = scene.seen(ray);
   if (!hit) return result;
+  if (!bodies.empty()) {
+    const auto before = bodies.back().nearest(ray.origin, ray.direction);
+    if (before && before->distance < hit->distance) return result;
+  }
   result.covered = true;
   Vec3 direction = hit->direction;
   Vec3 share(1);
@@ -114,7 +157,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trac
   for (std::uint32_t depth = 0;; ++depth) {
     const Sun& sun = suns[hit->target];
     const Point point = scene.point(*hit, options.flat);
-    const Lit lit{scene, hit->target, sun, point};
+    const Lit lit{scene, hit->target, sun, bodies.empty() ? nullptr : &bodies[hit->target], point};
     result.radiance += share * point.emitted * options.white;
     const Scatter& surface = point.surface();
     if (point.normal == Vec3(0)) break;
@@ -133,12 +176,23 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trac
     if (surface.has_mirror && sun.has_disc())
       result.radiance += share * mirrored_disc(lit, to_viewer, counts);
 
+    std::array<double, 4> v{}, w{};
+    if (lit.bodies != nullptr) {
+      v = numbers(name, kBodyUse + 2 * depth);
+      w = numbers(name, kBodyUse + 2 * depth + 1);
+      result.radiance += share * planetshine(lit, to_viewer, v, w[0], counts);
+    }
+
     const bool last = depth >= options.bounces;
-    if (last && !places) break;
+    if (last && !places && lit.bodies == nullptr) break;
     const auto sampled = surface.scattering.sample(to_viewer, point.normal, point.tangent,
                                                    point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
-    const Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
+    Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
+    if (lit.bodies != nullptr) {
+      if (!is_black(disc) && lit.bodies->hides(point.start, sampled->to_light)) disc = Vec3(0);
+      disc += body_seen(lit, *sampled, {w[1], w[2]});
+    }
     if (last && is_black(disc)) break;
     const trace::Ray onward{{point.start, sampled->to_light}, hit->target};
     ++counts.bounce;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/math.h"
+#include "preview/reference/internal/bodies.h"
 #include "preview/reference/internal/sun.h"
 #include "preview/reference/internal/trace_scene.h"
 
@@ -45,12 +46,14 @@ struct PathOptions {
 
 // Traces the light along a ray from the camera: emission, and the Sun at every surface on the way.
 // The Sun is sampled by its disc and, for narrow lobes, by the lobe (power heuristic of E. Veach,
-// "Robust Monte Carlo methods for light transport simulation", 1997, 9.2).
+// "Robust Monte Carlo methods for light transport simulation", 1997, 9.2); the bodies of the sky by
+// their discs and by all lobes, alike.
 //
-//   suns   one for each target of the world
-PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const trace::Ray& ray,
-                  const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
-                  RayCounts& counts);
+//   suns    one for each target of the world
+//   bodies  the same, and then one in the camera's frame; none: no bodies
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
+                  std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,
+                  const StreamKey& name, const PathOptions& options, RayCounts& counts);
 
 // Returns the numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use);

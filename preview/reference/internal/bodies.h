@@ -1,0 +1,67 @@
+// Bodies of the sky as rays meet them. Private to preview/reference.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/math.h"
+#include "light/body.h"
+#include "preview/reference/internal/sun.h"
+#include "trace/placement.h"
+
+namespace panwright::preview::reference {
+
+// The bodies in the frame of a target's model, or of the camera. Origins and directions are in that
+// frame, metres and unit.
+class Bodies {
+ public:
+  // Expects: the bodies outlive this; the Sun in the same frame.
+  Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun);
+
+  bool empty() const { return bodies_.empty(); }
+
+  // Returns whether a body stands in a direction.
+  bool hides(const Vec3& origin, const Vec3& direction) const;
+
+  struct Hit {
+    std::size_t body = 0;
+    double distance = 0;
+    Vec3 place{0};  // on the unit sphere of the body
+  };
+  std::optional<Hit> nearest(const Vec3& origin, const Vec3& direction) const;
+
+  // Returns the radiance of a hit against a direction; other bodies eclipse it.
+  //
+  //   u  place on the Sun's disc, where its light comes from
+  Vec3 radiance(const Vec3& direction, const Hit& hit, const Vec2& u) const;
+
+  // Draws a direction to the disc of a body, even over the directions of its unit sphere. None
+  // within a body.
+  struct Sample {
+    Vec3 direction{0};
+    double pdf = 0;  // 1/sr, of all bodies together
+  };
+  std::optional<Sample> sample(const Vec3& origin, const Vec2& u, double u_body) const;
+  // Returns the density of sample() in a direction, 1/sr; 0 beside the discs.
+  double pdf(const Vec3& origin, const Vec3& direction) const;
+
+ private:
+  struct Placed {
+    const light::Body* body;
+    Vec3 centre;
+    Mat3 turn;  // the frame from the body
+    double volume;
+    Vec3 to_unit(const Vec3& v) const { return (v * turn) / body->radii; }
+    Vec3 from_unit(const Vec3& v) const { return turn * (v * body->radii); }
+  };
+  // Share of a body among all in sample(): its disc in steradians of its own sphere.
+  static double disc_of(const Placed& one, const Vec3& origin);
+  double pdf_of(const Placed& one, const Vec3& origin, const Vec3& direction) const;
+
+  std::vector<Placed> bodies_;
+  Sun sun_;
+};
+
+}  // namespace panwright::preview::reference
