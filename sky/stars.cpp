@@ -1,0 +1,140 @@
+#include "sky/stars.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "light/light.h"
+
+namespace panwright::sky {
+namespace {
+
+constexpr double kLightSpeed = 299792458;  // m/s
+constexpr double kReach = 6;               // sigmas of a Gaussian: 2e-9 lie beyond
+constexpr double kSunColour = 0.65;        // B − V
+
+// The smallest cosine of the angle between the boresight and what may fall on the image, by the
+// rays of its border; -2: anything may.
+double cone_of(const world::Camera& camera, double margin) {
+  constexpr int kPoints = 32;  // along a side
+  double smallest = 1;
+  const double width = camera.width + 2 * margin;
+  const double height = camera.height + 2 * margin;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double x = width * i / kPoints - margin;
+    const double y = height * i / kPoints - margin;
+    for (const Vec2& pixel :
+         {Vec2(x, -margin), Vec2(x, height - margin), Vec2(-margin, y), Vec2(width - margin, y)}) {
+      const auto ray = world::distorted_ray(camera, pixel);
+      if (!ray) return -2;  // the lens ends inside the image
+      smallest = std::min(smallest, ray->direction.z);
+    }
+  }
+  // note: directions lean less than between neighbouring rays of the border, hence the slack
+  return smallest > 0 ? smallest - 0.01 * (1.001 - smallest) : -2;
+}
+
+// Integrals of a Gaussian about a centre over pixels from `first` on.
+struct Shares {
+  std::int64_t first = 0;
+  std::vector<double> of;
+};
+
+Shares shares_of(double centre, double sigma) {
+  Shares out;
+  if (sigma == 0) return {static_cast<std::int64_t>(std::floor(centre)), {1}};
+  out.first = static_cast<std::int64_t>(std::floor(centre - kReach * sigma));
+  const auto last = static_cast<std::int64_t>(std::floor(centre + kReach * sigma));
+  const double scale = 1 / (sigma * std::sqrt(2.0));
+  double before = std::erf((static_cast<double>(out.first) - centre) * scale);
+  for (std::int64_t pixel = out.first; pixel <= last; ++pixel) {
+    const double after = std::erf((static_cast<double>(pixel + 1) - centre) * scale);
+    out.of.push_back(0.5 * (after - before));
+    before = after;
+  }
+  return out;
+}
+
+}  // namespace
+
+Vec3 apparent_direction(const Star& star, double years, const Vec3& velocity) {
+  const Vec3 u = glm::normalize(star.direction + years * star.motion);
+  const Vec3 b = velocity / kLightSpeed;
+  const double square = glm::dot(b, b);
+  assert(square < 1);
+  if (square == 0) return u;
+  const double g = 1 / std::sqrt(1 - square);
+  const double along = glm::dot(b, u);
+  return glm::normalize((u / g + b + (g / (g + 1) * along) * b) / (1 + along));
+}
+
+Vec3 star_irradiance(double v, double b_v) {
+  constexpr double kSunV = -26.76;  // Willmer 2018
+  const double colour = std::isnan(b_v) ? kSunColour : b_v;
+  const auto power = [](double fainter) { return det::pow(10, -0.4 * fainter); };
+  const double redder = colour - kSunColour;
+  return light::kSolarIrradiance *
+         Vec3(power(v - kSunV - 0.55 * redder), power(v - kSunV), power(v - kSunV + redder));
+}
+
+std::vector<StarInView> stars_in_view(const StarCatalogue& catalogue, const StarOptions& options,
+                                      const world::Camera& camera, double margin) {
+  std::vector<StarInView> found;
+  if (camera.projection != world::Projection::perspective) return found;
+  world::Camera still = camera;  // its axes are those of the world, and stars are far
+  still.position = Vec3(0);
+  still.world_from_camera = Quat(1, 0, 0, 0);
+  const double cone = cone_of(still, margin);
+  const Mat3 camera_from_icrs =
+      glm::mat3_cast(glm::conjugate(camera.world_from_camera) * options.world_from_icrs);
+  const Vec3 boresight(camera_from_icrs[0].z, camera_from_icrs[1].z, camera_from_icrs[2].z);
+  const double years = options.year - catalogue.epoch;
+  for (std::size_t i = 0; i < catalogue.stars.size(); ++i) {
+    const Star& star = catalogue.stars[i];
+    if (star.v > options.faintest) break;
+    const Vec3 direction = apparent_direction(star, years, options.velocity);
+    if (glm::dot(boresight, direction) < cone) continue;
+    const auto pixel = world::project(still, camera_from_icrs * direction);
+    if (!pixel || !(pixel->x >= -margin && pixel->x < camera.width + margin &&
+                    pixel->y >= -margin && pixel->y < camera.height + margin))
+      continue;
+    found.push_back({i, *pixel, star_irradiance(star.v, star.b_v)});
+  }
+  return found;
+}
+
+void add_stars(std::span<const StarInView> stars, const world::Camera& camera, double psf_sigma,
+               const Vec3& unit, image::Image& image) {
+  assert(image.width == camera.width && image.height == camera.height);
+  const auto width = static_cast<std::int64_t>(image.width);
+  const auto height = static_cast<std::int64_t>(image.height);
+  for (const StarInView& star : stars) {
+    // where the centre is outside, the nearest pixel says what is in front of it
+    const auto column =
+        std::clamp(static_cast<std::int64_t>(std::floor(star.pixel.x)), std::int64_t{0}, width - 1);
+    const auto row = std::clamp(static_cast<std::int64_t>(std::floor(star.pixel.y)),
+                                std::int64_t{0}, height - 1);
+    const double open =
+        1 - static_cast<double>(image.coverage[static_cast<std::size_t>(row * width + column)]);
+    if (!(open > 0)) continue;
+    const Vec3 light = open * star.irradiance / unit;
+    const Shares across = shares_of(star.pixel.x, psf_sigma);
+    const Shares down = shares_of(star.pixel.y, psf_sigma);
+    for (std::size_t j = 0; j < down.of.size(); ++j) {
+      const std::int64_t y = down.first + static_cast<std::int64_t>(j);
+      if (y < 0 || y >= height) continue;
+      for (std::size_t i = 0; i < across.of.size(); ++i) {
+        const std::int64_t x = across.first + static_cast<std::int64_t>(i);
+        if (x < 0 || x >= width) continue;
+        const double angle = world::pixel_solid_angle(camera, static_cast<std::uint32_t>(x),
+                                                      static_cast<std::uint32_t>(y));
+        if (!(angle > 0)) continue;
+        float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + x)];
+        for (int band = 0; band < 3; ++band)
+          radiance[band] += static_cast<float>(light[band] * down.of[j] * across.of[i] / angle);
+      }
+    }
+  }
+}
+
+}  // namespace panwright::sky
