@@ -7,6 +7,7 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -197,12 +198,12 @@ Result<StarCatalogue> read_stars(const std::filesystem::path& path, DiagnosticLo
   return parse_stars(std::move(*text), path.string(), log);
 }
 
-const StarCatalogue& hipparcos_stars() {
-  static const StarCatalogue kCatalogue = [] {
+std::shared_ptr<const StarCatalogue> hipparcos_stars() {
+  static const auto kCatalogue = [] {
     DiagnosticLog log;
     auto stars = parse_stars(hipparcos_text(), "sky/stars.csv", log);
     assert(stars);
-    return std::move(*stars);
+    return std::make_shared<const StarCatalogue>(std::move(*stars));
   }();
   return kCatalogue;
 }

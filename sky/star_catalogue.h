@@ -1,38 +1,22 @@
-// Catalogues of stars: positions, motions and magnitudes.
-//
-// Directions are in the axes of the ICRS, which are those of J2000 within 0.02 arcsec.
+// Catalogues of stars, as text.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <limits>
+#include <memory>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/diagnostic.h"
-#include "base/math.h"
 #include "base/result.h"
+#include "light/stars.h"
 
 namespace panwright::sky {
 
-struct Star {
-  Vec3 direction{0, 0, 1};  // unit, at the catalogue's epoch
-  Vec3 motion{0};           // across the direction, radians a Julian year
-  double v = 0;             // magnitude, Johnson V
-  double b_v = 0;           // colour B − V, magnitudes; NaN: unknown
-  std::uint32_t hip = 0;    // number in the Hipparcos catalogue; 0: none
-  std::string name;         // empty: none
-};
-
-struct StarCatalogue {
-  double epoch = 2000;      // Julian year of the directions
-  std::vector<Star> stars;  // from the brightest to the faintest
-};
+using light::Star;
+using light::StarCatalogue;
 
 // The stars of the Hipparcos catalogue (ESA 1997, I/239) with V below 8: 41,057, to 1 mas at
 // 1991.25. Parsed at the first call, some 20 ms.
-const StarCatalogue& hipparcos_stars();
+std::shared_ptr<const StarCatalogue> hipparcos_stars();
 
 // Reads a catalogue as text: lines of numbers with commas below a line of their names
 // `ra[deg],dec[deg],v[mag]`, in any order, with pm_ra[mas/yr] (times cos dec), pm_dec[mas/yr],

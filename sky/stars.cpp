@@ -77,30 +77,44 @@ Vec3 star_irradiance(double v, double b_v) {
          Vec3(power(v - kSunV - 0.55 * redder), power(v - kSunV), power(v - kSunV + redder));
 }
 
-std::vector<StarInView> stars_in_view(const StarCatalogue& catalogue, const StarOptions& options,
-                                      const world::Camera& camera, double margin) {
+std::vector<StarInView> stars_in_view(const light::Stars& stars, const world::Camera& camera,
+                                      double margin) {
   std::vector<StarInView> found;
-  if (camera.projection != world::Projection::perspective) return found;
+  if (!stars.catalogue || camera.projection != world::Projection::perspective) return found;
+  const StarCatalogue& catalogue = *stars.catalogue;
   world::Camera still = camera;  // its axes are those of the world, and stars are far
   still.position = Vec3(0);
   still.world_from_camera = Quat(1, 0, 0, 0);
   const double cone = cone_of(still, margin);
   const Mat3 camera_from_icrs =
-      glm::mat3_cast(glm::conjugate(camera.world_from_camera) * options.world_from_icrs);
+      glm::mat3_cast(glm::conjugate(camera.world_from_camera) * stars.world_from_icrs);
   const Vec3 boresight(camera_from_icrs[0].z, camera_from_icrs[1].z, camera_from_icrs[2].z);
-  const double years = options.year - catalogue.epoch;
+  const double years = stars.year - catalogue.epoch;
   for (std::size_t i = 0; i < catalogue.stars.size(); ++i) {
     const Star& star = catalogue.stars[i];
-    if (star.v > options.faintest) break;
-    const Vec3 direction = apparent_direction(star, years, options.velocity);
+    if (star.v > stars.faintest) break;
+    const Vec3 direction = apparent_direction(star, years, stars.velocity);
     if (glm::dot(boresight, direction) < cone) continue;
     const auto pixel = world::project(still, camera_from_icrs * direction);
     if (!pixel || !(pixel->x >= -margin && pixel->x < camera.width + margin &&
                     pixel->y >= -margin && pixel->y < camera.height + margin))
       continue;
-    found.push_back({i, *pixel, star_irradiance(star.v, star.b_v)});
+    found.push_back(
+        {i, stars.world_from_icrs * direction, *pixel, star_irradiance(star.v, star.b_v)});
   }
   return found;
+}
+
+void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& stars) {
+  for (std::size_t i = 0; i < sky.size(); ++i) {
+    const Ellipsoid& shape = sky.shape(i);
+    const Vec3 to_centre = -shape.from(camera);
+    std::erase_if(stars, [&](const StarInView& star) {
+      const Vec3 along = shape.unit_from_world * star.direction;
+      const Vec3 across = glm::cross(to_centre, along);
+      return glm::dot(to_centre, along) > 0 && glm::dot(across, across) < glm::dot(along, along);
+    });
+  }
 }
 
 void add_stars(std::span<const StarInView> stars, const world::Camera& camera, double psf_sigma,

@@ -6,18 +6,11 @@
 
 #include "base/math.h"
 #include "image/image.h"
+#include "sky/sky.h"
 #include "sky/star_catalogue.h"
 #include "world/camera.h"
 
 namespace panwright::sky {
-
-// What stars look like from an observer at a time.
-struct StarOptions {
-  double faintest = 8;  // V; fainter stars are left out
-  double year = 2000;   // Julian year of the image: directions move from the catalogue's
-  Vec3 velocity{0};     // of the camera from the Sun's centre of mass, ICRS axes, m/s
-  Quat world_from_icrs{1, 0, 0, 0};  // unit
-};
 
 // Returns the apparent direction of a star, unit, ICRS axes: moved by its motion, and by the
 // aberration of a velocity far below that of light (exact to special relativity). Parallax, up to
@@ -34,16 +27,20 @@ Vec3 star_irradiance(double v, double b_v);
 // Star on the image plane of a camera.
 struct StarInView {
   std::size_t index = 0;  // in the catalogue
+  Vec3 direction{0};      // unit, world axes
   Vec2 pixel{0};          // of docs/conventions.md 4
   Vec3 irradiance{0};     // W/m² per band
 };
 
 // Returns the stars whose centre is within `margin` pixels of the image, from the brightest to the
-// faintest. Nothing for an orthographic camera.
+// faintest. Nothing without a catalogue, or for an orthographic camera.
 //
 // Cost: 20 ns a star of the catalogue, a projection for each in the camera's cone.
-std::vector<StarInView> stars_in_view(const StarCatalogue& catalogue, const StarOptions& options,
-                                      const world::Camera& camera, double margin);
+std::vector<StarInView> stars_in_view(const light::Stars& stars, const world::Camera& camera,
+                                      double margin);
+
+// Removes the stars that bodies hide from a camera. Their air is clear.
+void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& stars);
 
 // Adds stars to an image of radiance: each by the Gaussian of `psf_sigma` pixels (0: none)
 // integrated over the pixels, within 6 sigma; behind the coverage of the pixel of its centre.

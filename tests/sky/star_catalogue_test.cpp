@@ -15,14 +15,14 @@ Vec3 direction(double ra_degrees, double dec_degrees) {
 }
 
 const Star& star_of(std::uint32_t hip) {
-  const auto& stars = hipparcos_stars().stars;
+  const auto& stars = hipparcos_stars()->stars;
   const auto found = std::ranges::find(stars, hip, &Star::hip);
   EXPECT_NE(found, stars.end());
   return *found;
 }
 
 TEST(HipparcosStars, AreAllThere) {
-  const StarCatalogue& catalogue = hipparcos_stars();
+  const StarCatalogue& catalogue = *hipparcos_stars();
   EXPECT_EQ(catalogue.stars.size(), 41057u);
   EXPECT_EQ(catalogue.epoch, 1991.25);
   EXPECT_TRUE(std::ranges::is_sorted(catalogue.stars, {}, &Star::v));

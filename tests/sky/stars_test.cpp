@@ -82,18 +82,19 @@ TEST(StarIrradiance, UnknownColoursAreTheSuns) {
 }
 
 TEST(StarsInView, AreThoseThatProjectIntoTheImage) {
-  const StarCatalogue& catalogue = hipparcos_stars();
+  const StarCatalogue& catalogue = *hipparcos_stars();
   for (const double fov : {0.5, 20.0, 90.0, 160.0})
     for (const bool fisheye : {false, true}) {
       world::Camera camera = camera_of(300, 500, fov);
       if (fisheye)
         camera.distortion =
             std::make_shared<const sensor::DistortionMap>(sensor::Fisheye{{-0.02, 0.001, 0, 0}});
-      StarOptions options;
+      light::Stars options;
+      options.catalogue = hipparcos_stars();
       options.faintest = 7;
       options.year = 2026;
       options.world_from_icrs = glm::normalize(Quat(0.1, 0.2, -0.7, 0.5));
-      const auto stars = stars_in_view(catalogue, options, camera, 3);
+      const auto stars = stars_in_view(options, camera, 3);
       std::size_t at = 0;
       for (std::size_t i = 0; i < catalogue.stars.size() && catalogue.stars[i].v <= 7; ++i) {
         world::Camera still = camera;
@@ -115,7 +116,32 @@ TEST(StarsInView, AreThoseThatProjectIntoTheImage) {
 TEST(StarsInView, OfAnOrthographicCameraAreNone) {
   world::Camera camera;
   world::set_orthographic(camera, 100, 100, 5);
-  EXPECT_TRUE(stars_in_view(hipparcos_stars(), {}, camera, 0).empty());
+  light::Stars stars;
+  EXPECT_TRUE(stars_in_view(stars, world::Camera(), 0).empty());
+  stars.catalogue = hipparcos_stars();
+  EXPECT_FALSE(stars_in_view(stars, world::Camera(), 0).empty());
+  EXPECT_TRUE(stars_in_view(stars, camera, 0).empty());
+}
+
+// A star at the limb: hidden where its direction is nearer to the centre than asin(R/d).
+TEST(RemoveHidden, EndsAtTheLimb) {
+  for (const double distance : {1.01, 6.0, 4e3, 1e7}) {
+    constexpr double kRadius = 1737.4e3;
+    light::Body moon = *light::body_preset("moon");
+    moon.radii = Vec3(kRadius);
+    const Vec3 camera(1e7, -2e6, 3e5);
+    const Vec3 toward = glm::normalize(Vec3(1, 2, -3)), side = glm::normalize(Vec3(2, -1, 0));
+    moon.centre = camera + distance * kRadius * toward;
+    world::World world;
+    world.set_sky({moon}, false);
+    const double limb = std::asin(1 / distance);
+    std::vector<StarInView> stars;
+    for (const double angle : {0.0, limb * (1 - 1e-6), limb * (1 + 1e-6), kPi - 1e-9})
+      stars.push_back({0, std::cos(angle) * toward + std::sin(angle) * side, {}, Vec3(1)});
+    remove_hidden(Sky(world), camera, stars);
+    ASSERT_EQ(stars.size(), 2u) << distance;
+    EXPECT_GT(angle_between(stars[0].direction, toward), limb);
+  }
 }
 
 // Flux within 1e-6; the centre of the pixels' sums is that of the star, but for what sampling a
@@ -133,7 +159,7 @@ TEST(AddStars, KeepsFluxAndCentre) {
       for (int i = 0; i < 20; ++i) {
         const Vec2 pixel(place(random), place(random));
         image::Image image = image_of(camera);
-        const StarInView star{0, pixel, star_irradiance(4, 1.2)};
+        const StarInView star{0, {}, pixel, star_irradiance(4, 1.2)};
         add_stars({&star, 1}, camera, sigma, Vec3(1), image);
         const Light light = light_of(image, camera);
         for (int band = 0; band < 3; ++band)
@@ -151,7 +177,7 @@ TEST(AddStars, KeepsFluxAndCentre) {
 
 TEST(AddStars, HidesThemBehindWhatCoversTheirPixel) {
   const world::Camera camera = camera_of(9, 9, 2);
-  const StarInView star{0, {4.5, 4.5}, Vec3(1e-9)};
+  const StarInView star{0, {}, {4.5, 4.5}, Vec3(1e-9)};
   for (const float covered : {0.0f, 0.25f, 1.0f}) {
     image::Image image = image_of(camera);
     image.coverage[4 * 9 + 4] = covered;
@@ -165,7 +191,7 @@ TEST(AddStars, AtTheBorderAddsWhatFallsInside) {
   const world::Camera camera = camera_of(32, 32, 1);
   for (const Vec2& pixel : {Vec2(0, 16), Vec2(32, 16), Vec2(16, 0), Vec2(16, 32)}) {
     image::Image image = image_of(camera);
-    const StarInView star{0, pixel, Vec3(1e-9)};
+    const StarInView star{0, {}, pixel, Vec3(1e-9)};
     add_stars({&star, 1}, camera, 1.5, Vec3(1), image);
     EXPECT_NEAR(light_of(image, camera).flux.x, 0.5e-9, 1e-6 * 1e-9);
   }
