@@ -194,6 +194,10 @@ COMMANDS = {
             "poses?": "object: of targets by name: x y z qw qx qy qz, world_from_model", "joints?": "object: values by TARGET/JOINT: radians, metres, factors",
             "sun?": "vec3: direction, unit", "sun_distance?": "number: AU"}]),
     },
+    "stars": {"stars": ("from the brightest", [{
+        "hip?": "integer: number in the Hipparcos catalogue", "name?": "string", "v": "number: magnitude V", "b_v?": "number: B - V, magnitudes",
+        "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",
+        "irradiance": "vec3: W/m2 in bands of 100 nm about 650, 550, 450 nm"}])},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

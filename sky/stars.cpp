@@ -152,4 +152,12 @@ void add_stars(std::span<const StarInView> stars, const world::Camera& camera, d
   }
 }
 
+void add_stars(const Sky& sky, const light::Stars& stars, const world::Camera& camera,
+               double psf_sigma, image::Image& image) {
+  std::vector<StarInView> seen = stars_in_view(stars, camera, kReach * psf_sigma);
+  remove_hidden(sky, camera.position, seen);
+  add_stars(seen, camera, psf_sigma, image.unit == "1/sr" ? light::kSolarIrradiance : Vec3(1),
+            image);
+}
+
 }  // namespace panwright::sky

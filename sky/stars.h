@@ -42,6 +42,10 @@ std::vector<StarInView> stars_in_view(const light::Stars& stars, const world::Ca
 // Removes the stars that bodies hide from a camera. Their air is clear.
 void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& stars);
 
+// Adds the stars of a world to an image, as below. Cost: that of stars_in_view().
+void add_stars(const Sky& sky, const light::Stars& stars, const world::Camera& camera,
+               double psf_sigma, image::Image& image);
+
 // Adds stars to an image of radiance: each by the Gaussian of `psf_sigma` pixels (0: none)
 // integrated over the pixels, within 6 sigma; behind the coverage of the pixel of its centre.
 //

@@ -71,6 +71,13 @@ constexpr Example kExamples[] = {
     {"labels", "labels -o sets --format yolo,yolo-seg,cryptomatte",
      "Write several formats, each into a folder of its own."},
 
+    {"stars", "--quat \"0.5 -0.5 0.5 -0.5\" --fov 10", "List the stars that a camera has in view."},
+    {"stars",
+     "--look-at \"0.37 0.88 -0.29\" --fov 20 --size 1024x1024 --stars 5 --date 2026-06-01T00:00:00",
+     "List bright stars with their motion up to a date."},
+    {"stars", "--camera-file rendezvous/camera.toml --look-at \"0 0 1\" --stars 9 --json",
+     "Write the pixels of stars through a calibrated lens as JSON."},
+
     {"view", "servicer/servicer.pxn",
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",

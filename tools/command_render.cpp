@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/render_report.h"
 #include "workspace/session.h"
+#include "workspace/sky_settings.h"
 
 namespace panwright::tools {
 
@@ -131,8 +132,6 @@ bool check_usage(const Options& options, DiagnosticLog& log) {
     refuse("--again cannot be combined with --views");
   if (options.views == "-" && options.common.json)
     refuse("--json cannot be combined with --views -, whose replies are JSON");
-  if (options.targets.empty() && options.views.empty() && options.again.empty())
-    refuse("no model is given, expected FILE, as in: panwright render model.pan -o image.png");
   return log.errors() == errors;
 }
 
@@ -141,6 +140,12 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
   auto read = options.read.opening(log);
   auto typed = options.view.settings(log);
   if (!read || !typed) return failed;
+  if (options.targets.empty() && options.views.empty() && options.again.empty() &&
+      !workspace::shows_sky(*typed)) {
+    log.report(Code::E0201, {},
+               "no model is given, expected FILE, as in: panwright render model.pan -o image.png");
+    return failed;
+  }
   Work work;
   work.context = *preview::context_kind_from_name(options.gl);
   if (!options.targets.empty()) typed->targets = options.targets;
@@ -156,13 +161,14 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
     work.views = *std::move(views);
     const std::size_t errors = log.errors();
     for (const workspace::View& view : work.views)
-      if (!view.settings.targets)
+      if (!view.settings.targets && !workspace::shows_sky(view.settings))
         log.report_file(Code::E0203, view.file, view.label + ": no targets, and none are given",
                         "name a model on the command line, or as \"targets\"");
     if (log.errors() != errors) return failed;
   } else {
     if (!typed->outputs) {
-      const auto first = workspace::target_file(options.targets[0]).file;
+      const auto first = options.targets.empty() ? std::filesystem::path("sky")
+                                                 : workspace::target_file(options.targets[0]).file;
       typed->outputs = {std::filesystem::path(first).filename().replace_extension(".png").string()};
     }
     work.views = {*std::move(typed)};

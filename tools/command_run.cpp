@@ -20,6 +20,7 @@
 #include "tools/scenario_options.h"
 #include "workspace/record.h"
 #include "workspace/session.h"
+#include "workspace/sky_settings.h"
 
 namespace panwright::tools {
 
@@ -180,7 +181,7 @@ class SequenceRun {
       return false;
     }
     settings = workspace::with_defaults(*std::move(typed), settings);
-    if (!settings.targets) {
+    if (!settings.targets && !workspace::shows_sky(settings)) {
       log_.report_file(Code::E8013, options_.input.file, "the scenario names no model of a target",
                        "[targets] in the scenario, or --target NAME=FILE");
       return false;

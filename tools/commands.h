@@ -18,6 +18,7 @@ Command render_command();
 Command scenario_command();
 Command run_command();
 Command labels_command();
+Command stars_command();
 Command view_command();
 Command material_command();
 Command mli_command();

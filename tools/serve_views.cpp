@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "tools/print.h"
 #include "tools/render_report.h"
+#include "workspace/sky_settings.h"
 
 namespace panwright::tools {
 
@@ -159,7 +160,8 @@ int serve_views(workspace::ViewSession& session, const workspace::Settings& defa
     };
     require(bool(view.settings.outputs),
             "no output, expected a file name, as \"output\": \"a.png\"");
-    require(bool(view.settings.targets), "no targets, and none are given on the command line");
+    require(view.settings.targets || workspace::shows_sky(view.settings),
+            "no targets, and none are given on the command line");
     workspace::RunListener own = listener;
     own.step = {};  // a process may answer for as long as it likes: nothing is kept
     own.written = [&](const workspace::Written& image) { answer.take(image); };

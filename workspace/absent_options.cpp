@@ -16,8 +16,8 @@ struct Absent {
 constexpr std::string_view kSensor =
     "images are radiance without noise: apply the detector to the .npz (docs/limits.md)";
 constexpr std::string_view kSky =
-    "--planet NAME=\"X Y Z\" places the Earth, the Moon and others; stars are put behind the .npz "
-    "(docs/sky.md, docs/limits.md)";
+    "--planet NAME=\"X Y Z\" places the Earth, the Moon and others, --stars V draws stars "
+    "(docs/sky.md, docs/stars.md)";
 constexpr std::string_view kLayers =
     ".npz and .exr hold depth, range, normals and ids; meta.json names the ids and has the "
     "keypoints in pixels (docs/image-files.md)";
@@ -26,7 +26,7 @@ const Absent kAbsent[] = {
     {{"noise", "read-noise", "shot-noise", "dark-current", "gain", "full-well", "iso",
       "quantum-efficiency", "detector", "sensor", "bit-depth"},
      kSensor},
-    {{"stars", "star-catalog", "star-catalogue", "background", "skybox", "earth", "moon", "planets",
+    {{"star-catalog", "magnitude", "background", "skybox", "earth", "moon", "planets",
       "environment", "hdri", "atmosphere"},
      kSky},
     {{"exposure", "exposure-time", "gamma", "brightness", "tone-mapping"},
@@ -48,7 +48,7 @@ const Absent kAbsent[] = {
     {{"attitude", "quaternion", "orientation", "rotation"},
      "--quat \"QW QX QY QZ\" turns the camera, --pose a target"},
     {{"focal-length", "focal"}, "--intrinsics \"FX FY CX CY\", --fov or --ifov sets the lens"},
-    {{"time", "date", "epoch", "orbit", "tle", "trajectory"},
+    {{"time", "epoch", "orbit", "tle", "trajectory"},
      "there is no ephemeris: `panwright run` takes trajectories (docs/scenarios.md), --views the "
      "camera, poses and Sun of each image (docs/views.md)"},
 };

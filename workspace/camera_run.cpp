@@ -348,7 +348,8 @@ class CameraRun : public InstrumentRun {
   void tell(const DiagnosticLog& said, const std::string& label) {
     forward(said, label, {}, scope_.log, Code::W5006);
     for (const Diagnostic& each : said.entries())
-      if (each.code == Code::W5006) misplaced_[{each.code, each.message}].push_back(label);
+      if (each.code == Code::W5006 && !scope_.world.empty())
+        misplaced_[{each.code, each.message}].push_back(label);
   }
 
   // One warning for all views in which nothing is seen or the camera is inside, for each reason.

@@ -9,6 +9,7 @@
 
 #include "preview/lens_renderer.h"
 #include "sky/backdrop.h"
+#include "sky/stars.h"
 #include "workspace/internal/forward.h"
 
 namespace panwright::workspace {
@@ -45,6 +46,8 @@ struct Drawer::Impl {
   // Behind the images under way; none: black.
   struct Behind {
     std::optional<sky::Sky> sky;
+    bool bodies = false;  // not drawn yet
+    light::Stars stars;
     world::Camera camera;
   };
   std::deque<Behind> behind;
@@ -169,9 +172,11 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   const bool good = impl_->submit(world, camera, ground_truth, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) {
-    behind.push_back({{}, camera});
-    // the reference has its own
-    if (world.has_sky() && impl_->renderer) behind.back().sky.emplace(world);
+    behind.push_back({{}, false, world.stars(), camera});
+    Impl::Behind& last = behind.back();
+    // the reference has bodies of its own
+    last.bodies = world.has_sky() && impl_->renderer.has_value();
+    if (last.bodies || last.stars.catalogue) last.sky.emplace(world);
   }
   while (behind.size() > impl_->in_flight()) behind.pop_front();
   return good;
@@ -183,8 +188,12 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   if (drawn && behind.front().sky) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
-      sky::add_behind(sky::backdrop(*here.sky, here.camera, impl_->options.gl.psf_sigma, job),
-                      drawn->image);
+      const double sigma =
+          impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
+      if (here.bodies)
+        sky::add_behind(sky::backdrop(*here.sky, here.camera, sigma, job), drawn->image);
+      if (here.stars.catalogue)
+        sky::add_stars(*here.sky, here.stars, here.camera, sigma, drawn->image);
       return true;
     });
     if (!good) drawn = failed;

@@ -380,6 +380,15 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   if (!good) return failed;
   world::Camera camera;
   const bool lens = set_lens(settings, camera);
+  if (posed.empty()) {
+    if (!lens) {
+      log.report(Code::E0201, {},
+                 "no lens and no target that it fits, expected --fov, --ifov, --intrinsics or "
+                 "--camera-file");
+      return failed;
+    }
+    if (!settings.camera) settings.camera = Vec3(0);
+  }
   const auto sphere = [&] { return spheres_.of(posed); };
   good = settings.camera_frame ? place_in_frame(*settings.camera_frame, posed, camera, log)
                                : place_camera(settings, sphere, camera, log);
@@ -433,6 +442,7 @@ void show(const WorldState& state, const world::World& world, world::World& show
     shown.set_sky(state.sky->bodies, state.sky->sun_visible);
   else
     shown.set_sky({world.bodies().begin(), world.bodies().end()}, world.sun_visible());
+  shown.set_stars(state.sky ? state.sky->stars : world.stars());
 }
 
 }  // namespace panwright::workspace

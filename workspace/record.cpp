@@ -246,7 +246,7 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
   if (record.context.empty()) record.context = "auto";
   record.nodes_moved = value.contains("nodes_moved");
   const auto targets = value.find("targets");
-  if (targets == value.end() || !targets->is_array() || targets->empty()) return "no targets";
+  if (targets == value.end() || !targets->is_array()) return "no targets";
   for (const json& target : *targets) {
     if (!target.is_object()) return "a target is not an object";
     record.targets.push_back(

@@ -16,6 +16,7 @@
 #include "base/file_uses.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
+#include "workspace/sky_settings.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -27,7 +28,9 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
   const std::size_t errors = log.errors();
   FileUses own;  // where the run's host watches none
   FileUses& files = log.files() ? *log.files() : own;
-  if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
+  if (world.empty() &&
+      !std::ranges::all_of(frames, [](const Frame& f) { return shows_sky(f.settings); }))
+    log.report(Code::E5030, {}, "the world has no targets, expected at least 1, or a sky");
   for (const Frame& frame : frames) {
     DiagnosticLog apart = log.apart();
     for (const std::string& output : frame.outputs) {

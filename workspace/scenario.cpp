@@ -119,6 +119,9 @@ Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std
     own.intrinsics = Vec4(*frame.lens.focal, centre);
   }
   if (frame.sun_direction) own.sun = *frame.sun_direction;
+  if (scenario.settings.stars->number && frame.epoch && frame.time)
+    own.date =
+        scenario::epoch_text(scenario::later(*frame.epoch, *frame.time), scenario::TimeSystem::utc);
   if (frame.sun_distance) own.sun_distance = *frame.sun_distance;
   View view(with_defaults(std::move(own), scenario.settings));
   view.label = frame.name.empty() ? fmt::format("frame {}", number)

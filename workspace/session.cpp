@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "workspace/internal/forward.h"
+#include "workspace/sky_settings.h"
 
 namespace panwright::workspace {
 
@@ -48,7 +49,9 @@ ViewSession::Opened* ViewSession::opened(const View& view, const RunListener& li
   }
   if (!recorded_.empty()) source.files = recorded_;
   OpenReport report;
-  auto world = open_world(targets, source.open, log, job, &report);
+  auto world = targets.empty() && shows_sky(view.settings)
+                   ? Result<world::World>(world::World())
+                   : open_world(targets, source.open, log, job, &report);
   if (listener.step)
     for (const Step& step : report.steps) listener.step(step);
   if (!world) {

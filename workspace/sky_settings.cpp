@@ -11,6 +11,8 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "image/decode.h"
+#include "scenario/time.h"
+#include "sky/star_catalogue.h"
 #include "workspace/quantities.h"
 
 namespace panwright::workspace {
@@ -155,8 +157,22 @@ bool check_words(const Settings& settings, DiagnosticLog& log) {
 
 }  // namespace
 
+bool shows_sky(const Settings& settings) {
+  return !settings.planet->empty() || !settings.sky->empty() || settings.stars->number;
+}
+
 bool check_sky(const Settings& settings, DiagnosticLog& log) {
   bool good = check_words(settings, log);
+  if (settings.date) {
+    std::string problem;
+    if (!scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem)) {
+      log.report(Code::E0201, {},
+                 fmt::format("--date is {}, expected a date in UTC, as 2026-01-01T12:00:00",
+                             in_quotes(*settings.date)),
+                 problem);
+      good = false;
+    }
+  }
   for (const auto& [name, text] : *settings.planet) {
     PlanetText planet;
     const std::string wrong = read_planet(name, text, planet);
@@ -193,10 +209,35 @@ std::shared_ptr<const light::BodyMap> map_of(const std::string& path, Diagnostic
 
 }  // namespace
 
+bool SkyReader::read_stars(const Settings& settings, light::Stars& stars, DiagnosticLog& log) {
+  stars.faintest = *settings.stars->number;
+  if (settings.star_catalogue) {
+    auto& own = catalogues_[*settings.star_catalogue];
+    if (own == nullptr) {
+      auto read = sky::read_stars(*settings.star_catalogue, log);
+      if (!read) return false;
+      own = std::make_shared<const light::StarCatalogue>(*std::move(read));
+    }
+    stars.catalogue = own;
+  } else {
+    stars.catalogue = sky::hipparcos_stars();
+  }
+  if (!settings.date) return true;
+  std::string problem;
+  constexpr double kJulianYear = 365.25 * 86400;
+  // noon of 2000-01-01, TT
+  const auto begin =
+      scenario::parse_epoch("2000-01-01T12:00:00", scenario::TimeSystem::tt, problem);
+  const auto date = scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem);
+  stars.year = 2000 + scenario::seconds_between(*begin, *date) / kJulianYear;
+  return true;
+}
+
 Result<std::shared_ptr<const SkyState>> SkyReader::read(const Settings& settings,
                                                         DiagnosticLog& log) {
-  if (settings.planet->empty() && settings.sky->empty()) return {nullptr};
+  if (!shows_sky(settings)) return {nullptr};
   auto sky = std::make_shared<SkyState>();
+  if (settings.stars->number && !read_stars(settings, sky->stars, log)) return failed;
   for (const std::string_view word : words_of(*settings.sky)) sky->sun_visible |= word == "sun";
   for (const auto& [name, text] : *settings.planet) {
     PlanetText planet;

@@ -9,6 +9,7 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 #include "light/body.h"
+#include "light/stars.h"
 #include "workspace/settings.h"
 
 namespace panwright::workspace {
@@ -17,22 +18,28 @@ namespace panwright::workspace {
 struct SkyState {
   std::vector<light::Body> bodies;
   bool sun_visible = false;
+  light::Stars stars;
 };
 
-// Checks `planet` and `sky`, without the files of maps. Fails: E0201.
+// Checks `planet`, `sky` and those of stars, without their files. Fails: E0201.
 bool check_sky(const Settings& settings, DiagnosticLog& log);
 
-// Reader of the sky, which keeps maps by their path.
+// Returns whether there is a sky: an image of it needs no target.
+bool shows_sky(const Settings& settings);
+
+// Reader of the sky, which keeps maps and catalogues by their paths.
 class SkyReader {
  public:
   // Returns null where the settings have no sky. Of bodies of one name the last counts.
   //
-  // Expects: check_sky(). Fails: E0101, E0102, E3001, E3002; E0201 for a map that is not twice as
-  // wide as high.
+  // Expects: check_sky(). Fails: E0101, E0102, E3001, E3002, E5040; E0201 for a map that is not
+  // twice as wide as high.
   Result<std::shared_ptr<const SkyState>> read(const Settings& settings, DiagnosticLog& log);
 
  private:
+  bool read_stars(const Settings& settings, light::Stars& stars, DiagnosticLog& log);
   std::map<std::string, std::shared_ptr<const light::BodyMap>> maps_;
+  std::map<std::string, std::shared_ptr<const light::StarCatalogue>> catalogues_;
 };
 
 }  // namespace panwright::workspace

@@ -188,6 +188,12 @@ void World::set_white(const std::optional<Vec3>& white) {
   stamp_ = next_stamp();
 }
 
+void World::set_stars(const light::Stars& stars) {
+  if (stars == stars_) return;
+  stars_ = stars;
+  stamp_ = next_stamp();
+}
+
 void World::set_sky(std::vector<light::Body> bodies, bool sun_visible) {
   assert(
       std::ranges::all_of(bodies, [](const light::Body& body) { return light::is_sound(body); }));

@@ -19,6 +19,7 @@
 #include "geometry/kinematics/joint.h"
 #include "light/body.h"
 #include "light/light.h"
+#include "light/stars.h"
 #include "pan/model.h"
 #include "world/camera.h"
 
@@ -150,6 +151,10 @@ class World {
   std::span<const light::Body> bodies() const { return bodies_; }
   bool sun_visible() const { return sun_visible_; }
   bool has_sky() const { return sun_visible_ || !bodies_.empty(); }
+  // Stars stand in the background; they light nothing. Expects: a unit rotation, a velocity below
+  // that of light.
+  void set_stars(const light::Stars& stars);
+  const light::Stars& stars() const { return stars_; }
 
   Stamp stamp() const { return stamp_; }            // changes with anything
   Stamp sun_stamp() const { return sun_.stamp(); }  // changes with the Sun
@@ -166,6 +171,7 @@ class World {
   bool sun_visible_ = false;
   Stamp stamp_ = kFirstStamp;
   Stamp sky_stamp_ = kFirstStamp;
+  light::Stars stars_;
 };
 
 }  // namespace panwright::world

@@ -41,6 +41,9 @@ enum class SettingId : std::uint8_t {
   limb_darkening,
   planet,
   sky,
+  stars,
+  star_catalogue,
+  date,
   engine,
   quality,
   samples,
@@ -67,6 +70,7 @@ enum class SettingId : std::uint8_t {
 struct Settings {
   enum class Ev : std::uint8_t { automatic };
   enum class Tone : std::uint8_t { linear, photo };
+  enum class Stars : std::uint8_t { off };
   enum class Engine : std::uint8_t { gl, reference };
   enum class Quality : std::uint8_t { draft, standard, exact };
   enum class Samples : std::uint8_t { automatic };
@@ -106,6 +110,9 @@ struct Settings {
   Setting<double> limb_darkening{0.0};
   Setting<std::vector<std::pair<std::string, std::string>>> planet;
   Setting<std::string> sky;
+  Setting<NumberOr<Stars, double>> stars{Stars::off};
+  Setting<std::string> star_catalogue;
+  Setting<std::string> date;
   Setting<Engine> engine{Engine::gl};
   Setting<Quality> quality{Quality::standard};
   Setting<NumberOr<Samples, std::uint32_t>> samples{Samples::automatic};

@@ -12,6 +12,7 @@ namespace panwright::workspace {
 // Words of choices and in place of numbers, by value.
 inline constexpr std::string_view kEvWords[] = {"auto"};
 inline constexpr std::string_view kToneWords[] = {"linear", "photo"};
+inline constexpr std::string_view kStarsWords[] = {"off"};
 inline constexpr std::string_view kEngineWords[] = {"gl", "reference"};
 inline constexpr std::string_view kQualityWords[] = {"draft", "standard", "exact"};
 inline constexpr std::string_view kSamplesWords[] = {"auto"};
@@ -118,6 +119,15 @@ inline constexpr SettingInfo kSettings[] = {
     {"sky", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "names, as \"sun\"", "names, as \"sun\"",
      "--sky", "Camera and Sun", "\"NAMES\"", "What else stands in the background: sun, its disc"},
+    {"stars", kFormNumber | kFormText, 0, 0, SettingUnit::none, kStarsWords, -30.0, 40.0, 0, EngineSet::both, Recorded::changed,
+     "a magnitude, or \"off\"", "off or a magnitude, as 6.5",
+     "--stars", "Camera and Sun", "off|V", "Stars in the background, down to this magnitude V (default off; Hipparcos reaches 8); world axes are those of J2000"},
+    {"star-catalogue", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "a file name", "a file name",
+     "--star-catalogue", "Camera and Sun", "FILE.csv", "Star catalogue, in place of Hipparcos: ra[deg],dec[deg],v[mag] and others by name"},
+    {"date", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "a date, as \"2026-01-01T12:00:00\"", "a date, as \"2026-01-01T12:00:00\"",
+     "--date", "Camera and Sun", "UTC", "Date of the image, UTC, as 2026-01-01T12:00:00: stars move (default: the year 2000; scenarios with an epoch have their own)"},
     {"engine", kFormText, 0, 0, SettingUnit::none, kEngineWords, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::always,
      "\"gl\" or \"reference\"", "gl or reference",
      "--engine", "", "NAME", "Engine: gl (OpenGL, default) or reference (path tracing on the CPU, slow, with error bars)"},
@@ -181,8 +191,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::planet, SettingId::sky, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -220,6 +230,9 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::limb_darkening: return f(id, settings.limb_darkening...);
     case SettingId::planet: return f(id, settings.planet...);
     case SettingId::sky: return f(id, settings.sky...);
+    case SettingId::stars: return f(id, settings.stars...);
+    case SettingId::star_catalogue: return f(id, settings.star_catalogue...);
+    case SettingId::date: return f(id, settings.date...);
     case SettingId::engine: return f(id, settings.engine...);
     case SettingId::quality: return f(id, settings.quality...);
     case SettingId::samples: return f(id, settings.samples...);
@@ -278,6 +291,9 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::limb_darkening, settings.limb_darkening...);
   f(SettingId::planet, settings.planet...);
   f(SettingId::sky, settings.sky...);
+  f(SettingId::stars, settings.stars...);
+  f(SettingId::star_catalogue, settings.star_catalogue...);
+  f(SettingId::date, settings.date...);
   f(SettingId::engine, settings.engine...);
   f(SettingId::quality, settings.quality...);
   f(SettingId::samples, settings.samples...);
@@ -312,6 +328,8 @@ inline constexpr Exclusion kExclusions[] = {
 inline constexpr Requirement kRequirements[] = {
     {SettingId::samples, SettingId::engine, false, [](const Settings& s) { return bool(s.samples && *s.samples == Settings::Samples::automatic); },
      [](const Settings& s) { return bool(*s.engine == Settings::Engine::gl); }, "--samples is 'auto', expected a whole number from 1 to 64"},
+    {SettingId::star_catalogue, SettingId::stars, true, [](const Settings& s) { return bool(s.star_catalogue); },
+     [](const Settings& s) { return bool(s.stars->number.has_value()); }, "--star-catalogue requires --stars V"},
     {SettingId::pixel_error, SettingId::samples, true, [](const Settings& s) { return bool(s.pixel_error); },
      [](const Settings& s) { return bool(*s.samples == Settings::Samples::automatic); }, "--pixel-error requires --samples auto"},
     {SettingId::adaptive, SettingId::samples, true, [](const Settings& s) { return bool(s.adaptive && *s.adaptive); },
