@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/program.h"
 #include "base/text.h"
 #include "studio/panels.h"
 #include "workspace/run.h"
