@@ -30,7 +30,7 @@ struct Play {
   std::vector<std::string> targets;  // NAME=FILE: of the scenario, and those given beside it
   std::vector<Track> tracks;         // the camera's, and those of targets that move
 
-  // Whether Moment leaves out something of the scenario's settings.
+  // True: Moment leaves out something of the scenario's settings.
   bool is_reduced() const;
 };
 

@@ -15,7 +15,7 @@ class Player {
  public:
   explicit Player(WindowState& state) : state_(state) {}
 
-  // Whether there is a scenario.
+  // True: there is a scenario.
   bool shown() const { return state_.models.play != nullptr; }
   void draw(const Vec2& at, const Vec2& size);
   // Goes on while it plays, and sets the moment of the view. After models were read.

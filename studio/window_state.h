@@ -47,7 +47,7 @@ struct PartSelection {
   std::string selected;  // empty: none
 };
 
-// How a scenario is played.
+// Display of a scenario.
 struct Playback {
   double rate = 10;               // frames per second
   bool tracks = true;             // drawn, from outside
