@@ -4,8 +4,15 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace panwright::image {
+
+struct Image;
+struct PngExposure;
+
+// Returns the codes that write_image() writes into a PNG: 3·width·height, sRGB.
+std::vector<std::uint8_t> png_codes(const Image& image, const PngExposure& exposure);
 
 struct PngOptions {
   int channels = 4;               // of the pixels given: 1 (grey), 3 (RGB) or 4 (RGBA)

@@ -34,6 +34,7 @@ NAVIGATION = [
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),
+    ("Rendezvous", "rendezvous.md"),
     ("Exposures", "exposures.md"),
     ("Cameras", "cameras.md"),
     ("Reference renderer", "reference-renderer.md"),

@@ -291,11 +291,19 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
 void read_own(TableReader& reader, CameraFile& camera) {
   camera.name = reader.text(reader.find("name"), "name").value_or("");
   read_own_size(reader, camera);
-  read_own_focal(reader, camera.lens);
   camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
-  if (const auto c = reader.numbers(reader.find("principal"), "principal", {2}))
-    camera.lens.principal = {(*c)[0], (*c)[1]};
-  read_own_distortion(reader, camera.lens);
+  if (const Value* width = reader.find("width_m"); width != nullptr) {
+    if (const auto metres = reader.numbers(width, "width_m", {1})) {
+      camera.width_m = metres->front();
+      if (!(camera.width_m > 0)) reader.fail(*width, "width_m is not above 0 m");
+    }
+    camera.lens.focal = Vec2(camera.width / camera.width_m);
+  } else {
+    read_own_focal(reader, camera.lens);
+    if (const auto c = reader.numbers(reader.find("principal"), "principal", {2}))
+      camera.lens.principal = {(*c)[0], (*c)[1]};
+    read_own_distortion(reader, camera.lens);
+  }
   if (const Value* mount = reader.find("mount"); mount != nullptr) {
     const Numbers q = reader.numbers(mount, "mount", {4}).value_or(Numbers{1, 0, 0, 0});
     const Quat given(q[0], q[1], q[2], q[3]);
@@ -321,11 +329,14 @@ void read_own(TableReader& reader, CameraFile& camera) {
   whole(region, window.region, "region", 0);
   whole(binning, window.binning, "binning", 1);
   if (reader.ok() && (region != nullptr || binning != nullptr)) {
+    const Value& at = region != nullptr ? *region : *binning;
     if (const auto part = windowed(camera, window))
       camera = *part;
     else
-      reader.fail(region != nullptr ? *region : *binning,
-                  "region and binning do not fit the image");
+      reader.fail(at, "region and binning do not fit the image");
+    if (camera.width_m > 0 && (camera.lens.focal.x != camera.lens.focal.y ||
+                               camera.lens.principal != Vec2(camera.width, camera.height) / 2.0))
+      reader.fail(at, "an orthographic camera reads the middle of its image, in square blocks");
   }
   reader.finish();
 }
@@ -380,6 +391,7 @@ std::optional<CameraFile> windowed(const CameraFile& camera, const Window& windo
   part.width = width / window.binning[0];
   part.height = height / window.binning[1];
   part.lens.focal /= block;
+  part.width_m = part.width * block.x / camera.width * camera.width_m;
   part.lens.principal = (camera.lens.principal - Vec2(x, y)) / block;
   return part;
 }

@@ -25,10 +25,13 @@ struct Lens {
 inline constexpr std::uint32_t kMostPixels = 16384;  // of a side
 
 struct CameraFile {
-  std::string name;                    // may be empty
-  std::uint32_t width = 0;             // pixels, 1 to kMostPixels
-  std::uint32_t height = 0;            // pixels, 1 to kMostPixels
-  Lens lens;                           // of these pixels
+  std::string name;          // may be empty
+  std::uint32_t width = 0;   // pixels, 1 to kMostPixels
+  std::uint32_t height = 0;  // pixels, 1 to kMostPixels
+  Lens lens;                 // of these pixels
+  // Orthographic, in place of a lens: metres across the image, whose pixels are square and whose
+  // principal point is its middle; `lens.focal` is in pixels per metre. 0: perspective.
+  double width_m = 0;
   Quat mount_from_camera{1, 0, 0, 0};  // unit: misalignment, from the attitude that views give
 };
 

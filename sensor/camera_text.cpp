@@ -49,9 +49,14 @@ std::string own_text(const CameraFile& camera) {
   const Lens& lens = camera.lens;
   std::string out = "# A camera of Panwright: pixels from the upper left corner of the image\n";
   if (!camera.name.empty()) out += fmt::format("name = {}\n", quoted(camera.name));
-  out += fmt::format("size = [{}, {}]\nfocal = {}\nprincipal = {}\n", camera.width, camera.height,
-                     joined(std::array{lens.focal.x, lens.focal.y}),
-                     joined(std::array{lens.principal.x, lens.principal.y}));
+  out += fmt::format("size = [{}, {}]\n", camera.width, camera.height);
+  if (camera.width_m > 0) {
+    out += fmt::format("width_m = {}\n", camera.width_m);
+  } else {
+    out +=
+        fmt::format("focal = {}\nprincipal = {}\n", joined(std::array{lens.focal.x, lens.focal.y}),
+                    joined(std::array{lens.principal.x, lens.principal.y}));
+  }
   const auto terms = [&](const char* name, const auto& k) {
     out += fmt::format("distortion = \"{}\"\ncoefficients = {}\n", name, joined(k));
   };
@@ -242,6 +247,7 @@ Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, D
       return fail("powers of pixels need square ones", "");
     return own_text(camera);
   }
+  if (camera.width_m > 0) return fail("the format holds no orthographic camera");
   if (camera.mount_from_camera != Quat(1, 0, 0, 0))
     return fail("the format holds no misalignment of the camera");
   const auto lens = plain(camera.lens);

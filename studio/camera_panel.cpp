@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <string>
 
 #include "studio/panels.h"
+#include "studio/play.h"
 
 namespace panwright::studio {
 
 void CameraPanel::draw() {
   Widgets& widgets = state_.widgets;
+  if (state_.models.play) scenario();
+  ImGui::BeginDisabled(state_.view.own() != nullptr);
   OrbitCamera& camera = state_.view.camera;
   const double width = std::max(state_.image_size.x, 1.0);
   widgets.slider("camera/range", camera.range, kNearest, kFarthest, "%.6g m", true,
@@ -29,8 +34,44 @@ void CameraPanel::draw() {
     widgets.drag(fmt::format("camera/look at {}", "xyz"[k]), camera.centre[k], 1e-3 * camera.range,
                  "%.6g m", "World axes. Right or middle button over the image");
   if (widgets.button("camera/all of it=frame all", "Key F")) state_.frame_all();
+  if (state_.models.play) {
+    ImGui::SameLine();
+    if (widgets.button("camera/targets=frame the targets", "Without the tracks"))
+      state_.frame_targets();
+  }
   ImGui::Separator();
   frames();
+  ImGui::EndDisabled();
+}
+
+// Of the moment: whose view, and where its camera is.
+void CameraPanel::scenario() {
+  static constexpr const char* kViews[] = {"camera=its camera", "outside=from outside"};
+  Widgets& widgets = state_.widgets;
+  ImGui::TextUnformatted("Scenario");
+  std::string view = state_.view.from_outside ? "outside" : "camera";
+  if (widgets.choice("view", view, kViews, std::size(kViews), "Key C"))
+    state_.view.from_outside = view == "outside";
+  widgets.slider("scenario/frames a second=frames per second", state_.playback.rate, 0.1, 120,
+                 "%.3g", true, "While it plays; frames that take longer to draw are left out");
+  ImGui::BeginDisabled(!state_.view.from_outside);
+  widgets.check("scenario/tracks=tracks and field of view", state_.playback.tracks);
+  ImGui::EndDisabled();
+  if (const Moment* moment = state_.view.moment.get()) {
+    const world::Camera& camera = moment->frame.camera();
+    ImGui::TextDisabled("%u x %u pixels%s", camera.width, camera.height,
+                        camera.distortion ? ", a lens with distortion" : "");
+    const world::World posed = state_.posed();
+    for (const world::Instance& target : posed.instances()) {
+      const Vec3 way = camera.position - target.pose().translation;
+      const Vec3 sun = moment->frame.sun->direction;
+      const double phase =
+          std::atan2(glm::length(glm::cross(way, sun)), glm::dot(way, sun)) / kDegree;
+      ImGui::TextDisabled("%s: range %.6g m, phase %.2f deg", target.name().c_str(),
+                          glm::length(way), phase);
+    }
+  }
+  ImGui::Separator();
 }
 
 void CameraPanel::frames() {

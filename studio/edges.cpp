@@ -36,9 +36,28 @@ class EdgeImage {
   }
 
   ProjectedVertex projected(const Vec3& p) const {
+    if (camera_.distortion) {
+      const auto place = camera_.distortion->place(p);
+      return place ? ProjectedVertex{camera_.principal + camera_.focal * *place, p.z}
+                   : ProjectedVertex{};
+    }
     if (camera_.projection != world::Projection::perspective)
       return {camera_.principal + camera_.focal * Vec2(p.x, p.y), p.z};
     return {camera_.principal + camera_.focal * Vec2(p.x, p.y) / std::max(p.z, 1e-300), p.z};
+  }
+
+  // A line between points in camera axes, which a lens with distortion bends.
+  void bent_line(const Vec3& from, const Vec3& to) {
+    constexpr double kPiece = 8, kMostPieces = 256;  // pixels
+    ProjectedVertex before = projected(from);
+    const double length = glm::length(projected(to).pixel - before.pixel);
+    const int pieces = static_cast<int>(std::clamp(std::ceil(length / kPiece), 1.0, kMostPieces));
+    for (int k = 1; k <= pieces; ++k) {
+      const ProjectedVertex next =
+          projected(from + (to - from) * (static_cast<double>(k) / pieces));
+      line(before, next);
+      before = next;
+    }
   }
 
   void line(ProjectedVertex a, ProjectedVertex b) {
@@ -102,6 +121,7 @@ std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camer
   EdgeImage image_edges(camera, image);
   const Mat3 camera_from_world = glm::transpose(glm::mat3_cast(camera.world_from_camera));
   std::vector<ProjectedVertex> vertices;
+  std::vector<Vec3> points;  // the same in camera axes
   for (const world::Instance& target : world.instances()) {
     const auto state = world::evaluated(target);
     const pan::Model& model = *target.model();
@@ -114,13 +134,20 @@ std::vector<std::uint8_t> edges_of(const world::World& world, const world::Camer
       const pan::MeshView mesh = model.mesh(instance.mesh);
       const Vec3 origin(record.origin[0], record.origin[1], record.origin[2]);
       vertices.clear();
+      points.clear();
       for (const auto& p : mesh.positions) {
         const Vec3 place(world_from_node * Vec4(origin + Vec3(p.x, p.y, p.z), 1));
-        vertices.push_back(image_edges.projected(camera_from_world * (place - camera.position)));
+        points.push_back(camera_from_world * (place - camera.position));
+        if (!camera.distortion) vertices.push_back(image_edges.projected(points.back()));
       }
       for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
-        for (std::size_t k = 0; k < 3; ++k)
-          image_edges.line(vertices[mesh.indices[i + k]], vertices[mesh.indices[i + (k + 1) % 3]]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = mesh.indices[i + k], b = mesh.indices[i + (k + 1) % 3];
+          if (camera.distortion)
+            image_edges.bent_line(points[a], points[b]);
+          else
+            image_edges.line(vertices[a], vertices[b]);
+        }
     }
   }
   return image_edges.take();

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "studio/imgui_helpers.h"
+#include "studio/play.h"
+#include "studio/tracks.h"
 #include "workspace/frame.h"
 #include "world/evaluation.h"
 
@@ -29,10 +31,14 @@ void ImageView::draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, b
                ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const Vec2 pixels(std::floor(std::max(size.x, 16.0)), std::floor(std::max(size.y, 16.0)));
   state_.image_size = pixels;
-  state_.widgets.record("image", at, at + pixels);
-  rect_ = *state_.widgets.find("image");
+  place(at, pixels);
   if (state_.result && texture != 0) {
-    ImGui::Image(reinterpret_cast<ImTextureID>(texture), to_imgui(pixels));
+    ImGui::SetCursorScreenPos(to_imgui(rect_.low));
+    ImGui::Image(reinterpret_cast<ImTextureID>(texture), to_imgui(rect_.high - rect_.low));
+    if (rect_.high - rect_.low != pixels)
+      ImGui::GetWindowDrawList()->AddRect(to_imgui(rect_.low - 1.0), to_imgui(rect_.high + 1.0),
+                                          IM_COL32(90, 90, 100, 255));
+    draw_tracks();
     draw_caption(at);
   } else {
     ImGui::SetCursorPos({24, 24});
@@ -41,12 +47,55 @@ void ImageView::draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, b
                                                     : "nothing to show");
   }
   draw_progress(at, pixels);
-  if (ImGui::IsWindowHovered() || dragged_) handle_mouse(at, pixels, mouse_taken);
-  if (state_.layout.labels) draw_labels(at);
+  if (ImGui::IsWindowHovered() || dragged_) handle_mouse(mouse_taken);
+  if (state_.layout.labels) draw_labels();
   if (ImGui::IsWindowHovered() && !dragged_)
-    pixel_values(from_imgui(ImGui::GetIO().MousePos), at, texture);
+    pixel_values(from_imgui(ImGui::GetIO().MousePos), texture);
   ImGui::End();
   ImGui::PopStyleVar();
+}
+
+// Places the image. That of a scenario's camera keeps its shape: a pixel is one of the screen or
+// several, or less than one where it would not fit.
+void ImageView::place(const Vec2& at, const Vec2& area) {
+  Vec2 low = at, size = area;
+  const ViewState& view = state_.result ? state_.result->request.view : state_.view;
+  if (const Moment* own = view.own()) {
+    const Vec2 pixels(own->frame.camera().width, own->frame.camera().height);
+    const double fit = std::min(area.x / pixels.x, area.y / pixels.y);
+    size = glm::max(glm::floor(pixels * (fit >= 1 ? std::floor(fit) : fit)), Vec2(1));
+    low = glm::floor(at + 0.5 * (area - size));
+  }
+  state_.widgets.record("image", low, low + size);
+  rect_ = *state_.widgets.find("image");
+}
+
+// Lines over the image from outside.
+void ImageView::draw_tracks() const {
+  const ViewState& view = state_.result->request.view;
+  if (!state_.playback.tracks || !state_.models.play || !view.moment || view.own() != nullptr)
+    return;
+  DiagnosticLog ignored;
+  const RenderRequest& request = state_.result->request;
+  const auto frame = workspace::FrameMaker(*request.world)
+                         .frame(settings_of(view, request.width, request.height), ignored);
+  if (!frame) return;
+  const Vec3 centre = workspace::BoundingSpheres(state_.spheres).of(state_.posed()).centre;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  for (const TrackLine& line :
+       track_lines(frame->camera(), *state_.models.play, *view.moment, centre)) {
+    using Kind = TrackLine::Kind;
+    const ImU32 color = line.kind == Kind::past     ? IM_COL32(255, 176, 60, 255)
+                        : line.kind == Kind::future ? IM_COL32(255, 176, 60, 110)
+                        : line.kind == Kind::target ? IM_COL32(120, 220, 130, 200)
+                                                    : IM_COL32(110, 190, 255, 230);
+    const bool track = line.kind != Kind::field_of_view;
+    list->AddLine(to_imgui(rect_.low + line.from), to_imgui(rect_.low + line.to), color,
+                  track ? 2.0f : 1.2f);
+  }
+  if (const auto at = world::project(frame->camera(), view.moment->frame.camera().position))
+    if (at->x >= 0 && at->y >= 0 && at->x < request.width && at->y < request.height)
+      list->AddCircleFilled(to_imgui(rect_.low + *at), 4, IM_COL32(110, 190, 255, 255));
 }
 
 // A bar that moves along the upper edge while an image is being drawn, with the time so far.
@@ -120,7 +169,8 @@ void ImageView::paint() {
   Pixels& scale = state_.color_scale;
   canvas_.width = result.image.width;
   canvas_.height = result.image.height;
-  canvas_.smooth = canvas_.width < result.request.width;
+  canvas_.smooth =
+      canvas_.width < result.request.width || canvas_.width > rect_.high.x - rect_.low.x;
   scale = {};
   if (image.comparison == "difference" && result.reference) {
     scale = difference_pixels(result.image, result.reference->image, result.comparison.rms,
@@ -148,8 +198,8 @@ void ImageView::paint_reference() {
   if (!(split || flicker) || !result.reference) return;
   if (layer != "light" && layer != "false colours") return;
   const image::Image& reference = result.reference->image;
-  const std::vector<std::uint8_t> other =
-      layer == "light" ? srgb_pixels(reference, result.ev) : layer_pixels(reference, layer).rgba;
+  const std::vector<std::uint8_t> other = layer == "light" ? srgb_pixels(reference, result.exposure)
+                                                           : layer_pixels(reference, layer).rgba;
   const std::size_t width = canvas_.width;
   const std::size_t from = flicker ? (flicker_shows_reference() ? 0 : width)
                                    : static_cast<std::size_t>(image.split * canvas_.width);
@@ -201,9 +251,9 @@ void ImageView::draw_caption(const Vec2& at) const {
   list->AddText(place, IM_COL32(230, 230, 230, 255), text.c_str());
 }
 
-void ImageView::handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken) {
+void ImageView::handle_mouse(bool mouse_taken) {
   const ImGuiIO& io = ImGui::GetIO();
-  const Vec2 way = from_imgui(io.MouseDelta) / size.y;
+  const Vec2 way = from_imgui(io.MouseDelta) / state_.image_size.y;
   const bool any = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
   if (ImGui::IsWindowHovered() && any && !mouse_taken) dragged_ = true;
   if (!any) {
@@ -211,13 +261,15 @@ void ImageView::handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken)
     const ImVec2 from = io.MouseClickedPos[0];
     if (dragged_ && ImGui::IsMouseReleased(0) && state_.result && state_.result->exact &&
         std::hypot(io.MousePos.x - from.x, io.MousePos.y - from.y) < 3)
-      select_part(from_imgui(io.MousePos) - at);
+      select_part();
     dragged_ = false;
   }
+  // the scenario moves its camera
+  if (state_.view.own() != nullptr) return;
   OrbitCamera& camera = state_.view.camera;
   if (dragged_ && (way.x != 0 || way.y != 0)) {
     camera.frame.clear();
-    if (ImGui::IsMouseDown(0) && io.KeyShift)
+    if (ImGui::IsMouseDown(0) && io.KeyShift && !state_.view.moment)
       state_.view.turn_sun(way.x, way.y);
     else if (ImGui::IsMouseDown(0))
       camera.turn(way.x, way.y);
@@ -227,14 +279,22 @@ void ImageView::handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken)
   if (io.MouseWheel != 0) camera.zoom(std::pow(1.15, -io.MouseWheel));
 }
 
-void ImageView::select_part(const Vec2& pixel) {
+// The place of the mouse in parts of the image's sides; none: beside it.
+std::optional<Vec2> ImageView::image_part(const Vec2& mouse) const {
+  const Vec2 part = (mouse - rect_.low) / (rect_.high - rect_.low);
+  if (part.x < 0 || part.y < 0 || part.x >= 1 || part.y >= 1) return std::nullopt;
+  return part;
+}
+
+void ImageView::select_part() {
   const RenderResult& result = *state_.result;
   const image::Image& image = result.image;
-  const auto x = static_cast<std::size_t>(std::max(0.0, pixel.x));
-  const auto y = static_cast<std::size_t>(std::max(0.0, pixel.y));
   std::string& selected = state_.parts.selected;
   selected.clear();
-  if (x >= image.width || y >= image.height || !image.has_ground_truth()) return;
+  const auto part = image_part(from_imgui(ImGui::GetIO().MousePos));
+  if (!part || !image.has_ground_truth()) return;
+  const auto x = static_cast<std::size_t>(part->x * image.width);
+  const auto y = static_cast<std::size_t>(part->y * image.height);
   const std::size_t i = y * image.width + x;
   if (image.target_id[i] == 0) return;
   const world::Instance& target = (*result.request.world)[image.target_id[i] - 1];
@@ -242,14 +302,14 @@ void ImageView::select_part(const Vec2& pixel) {
 }
 
 // The pixel under the mouse, and its surroundings magnified.
-void ImageView::pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) const {
+void ImageView::pixel_values(const Vec2& mouse, std::uintptr_t texture) const {
   if (!state_.result || texture == 0) return;
   const RenderResult& result = *state_.result;
   const image::Image& image = result.image;
-  const Vec2 part = (mouse - at) / state_.image_size;
-  if (part.x < 0 || part.y < 0 || part.x >= 1 || part.y >= 1) return;
-  const auto x = static_cast<std::uint32_t>(part.x * image.width);
-  const auto y = static_cast<std::uint32_t>(part.y * image.height);
+  const auto part = image_part(mouse);
+  if (!part) return;
+  const auto x = static_cast<std::uint32_t>(part->x * image.width);
+  const auto y = static_cast<std::uint32_t>(part->y * image.height);
   const std::size_t i = std::size_t{y} * image.width + x;
   ImGui::SetNextWindowBgAlpha(0.85f);
   ImGui::BeginTooltip();
@@ -284,20 +344,25 @@ void ImageView::pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t t
 }
 
 // Names of frames and keypoints at their positions.
-void ImageView::draw_labels(const Vec2& at) const {
+void ImageView::draw_labels() const {
   if (!state_.result || !state_.models.world) return;
   const world::World& world = *state_.models.world;
   DiagnosticLog ignored;
-  const auto frame = workspace::FrameMaker(world).frame(state_.settings(), ignored);
-  if (!frame) return;
-  world::World posed = world;
-  workspace::show(*frame, world, posed);
+  world::Camera camera;
+  if (const Moment* own = state_.view.own()) {
+    camera = own->frame.camera();
+  } else {
+    const auto frame = workspace::FrameMaker(world).frame(state_.settings(), ignored);
+    if (!frame) return;
+    camera = frame->camera();
+  }
+  const world::World posed = state_.posed();
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const Vec2 size = state_.image_size;
+  const Vec2 size(camera.width, camera.height), scale = (rect_.high - rect_.low) / size;
   const auto label = [&](const Vec3& point, std::string_view name, ImU32 color) {
-    const auto pixel = world::project(frame->camera(), point);
+    const auto pixel = world::project(camera, point);
     if (!pixel || pixel->x < 0 || pixel->y < 0 || pixel->x > size.x || pixel->y > size.y) return;
-    const ImVec2 place = to_imgui(at + *pixel);
+    const ImVec2 place = to_imgui(rect_.low + scale * *pixel);
     draw->AddCircle(place, 3, color);
     draw->AddText({place.x + 6, place.y - 8}, color, name.data(), name.data() + name.size());
   };

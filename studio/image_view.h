@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "studio/window_state.h"
@@ -12,7 +13,7 @@ class ImageView {
  public:
   explicit ImageView(WindowState& state) : state_(state) {}
 
-  // mouse_taken: by something else, such as the border of the panel
+  // size: of the area for it. mouse_taken: by something else, such as the border of the panel
   void draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, bool mouse_taken);
   // Pixels of the newest result with the current settings, where they changed; null: they did not.
   const Canvas* new_canvas();
@@ -26,17 +27,20 @@ class ImageView {
   void paint_edges();
   std::string caption() const;
   void draw_caption(const Vec2& at) const;
-  void handle_mouse(const Vec2& at, const Vec2& size, bool mouse_taken);
-  void select_part(const Vec2& pixel);
-  void pixel_values(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) const;
-  void draw_labels(const Vec2& at) const;
+  void place(const Vec2& at, const Vec2& area);
+  void handle_mouse(bool mouse_taken);
+  void select_part();
+  std::optional<Vec2> image_part(const Vec2& mouse) const;
+  void pixel_values(const Vec2& mouse, std::uintptr_t texture) const;
+  void draw_tracks() const;
+  void draw_labels() const;
   void draw_progress(const Vec2& at, const Vec2& size);
 
   WindowState& state_;
   Canvas canvas_;
   std::string painted_as_;    // settings of the canvas
   double drawing_since_ = 0;  // seconds; the last time without an image under way
-  WidgetRect rect_;
+  WidgetRect rect_;           // of the image: of a scenario's camera, a part of the area
   bool dragged_ = false;
 };
 

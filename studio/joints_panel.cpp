@@ -43,6 +43,14 @@ void JointsPanel::draw() {
   if (!state_.models.world) return;
   // current values, within limits, with those of mimic joints
   const world::World posed = state_.posed();
+  const bool given = state_.view.moment != nullptr;
+  if (given) ImGui::TextDisabled("The scenario gives poses and joints.");
+  ImGui::BeginDisabled(given);
+  controls(posed);
+  ImGui::EndDisabled();
+}
+
+void JointsPanel::controls(const world::World& posed) {
   poses();
   std::size_t count = 0;
   for (std::size_t i = 0; i < posed.size(); ++i) {
@@ -119,6 +127,7 @@ void JointsPanel::joint_row(std::size_t target, std::size_t index,
 }
 
 void JointsPanel::advance() {
+  if (state_.view.moment) playing_.clear();
   if (playing_.empty() || !state_.models.world) return;
   DiagnosticLog ignored;
   const auto place = workspace::find_joint(playing_, *state_.models.world, ignored);

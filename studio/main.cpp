@@ -84,6 +84,8 @@ bool parse_option(std::string_view option, const std::string& value, Arguments& 
     options.scale = parse_double(value).value_or(0);
     if (!(options.scale >= 0.5 && options.scale <= 8))
       return fail("--scale is '" + value + "', expected 0.5 to 8");
+  } else if (option == "--owner") {
+    options.owner = value;
   } else if (option == "-D") {
     const auto equals = value.find('=');
     if (equals == std::string::npos || equals == 0)

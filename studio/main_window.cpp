@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "studio/imgui_helpers.h"
+#include "studio/play.h"
 #include "workspace/drawer.h"
 
 namespace panwright::studio {
@@ -23,7 +24,7 @@ constexpr std::uint32_t kReferenceBounces = 3;
 }  // namespace
 
 MainWindow::MainWindow(const Options& options)
-    : state_(options), panels_(state_), image_(state_), messages_(state_) {}
+    : state_(options), panels_(state_), image_(state_), player_(state_), messages_(state_) {}
 
 void MainWindow::frame(const Vec2& size, double screen_scale, const Textures& textures) {
   panels_.materials.set_texture(textures.sample);
@@ -47,9 +48,13 @@ void MainWindow::frame(const Vec2& size, double screen_scale, const Textures& te
     border({left, top}, {size.x, size.y - top}, scale);
   }
   messages_.draw({left, size.y - bottom}, {size.x - left, bottom});
-  image_.draw({left, top}, {size.x - left, size.y - top - bottom}, textures.image, border_dragged_);
+  const double bar = player_.shown() ? top : 0;
+  if (player_.shown()) player_.draw({left, size.y - bottom - bar}, {size.x - left, bar});
+  image_.draw({left, top}, {size.x - left, size.y - top - bottom - bar}, textures.image,
+              border_dragged_);
   handle_keys();
   panels_.joints.advance();
+  player_.advance();
   request_image();
   panels_.save.poll();
 }
@@ -63,6 +68,7 @@ void MainWindow::update_models() {
   models = now;
   if (read) panels_.materials.models_read();
   if (!models.world) return;
+  if (world_changed) player_.advance();
   if (!framed_ && state_.image_size.x > 0) {
     state_.frame_all();
     framed_ = true;
@@ -166,12 +172,16 @@ void MainWindow::handle_keys() {
     if (ImGui::IsKeyPressed(GLFW_KEY_0)) text = 1;
   }
   if (io.WantTextInput || io.KeyCtrl) return;
+  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+  if (pressed(GLFW_KEY_SPACE)) player_.toggle();
+  if (ImGui::IsKeyPressed(GLFW_KEY_LEFT)) player_.step(-1);
+  if (ImGui::IsKeyPressed(GLFW_KEY_RIGHT)) player_.step(1);
+  if (pressed(GLFW_KEY_C) && player_.shown()) state_.view.from_outside = !state_.view.from_outside;
   const double step = 2.0 * std::min(io.DeltaTime, 0.05f);
   const auto down = [](int key) { return ImGui::IsKeyDown(key); };
   state_.view.camera.fly(step * (down(GLFW_KEY_W) - down(GLFW_KEY_S)),
                          step * (down(GLFW_KEY_D) - down(GLFW_KEY_A)),
                          step * (down(GLFW_KEY_E) - down(GLFW_KEY_Q)));
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
   if (pressed(GLFW_KEY_F)) state_.frame_all();
   if (pressed(GLFW_KEY_R)) state_.project.reload();
   if (pressed(GLFW_KEY_P)) state_.layout.panel_shown = !state_.layout.panel_shown;
@@ -189,6 +199,10 @@ void MainWindow::request_image() {
   request.view = state_.view;
   request.width = static_cast<std::uint32_t>(state_.image_size.x);
   request.height = static_cast<std::uint32_t>(state_.image_size.y);
+  if (const Moment* own = state_.view.own()) {
+    request.width = own->frame.camera().width;
+    request.height = own->frame.camera().height;
+  }
   const auto& hidden = state_.parts.hidden;
   for (std::size_t i = 0; i < world->size() && !hidden.empty(); ++i) {
     const world::Instance& target = (*world)[i];
@@ -230,8 +244,8 @@ std::string MainWindow::failure() const {
 }
 
 bool MainWindow::idle() const {
-  return settled() && !panels_.joints.playing() && !saving() && !recording() && !sampling() &&
-         !state_.renderer.status().comparing && state_.image.comparison != "flicker";
+  return settled() && !playing() && !panels_.joints.playing() && !saving() && !recording() &&
+         !sampling() && !state_.renderer.status().comparing && state_.image.comparison != "flicker";
 }
 
 void MainWindow::drop(const std::vector<std::string>& files) {

@@ -10,6 +10,7 @@
 #include "studio/measure.h"
 #include "studio/message_list.h"
 #include "studio/panels.h"
+#include "studio/player.h"
 #include "studio/window_state.h"
 
 namespace panwright::studio {
@@ -35,6 +36,7 @@ class MainWindow {
   std::string failure() const;  // why there is no image of the current view; empty: there is one
   bool saving() const { return panels_.save.saving(); }
   bool recording() const { return panels_.save.recording(); }
+  bool playing() const { return player_.playing(); }
   bool sampling() const { return panels_.materials.sampling(); }
   bool idle() const;  // nothing changes without input
   std::string command() const { return panels_.save.command(); }
@@ -57,6 +59,7 @@ class MainWindow {
   WindowState state_;
   Panels panels_;
   ImageView image_;
+  Player player_;
   MessageList messages_;
   bool framed_ = false;          // the camera was fitted to the first models
   bool border_dragged_ = false;  // between panel and image

@@ -99,7 +99,7 @@ void MaterialsPanel::list() {
 
 void MaterialsPanel::numbers() {
   unsaved_changes();
-  for (const std::string& file : state_.project.files())
+  for (const std::string& file : state_.models.targets)
     if (file.ends_with(".pan")) {
       ImGui::TextWrapped("%s is a pan file: changes of its text appear once it is compiled again.",
                          file.c_str());

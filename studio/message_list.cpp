@@ -77,6 +77,8 @@ std::vector<Message> MessageList::messages() const {
     all.push_back({Severity::note, "", state_.options.layout_problem, "", 0, 0});
   for (const std::string& problem : {editor_problem_, state_.widgets.limited()})
     if (!problem.empty()) all.insert(all.begin(), {Severity::warning, "", problem, "", 0, 0});
+  const std::vector<Message>& of_frame = state_.playback.messages;
+  if (!state_.models.reading) all.insert(all.end(), of_frame.begin(), of_frame.end());
   if (state_.result && !state_.models.reading)
     all.insert(all.end(), state_.result->messages.begin(), state_.result->messages.end());
   return all;

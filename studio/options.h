@@ -13,7 +13,8 @@
 namespace panwright::studio {
 
 struct Options {
-  std::vector<std::string> files;  // FILE or NAME=FILE
+  std::vector<std::string> files;  // FILE or NAME=FILE; one may be a scenario
+  std::string owner;               // of a trajectory alone: as of open_play()
   workspace::OpenOptions open;
   preview::ContextKind context = preview::ContextKind::automatic;  // of the render thread
   Layout layout;                                                   // initial

@@ -20,6 +20,7 @@ class CameraPanel {
   void draw();
 
  private:
+  void scenario();
   void frames();
   WindowState& state_;
 };
@@ -79,6 +80,7 @@ class JointsPanel {
   bool playing() const { return !playing_.empty(); }
 
  private:
+  void controls(const world::World& posed);
   void poses();
   void pose(const world::Instance& target);
   void side_by_side();

@@ -10,6 +10,9 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "base/text.h"
+#include "studio/play.h"
+#include "workspace/scenario.h"
 
 namespace panwright::studio {
 namespace {
@@ -32,6 +35,10 @@ double seconds_since_saved(std::int64_t saved) {
 // Errors of a text can be corrected by its author; those of CAD files often cannot.
 bool is_pxn(const workspace::TargetFile& target) {
   return workspace::extension_of(target.file) == ".pxn";
+}
+
+bool is_scenario(const std::string& file) {
+  return workspace::is_scenario(workspace::target_file(file).file);
 }
 
 // As workspace::open_world(), also without memory for it.
@@ -81,8 +88,11 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
 }
 
 Project::Project(std::vector<std::string> files, workspace::OpenOptions open,
-                 std::function<void()> notify)
-    : files_(std::move(files)), open_(std::move(open)), notify_(std::move(notify)) {
+                 std::function<void()> notify, std::string owner)
+    : files_(std::move(files)),
+      owner_(std::move(owner)),
+      open_(std::move(open)),
+      notify_(std::move(notify)) {
   state_.reading = true;
   reader_ = std::thread([this] { read(); });
   watcher_ = std::thread([this] { watch(); });
@@ -133,6 +143,8 @@ void Project::notice(std::int64_t saved) {
 void Project::add(const std::string& file) {
   {
     const std::lock_guard lock(mutex_);
+    // a scenario takes the place of another
+    if (is_scenario(file)) std::erase_if(files_, is_scenario);
     files_.push_back(file);
   }
   reload();
@@ -208,81 +220,145 @@ void Project::read() {
   }
 }
 
-void Project::read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
-                        const Job& job) {
-  const auto start = std::chrono::steady_clock::now();
-  // before reading, so that later changes are found
-  std::vector<workspace::FileStamp> stamps;
+// One reading of the files.
+struct Project::Reading {
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  DiagnosticLog log{200};
+  std::vector<workspace::FileStamp>
+      stamps;                      // taken before reading, so that later changes are found
+  std::shared_ptr<Play> play;      // null: no scenario, or a bad one
+  std::vector<std::string> names;  // of the targets, FILE or NAME=FILE
   std::vector<workspace::TargetFile> targets;
-  std::set<std::filesystem::path> paths;
-  for (const std::string& file : files) {
-    targets.push_back(workspace::target_file(file));
-    paths.insert(targets.back().file);
+  std::optional<world::World> world;
+  std::optional<world::World> some;  // of the targets that can be read, where not all can be
+
+  void stamp(const std::set<std::filesystem::path>& paths) {
+    for (const std::filesystem::path& path : paths)
+      if (stamped_.insert(path).second) stamps.push_back(workspace::stamp_of(path));
   }
-  DiagnosticLog log(200);
+
+  // Opens the scenario, if there is one, and finds the targets. False: see the log.
+  bool find_targets(const std::vector<std::string>& files, const std::string& owner) {
+    std::vector<std::string> scenarios;
+    for (const std::string& file : files) (is_scenario(file) ? scenarios : names).push_back(file);
+    if (scenarios.size() > 1) {
+      log.report(Code::E0201, {},
+                 fmt::format("{} and {} are two scenarios; the window plays one",
+                             in_quotes(scenarios[0]), in_quotes(scenarios[1])));
+      return false;
+    }
+    if (!scenarios.empty()) {
+      auto opened = open_play(scenarios[0], owner, names, log);
+      if (!opened) return false;
+      play = std::make_shared<Play>(*std::move(opened));
+      names = play->targets;
+    }
+    for (const std::string& name : names) targets.push_back(workspace::target_file(name));
+    return true;
+  }
+
+ private:
+  std::set<std::filesystem::path> stamped_;
+};
+
+void Project::read_once(const std::vector<std::string>& files, workspace::OpenOptions open,
+                        const Job& job) {
+  Reading reading;
+  DiagnosticLog& log = reading.log;
   log.set_files(std::make_shared<FileUses>(job));
+  std::set<std::filesystem::path> paths;
+  for (const std::string& file : files) paths.insert(workspace::target_file(file).file);
+  std::string owner;
   {
     const std::lock_guard lock(mutex_);
     for (const workspace::FileStamp& each : watched_) paths.insert(each.path);
     inputs_ = log.files();
+    owner = owner_;
   }
-  for (const std::filesystem::path& path : paths) stamps.push_back(workspace::stamp_of(path));
-  auto world = opened(targets, open, log, job);
+  reading.stamp(paths);
+  std::set<std::filesystem::path> inputs;
+  if (reading.find_targets(files, owner)) {
+    paths.clear();
+    for (const workspace::TargetFile& target : reading.targets) paths.insert(target.file);
+    reading.stamp(paths);
+    if (reading.play && open.parameters.empty())
+      open.parameters = *reading.play->scenario.settings.define;
+    if (auto world = opened(reading.targets, open, log, job)) reading.world = *std::move(world);
+    if (reading.play && reading.world && !log.has_errors())
+      find_tracks(*reading.play, *reading.world, log);
+    if (!reading.play) reading.some = readable(reading, open, job, inputs);
+  }
   log.sort_by_place();
-  const bool foreign = std::none_of(targets.begin(), targets.end(), is_pxn);
-  // without an earlier version, the targets that can be read stand for all
-  std::optional<world::World> some;
-  std::vector<workspace::TargetFile> good;
-  if ((!world || log.has_errors()) && targets.size() > 1 && !state().world) {
-    for (const workspace::TargetFile& each : targets) {
-      DiagnosticLog alone = log.apart();
-      const std::vector<workspace::TargetFile> one{each};
-      if (opened(one, open, alone, job) && (!alone.has_errors() || !is_pxn(each)))
-        good.push_back(each);
-    }
-    DiagnosticLog ignored = log.apart();
-    if (!good.empty())
-      if (auto part = opened(good, open, ignored, job)) some = *std::move(part);
+  // included files: known from good models and scenarios, and from diagnostics
+  if (reading.world) add_inputs(*reading.world, reading.targets, inputs);
+  if (reading.play) {
+    const workspace::Scenario& scenario = reading.play->scenario;
+    inputs.insert(scenario.files.begin(), scenario.files.end());
+    if (scenario.settings.camera_file) inputs.insert(*scenario.settings.camera_file);
   }
-  // included files: known from good models, and from diagnostics
-  std::set<std::filesystem::path> more;
-  if (world) add_inputs(*world, targets, more);
-  if (some) add_inputs(*some, good, more);
-  workspace::add_sources(log, more);
-  for (const std::filesystem::path& path : more)
-    if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
+  workspace::add_sources(log, inputs);
+  reading.stamp(inputs);
+  publish(std::move(reading), job);
+}
 
-  const bool bad = !world || log.has_errors();
+// Without an earlier version, the targets that can be read stand for all.
+std::optional<world::World> Project::readable(const Reading& reading,
+                                              const workspace::OpenOptions& open, const Job& job,
+                                              std::set<std::filesystem::path>& inputs) {
+  const bool bad = !reading.world || reading.log.has_errors();
+  if (!bad || reading.targets.size() < 2 || state().world) return std::nullopt;
+  std::vector<workspace::TargetFile> good;
+  for (const workspace::TargetFile& each : reading.targets) {
+    DiagnosticLog alone = reading.log.apart();
+    const std::vector<workspace::TargetFile> one{each};
+    if (opened(one, open, alone, job) && (!alone.has_errors() || !is_pxn(each)))
+      good.push_back(each);
+  }
+  if (good.empty()) return std::nullopt;
+  DiagnosticLog ignored = reading.log.apart();
+  auto part = opened(good, open, ignored, job);
+  if (!part) return std::nullopt;
+  add_inputs(*part, good, inputs);
+  return *std::move(part);
+}
+
+void Project::publish(Reading reading, const Job& job) {
+  const DiagnosticLog& log = reading.log;
+  const bool bad = !reading.world || log.has_errors();
+  const bool foreign = std::none_of(reading.targets.begin(), reading.targets.end(), is_pxn);
   // computed here, as large models take long
   auto spheres = std::make_shared<workspace::BoundingSpheres>();
-  if (world)
-    spheres->of(*world);
-  else if (some)
-    spheres->of(*some);
+  if (reading.world)
+    spheres->of(*reading.world);
+  else if (reading.some)
+    spheres->of(*reading.some);
   std::unique_lock lock(mutex_);
   // half-written files: wait for the rest
   if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return pending_ || ending_; });
   if (job.cancelled() || (bad && pending_)) return;
-  watched_ = std::move(stamps);
+  watched_ = std::move(reading.stamps);
   state_.messages = messages_of(log);
   state_.failed = bad;
+  const auto take = [&](std::optional<world::World>& world) {
+    state_.world = std::make_shared<const world::World>(*std::move(world));
+    state_.spheres = std::move(spheres);
+    state_.partial = bad;
+    state_.play = bad ? nullptr : std::move(reading.play);
+    state_.targets = std::move(reading.names);
+  };
   if (!bad) {
     state_.saved = saved_;
     state_.noticed = noticed_;
     state_.read = saved_ == 0 ? 0 : seconds_since_saved(saved_);
-    state_.world = std::make_shared<const world::World>(*std::move(world));
-    state_.partial = false;
-  } else if (world && foreign && (!state_.world || state_.partial)) {
+    take(reading.world);
+  } else if (reading.world && foreign && !reading.play && (!state_.world || state_.partial)) {
     // CAD files are drawn in spite of errors where possible
-    state_.world = std::make_shared<const world::World>(*std::move(world));
-    state_.partial = true;
-  } else if (some) {
-    state_.world = std::make_shared<const world::World>(*std::move(some));
-    state_.partial = true;
+    take(reading.world);
+  } else if (reading.some) {
+    take(reading.some);
   }
-  if (world || some) state_.spheres = std::move(spheres);
   ++state_.readings;
-  state_.seconds = seconds_since(start);
+  state_.seconds = seconds_since(reading.start);
   state_.watched.clear();
   for (const workspace::FileStamp& each : watched_) state_.watched.push_back(each.path);
 }

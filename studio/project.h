@@ -8,6 +8,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,6 +23,8 @@
 
 namespace panwright::studio {
 
+struct Play;  // studio/play.h
+
 // Diagnostic with its location, for a list.
 struct Message {
   Severity severity = Severity::note;
@@ -33,18 +37,21 @@ struct Message {
 
 std::vector<Message> messages_of(const DiagnosticLog& log);
 
-// Last version of the targets without an error.
+// Last version of the targets, and of the scenario that names them, without an error.
 class Project {
  public:
-  // Begins to read. files: FILE or NAME=FILE. notify: called by its threads when state() changes
+  // Begins to read. files: FILE or NAME=FILE, one of which may be a scenario. notify: called by its
+  // threads when state() changes. owner: of a trajectory alone, as of open_play()
   Project(std::vector<std::string> files, workspace::OpenOptions open,
-          std::function<void()> notify = {});
+          std::function<void()> notify = {}, std::string owner = {});
   ~Project();
   Project(const Project&) = delete;
   Project& operator=(const Project&) = delete;
 
   struct State {
-    std::shared_ptr<const world::World> world;                  // the last good one; null: none yet
+    std::shared_ptr<const world::World> world;  // the last good one; null: none yet
+    std::shared_ptr<const Play> play;           // the scenario of `world`; null: there is none
+    std::vector<std::string> targets;           // of `world`, FILE or NAME=FILE
     std::shared_ptr<const workspace::BoundingSpheres> spheres;  // of its targets, without poses
     std::vector<Message> messages;                              // of the last reading
     std::uint64_t readings = 0;                                 // finished
@@ -73,10 +80,15 @@ class Project {
   void watch();
   void read();
   void notice(std::int64_t saved);
-  void read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
+  struct Reading;
+  void read_once(const std::vector<std::string>& files, workspace::OpenOptions open,
                  const Job& job);
+  std::optional<world::World> readable(const Reading& reading, const workspace::OpenOptions& open,
+                                       const Job& job, std::set<std::filesystem::path>& inputs);
+  void publish(Reading reading, const Job& job);
 
   std::vector<std::string> files_;
+  std::string owner_;
   workspace::OpenOptions open_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;

@@ -7,8 +7,10 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
+#include "image/png.h"
 #include "image/srgb.h"
 #include "studio/edges.h"
+#include "studio/play.h"
 #include "workspace/drawer.h"
 #include "workspace/exposure.h"
 #include "workspace/frame.h"
@@ -26,10 +28,44 @@ constexpr auto kIdleDelay = std::chrono::milliseconds(120);
 constexpr std::array<std::uint32_t, 5> kPasses = {8, 32, 128, 512, 2048};
 
 // Pixel footprint for levels of detail of interactive images, metres: in octaves, away from the
-// transitions, where two levels would be drawn.
-double steady_footprint(const OrbitCamera& camera, double width) {
-  const double pixel = 2 * camera.range * std::tan(camera.fov * kDegree / 2) / width;
+// transitions, where two levels would be drawn. range: metres
+double steady_footprint(const world::Camera& camera, double range) {
+  const bool perspective = camera.projection == world::Projection::perspective;
+  const double pixel = (perspective ? range : 1) / camera.focal.x;
   return std::exp2(std::floor(std::log2(pixel)) + 0.25);
+}
+
+// Range of what an image displays, metres.
+double range_of(const ViewState& view, const world::Camera& camera, const world::World& world) {
+  if (view.own() == nullptr) return view.camera.range;
+  double nearest = kFarthest;
+  for (const world::Instance& target : world.instances())
+    nearest = std::min(nearest, glm::length(target.pose().translation - camera.position));
+  return std::max(nearest, kNearest);
+}
+
+// The same rays in another number of pixels.
+world::Camera resized(world::Camera camera, std::uint32_t width, std::uint32_t height) {
+  const Vec2 scale = Vec2(width, height) / Vec2(camera.width, camera.height);
+  camera.focal *= scale;
+  camera.principal *= scale;
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+// scale: of the sides, in pixels
+Result<workspace::Frame> frame_of(const RenderRequest& request, double scale, DiagnosticLog& log) {
+  const auto side = [&](std::uint32_t full) {
+    return std::max(1u, static_cast<std::uint32_t>(std::lround(full * scale)));
+  };
+  const std::uint32_t width = side(request.width), height = side(request.height);
+  if (const Moment* own = request.view.own()) {
+    workspace::Frame frame = own->frame;
+    frame.camera() = resized(frame.camera(), width, height);
+    return frame;
+  }
+  return workspace::FrameMaker(*request.world).frame(settings_of(request.view, width, height), log);
 }
 
 // Table of sRGB codes of linear values, finer than the codes.
@@ -52,14 +88,19 @@ class SrgbTable {
 
 }  // namespace
 
-std::vector<std::uint8_t> srgb_pixels(const image::Image& image, double ev) {
+std::vector<std::uint8_t> srgb_pixels(const image::Image& image,
+                                      const image::PngExposure& exposure) {
+  std::vector<std::uint8_t> out(4 * image.pixels(), 255);
+  if (exposure.photo) {
+    const std::vector<std::uint8_t> rgb = image::png_codes(image, exposure);
+    for (std::size_t i = 0; i < image.pixels(); ++i) std::copy_n(&rgb[3 * i], 3, &out[4 * i]);
+    return out;
+  }
   static const SrgbTable codes;
-  const double gain = kPi * std::exp2(ev);
-  std::vector<std::uint8_t> out(4 * image.pixels());
+  const double gain = kPi * std::exp2(exposure.stops);
   parallel_for(image.height, [&](std::size_t row) {
     for (std::size_t i = row * image.width; i < (row + 1) * image.width; ++i) {
       for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = codes(gain * image.radiance[3 * i + k]);
-      out[4 * i + 3] = 255;
     }
   });
   return out;
@@ -86,6 +127,7 @@ struct RenderThread::Resources {
   std::shared_ptr<const world::World> source;  // `world` is a copy of it
   world::World world;
   world::Camera camera;  // of the last image
+  bool photo = false;    // its tone
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // found from the last exact image
   preview::Reference reference;
@@ -207,13 +249,8 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
                                                    const RenderRequest& request, bool exact,
                                                    const Effort& effort, DiagnosticLog& log,
                                                    const Job& job) {
-  const auto side = [&](std::uint32_t full) {
-    return std::max(1u, static_cast<std::uint32_t>(std::lround(full * effort.scale)));
-  };
-  const workspace::Settings settings =
-      settings_of(request.view, side(request.width), side(request.height));
   resources.update(request);
-  const auto frame = workspace::FrameMaker(*request.world).frame(settings, log);
+  auto frame = frame_of(request, effort.scale, log);
   if (!frame) return std::nullopt;
   workspace::DrawOptions options = workspace::draw_options(frame->settings, context_);
   if (!resources.drawer) {
@@ -226,18 +263,19 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
       status_.problem = log.entries()[0].message;
     if (!resources.drawer) return std::nullopt;
   }
+  resources.camera = frame->camera();
+  workspace::show(*frame, *request.world, resources.world);
+  resources.photo = options.photo;
   if (!exact) {
     options.samples = 1;
     options.gl.shadows = preview::Shadows::hard;
     options.gl.imposters = preview::Imposters::off;
     options.gl.shadow_side =
         std::min(options.gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
-    options.gl.level_pixel =
-        effort.level_scale * steady_footprint(request.view.camera, side(request.width));
+    const double range = range_of(request.view, resources.camera, resources.world);
+    options.gl.level_pixel = effort.level_scale * steady_footprint(resources.camera, range);
   }
   resources.drawer->set_options(options);
-  resources.camera = frame->camera();
-  workspace::show(*frame, *request.world, resources.world);
   auto drawn = resources.drawer->draw(resources.world, frame->camera(), exact, log, job);
   if (!drawn) return std::nullopt;
   return *std::move(drawn);
@@ -279,10 +317,12 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
   if (drawn) {
     result->image = std::move(drawn->image);
     if (drawn->sampling) result->sampling = *drawn->sampling;
+    const double of_sun = workspace::stops_of_sun(resources.world);
     if (request.view.auto_ev && (exact || !resources.ev))
-      resources.ev = workspace::auto_exposure(result->image, 0);
+      resources.ev = workspace::auto_exposure(result->image, of_sun);
     result->ev = request.view.auto_ev ? *resources.ev : request.view.ev;
-    result->rgba = srgb_pixels(result->image, result->ev);
+    result->exposure = {result->ev - of_sun, resources.photo};
+    result->rgba = srgb_pixels(result->image, result->exposure);
     if (exact) result->details = details_of(resources.world, resources.camera);
     if (exact && request.edges)
       result->edges = edges_of(resources.world, resources.camera, result->image, job);
@@ -322,8 +362,7 @@ void RenderThread::trace(Resources& resources, const RenderRequest& request, con
   if (!resources.exact || resources.exact->failed) return;
   const auto start = RenderClock::now();
   DiagnosticLog log;
-  const auto frame = workspace::FrameMaker(*request.world)
-                         .frame(settings_of(request.view, request.width, request.height), log);
+  auto frame = frame_of(request, 1, log);
   if (!frame) return;
   preview::ReferenceOptions options;
   options.samples = kPasses[traced_];

@@ -55,7 +55,8 @@ struct RenderResult {
       1;               // of an interactive image: factor on the pixel footprint of levels of detail
   image::Image image;  // of radiance
   std::vector<std::uint8_t> rgba;   // 4*H*W of the image, sRGB
-  double ev = 0;                    // exposure of `rgba`, stops
+  double ev = 0;                    // exposure of `rgba`, as of --ev, stops
+  image::PngExposure exposure{0};   // the same, of the image's unit
   std::vector<std::uint8_t> edges;  // edges_of(), where requested
   std::vector<Detail> details;      // of an exact image
   preview::SamplingReport sampling;
@@ -136,7 +137,8 @@ class RenderThread {
   std::thread thread_;
 };
 
-// 4*H*W bytes, as write_image() writes them to a PNG, with alpha 255. ev: stops
-std::vector<std::uint8_t> srgb_pixels(const image::Image& image, double ev);
+// 4*H*W bytes, as write_image() writes them to a PNG, with alpha 255.
+std::vector<std::uint8_t> srgb_pixels(const image::Image& image,
+                                      const image::PngExposure& exposure);
 
 }  // namespace panwright::studio

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/program.h"
 #include "base/text.h"
 #include "studio/panels.h"
 #include "workspace/run.h"
@@ -38,9 +39,9 @@ void SavePanel::poll() {
 }
 
 std::string SavePanel::command() const {
-  std::string out = command_line(state_.view, static_cast<std::uint32_t>(state_.image_size.x),
-                                 static_cast<std::uint32_t>(state_.image_size.y),
-                                 state_.project.files(), output_);
+  std::string out =
+      command_line(state_.view, static_cast<std::uint32_t>(state_.image_size.x),
+                   static_cast<std::uint32_t>(state_.image_size.y), state_.models.targets, output_);
   // the context is recorded in the file
   if (state_.options.context == preview::ContextKind::egl) out += " --gl egl";
   if (state_.options.context == preview::ContextKind::osmesa) out += " --gl osmesa";
@@ -52,7 +53,7 @@ void SavePanel::save() {
   workspace::Settings settings = state_.settings();
   settings.outputs = {path.string()};
   std::vector<std::string> files;
-  for (const std::string& each : state_.project.files())
+  for (const std::string& each : state_.models.targets)
     files.push_back(workspace::target_file(each).file.string());
   saving_ = std::async(std::launch::async,
                        [settings, world = state_.models.world, path, files = std::move(files),
@@ -86,14 +87,18 @@ void SavePanel::video() {
         status.of > 0 ? static_cast<float>(status.done) / static_cast<float>(status.of) : 0,
         {-1, 0}, fmt::format("{} of {}", status.done, status.of).c_str());
   } else {
-    const bool orbits = state_.view.camera.frame.empty();
+    const bool orbits = state_.view.camera.frame.empty() && state_.view.own() == nullptr;
     ImGui::BeginDisabled(!state_.models.world || !state_.result || !orbits ||
                          video_settings_.output.empty());
     if (state_.widgets.button(encodes ? "video/make=make video" : "video/make=draw frames",
                               "With the exposure of the displayed image"))
       start_video();
     ImGui::EndDisabled();
-    if (!orbits) ImGui::TextWrapped("Leave the camera frame to make a video.");
+    if (!orbits)
+      ImGui::TextWrapped("%s", state_.view.own() != nullptr
+                                   ? "Of the scenario: panwright run --video. Or switch to the "
+                                     "view from outside."
+                                   : "Leave the camera frame to make a video.");
   }
   if (!encodes)
     ImGui::TextWrapped("Install ffmpeg for a video; without it, frames are written as PNG files.");

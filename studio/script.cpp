@@ -92,9 +92,11 @@ Step parsed_step(const std::string& kind, const ScriptJson& json) {
     if (!(step.amount >= 0 && step.amount <= kMaxAmount))
       throw ScriptError{fmt::format("'wait' takes 0 to {} frames", kMaxAmount)};
     if (!json.is_number() && step.name != "exact" && step.name != "read" && step.name != "saved" &&
-        step.name != "compared" && step.name != "sampled" && step.name != "video")
+        step.name != "compared" && step.name != "sampled" && step.name != "video" &&
+        step.name != "played")
       throw ScriptError{
-          "'wait' takes exact, compared, sampled, read, saved, video or a number of frames"};
+          "'wait' takes exact, compared, sampled, read, saved, video, played or a number of "
+          "frames"};
   } else if (kind == "resize") {
     step.kind = Step::Kind::resize;
     step.to = script_pair(json, "'resize'");

@@ -22,6 +22,8 @@ int key_of(const std::string& name) {
   if (name == "escape") return GLFW_KEY_ESCAPE;
   if (name == "enter") return GLFW_KEY_ENTER;
   if (name == "space") return GLFW_KEY_SPACE;
+  if (name == "left") return GLFW_KEY_LEFT;
+  if (name == "right") return GLFW_KEY_RIGHT;
   return 0;
 }
 
@@ -67,7 +69,7 @@ bool ScriptRunner::advance(const Step& step, MainWindow& window, Actions& action
       return move(step, window);
     case Step::Kind::key:
       if (key_of(step.name) == 0)
-        fail(fmt::format("unknown key {}; expected A to Z, escape, enter or space",
+        fail(fmt::format("unknown key {}; expected A to Z, escape, enter, space, left or right",
                          in_quotes(step.name)));
       input_.key = frame_ < 2 ? key_of(step.name) : 0;
       return frame_ == 3;
@@ -94,6 +96,7 @@ bool ScriptRunner::wait(const Step& step, MainWindow& window) {
   if (frame_ > kMaxWaitFrames) fail(fmt::format("{} did not occur in time", in_quotes(step.name)));
   if (frame_ < 3) return false;
   if (step.name == "read") return !window.project().state().reading;
+  if (step.name == "played") return !window.playing();
   if (step.name == "saved") {
     if (!window.saving() && !window.state("saved")->starts_with("saved "))
       fail(fmt::format("nothing was saved: {}", *window.state("saved")));

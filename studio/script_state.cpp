@@ -5,6 +5,7 @@
 #include <string>
 
 #include "studio/main_window.h"
+#include "studio/play.h"
 
 namespace panwright::studio {
 namespace {
@@ -64,6 +65,14 @@ std::optional<std::string> MainWindow::state(const std::string& name) const {
   if (name == "fov") return fmt::format("{}", state_.view.camera.fov);
   if (name.starts_with("pose/")) return pose_of(state_.view, name.substr(5));
   if (name.starts_with("joint/")) return joint_of(state_.view, name.substr(6));
+  // of the scenario
+  if (name == "frame" || name == "time") {
+    const Moment* moment = state_.view.moment.get();
+    if (moment == nullptr) return "";
+    return name == "frame" ? std::to_string(moment->number) : fmt::format("{}", moment->time);
+  }
+  if (name == "playing") return boolean(playing());
+  if (name == "outside") return boolean(state_.view.from_outside);
   // of the panels
   if (name == "selected") return state_.parts.selected;
   if (name == "hidden") return std::to_string(state_.parts.hidden.size());

@@ -15,6 +15,9 @@ namespace panwright::studio {
 void SunPanel::draw() {
   Widgets& widgets = state_.widgets;
   ViewState& view = state_.view;
+  const bool given = view.moment != nullptr;
+  if (given) ImGui::TextDisabled("The scenario gives the Sun.");
+  ImGui::BeginDisabled(given);
   widgets.slider("sun/azimuth", view.sun_azimuth, -180, 180, "%.3f deg", false,
                  "Direction to the Sun, from +x about +z. Shift + left button over the image");
   widgets.slider("sun/elevation", view.sun_elevation, -90, 90, "%.3f deg");
@@ -24,6 +27,7 @@ void SunPanel::draw() {
     view.sun_azimuth = view.camera.azimuth;
     view.sun_elevation = view.camera.elevation;
   }
+  ImGui::EndDisabled();
   ImGui::Separator();
   exposure();
   ImGui::Separator();

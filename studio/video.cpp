@@ -1,22 +1,16 @@
 #include "studio/video.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <exception>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "base/program.h"
 #include "base/text.h"
+#include "image/video.h"
 #include "studio/project.h"
 #include "workspace/run.h"
 #include "workspace/views.h"
@@ -25,30 +19,6 @@ namespace panwright::studio {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kVideoExtensions[] = {".mp4", ".mkv", ".mov", ".webm", ".avi", ".gif"};
-
-// Runs a program without input and output; returns whether it succeeded. A cancelled job ends it.
-bool run_program(const std::vector<std::string>& words, const Job& job) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  for (const int file : {0, 1, 2})
-    ::posix_spawn_file_actions_addopen(&actions, file, "/dev/null", O_RDWR, 0);
-  pid_t child = 0;
-  const int failed =
-      ::posix_spawn(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return false;
-  int status = 0;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (job.cancelled()) ::kill(child, SIGTERM);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return !job.cancelled() && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
 
 }  // namespace
 
@@ -71,20 +41,6 @@ std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& s
     }
   }
   return out;
-}
-
-fs::path find_program(const std::string& name) {
-  const char* folders = std::getenv("PATH");
-  std::string_view rest = folders == nullptr ? "" : folders;
-  while (!rest.empty()) {
-    const auto end = std::min(rest.find(':'), rest.size());
-    const fs::path path = fs::path(rest.substr(0, end)) / name;
-    std::error_code ignored;
-    if (end > 0 && ::access(path.c_str(), X_OK) == 0 && fs::is_regular_file(path, ignored))
-      return path;
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  return {};
 }
 
 Video::~Video() {
@@ -164,8 +120,8 @@ bool Video::draw(const VideoRequest& request, const std::vector<fs::path>& frame
 void Video::work(const VideoRequest& request, const Job& job) {
   const fs::path program = find_program("ffmpeg");
   const std::string extension = request.output.extension().string();
-  if (!program.empty() && std::find(std::begin(kVideoExtensions), std::end(kVideoExtensions),
-                                    extension) == std::end(kVideoExtensions))
+  if (!program.empty() &&
+      std::ranges::find(image::kVideoExtensions, extension) == std::end(image::kVideoExtensions))
     return set_message(
         fmt::format("videos are .mp4, .mkv, .mov, .webm, .avi or .gif, not '{}'", extension));
   DiagnosticLog log;
@@ -195,21 +151,8 @@ bool Video::encode(const VideoRequest& request, const fs::path& program, const f
                    const Job& job) {
   const std::string count = counted(request.views.size(), "frame");
   set_message("ffmpeg joins " + count);
-  // most players need even widths and heights
-  const std::vector<std::string> words = {program.string(),
-                                          "-y",
-                                          "-loglevel",
-                                          "error",
-                                          "-framerate",
-                                          fmt::format("{:g}", request.settings.rate),
-                                          "-i",
-                                          (folder / "%05d.png").string(),
-                                          "-vf",
-                                          "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                          "-pix_fmt",
-                                          "yuv420p",
-                                          request.output.string()};
-  const bool encoded = run_program(words, job);
+  const bool encoded = image::encode_video(program, (folder / "%05d.png").string(),
+                                           request.settings.rate, request.output, job);
   if (encoded) {
     const std::string& frame = request.settings.frame;
     set_message(fmt::format("saved {}: {}, {}", request.output.string(), count,

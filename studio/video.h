@@ -35,9 +35,6 @@ struct VideoSettings {
 // stops
 std::vector<ViewState> video_views(const ViewState& view, const VideoSettings& settings, double ev);
 
-// Path of an executable in the folders of $PATH; empty: not found.
-std::filesystem::path find_program(const std::string& name);
-
 // Frames to draw, and their video.
 struct VideoRequest {
   VideoSettings settings;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "studio/play.h"
+
 namespace panwright::studio {
 namespace {
 
@@ -37,6 +39,16 @@ std::string shell_quoted(const std::string& word) {
   return out + "'";
 }
 
+// The state of the world of a moment, from outside.
+void add_moment(const Moment& moment, workspace::Settings& out) {
+  const workspace::Settings& settings = moment.view.settings;
+  out.pose = *settings.pose;
+  out.joint = *settings.joint;
+  out.sun = moment.frame.sun->direction;
+  if (const double distance = moment.frame.sun->distance; distance != 1)
+    out.sun_distance = distance;
+}
+
 }  // namespace
 
 Quat TargetPose::rotation() const {
@@ -62,6 +74,17 @@ void ViewState::turn_sun(double right, double down) {
 
 workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height) {
   workspace::Settings out;
+  const auto expose = [&] {
+    if (view.auto_ev)
+      out.ev = workspace::Settings::Ev::automatic;
+    else
+      out.ev = typed(view.ev);
+  };
+  if (const Moment* own = view.own()) {
+    out = own->view.settings;
+    expose();
+    return out;
+  }
   if (view.camera.frame.empty()) {
     out.camera = typed(view.camera.position());
     out.look_at = typed(view.camera.centre);
@@ -72,10 +95,7 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   out.sun = typed(view.sun());
   if (view.sun_distance != 1) out.sun_distance = typed(view.sun_distance);
   out.size = {width, height};
-  if (view.auto_ev)
-    out.ev = workspace::Settings::Ev::automatic;
-  else
-    out.ev = typed(view.ev);
+  expose();
   if (view.shadows != workspace::Settings::Shadows::automatic) out.shadows = view.shadows;
   if (view.imposters != workspace::Settings::Imposters::automatic) out.imposters = view.imposters;
   std::vector<workspace::PoseSetting> poses;
@@ -85,13 +105,18 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   std::vector<workspace::JointText> joints;
   for (const auto& [joint, value] : view.joints) joints.push_back({joint, value});
   if (!joints.empty()) out.joint = std::move(joints);
+  if (view.moment) add_moment(*view.moment, out);
   return out;
 }
 
 std::string command_line(const ViewState& view, std::uint32_t width, std::uint32_t height,
                          const std::vector<std::string>& files, const std::string& output) {
   using workspace::SettingId;
-  const workspace::Settings settings = settings_of(view, width, height);
+  workspace::Settings settings = settings_of(view, width, height);
+  const workspace::Settings standard;  // what has no option
+  settings.name = standard.name;
+  settings.define = standard.define;
+  settings.targets = standard.targets;
   std::string out = "panwright render";
   for (const std::string& file : files) out += " " + shell_quoted(file);
   out += " -o " + shell_quoted(output);

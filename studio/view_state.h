@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "workspace/settings.h"
 
 namespace panwright::studio {
+
+struct Moment;  // studio/play.h
 
 // Pose of a target in the world.
 struct TargetPose {
@@ -33,15 +36,22 @@ struct ViewState {
   workspace::Settings::Imposters imposters = workspace::Settings::Imposters::automatic;
   std::map<std::string, TargetPose> poses;    // of targets by name; others are at the origin
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
+  // Of a scenario: its poses, joints and Sun replace those above. Null: there is none.
+  std::shared_ptr<const Moment> moment;
+  bool from_outside =
+      false;  // false: the image is that of the scenario's camera, where there is one
 
   Vec3 sun() const;      // unit, to the Sun
   double phase() const;  // degrees, between the directions to the camera and to the Sun
   // Turns the Sun by a mouse movement, in parts of the image's height.
   void turn_sun(double right, double down);
+  // The moment whose camera the image is of; null: `camera`.
+  const Moment* own() const { return from_outside ? nullptr : moment.get(); }
   bool operator==(const ViewState&) const = default;
 };
 
-// The settings that make the same image, with few enough digits to be typed.
+// The settings that make the same image, with few enough digits to be typed; those of a scenario
+// with all, and of its camera's size.
 workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height);
 
 // `panwright render …`, quoted for a shell. files: NAME=FILE

@@ -3,17 +3,45 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <vector>
+
+#include "studio/play.h"
+#include "workspace/frame.h"
 
 namespace panwright::studio {
+namespace {
+
+// The sphere around another and the points of tracks, about the middle of their box.
+workspace::BoundingSphere around(const workspace::BoundingSphere& sphere,
+                                 const std::vector<Track>& tracks) {
+  Vec3 low = sphere.centre - sphere.radius, high = sphere.centre + sphere.radius;
+  for (const Track& track : tracks)
+    for (const Vec3& point : track.points) {
+      low = glm::min(low, point);
+      high = glm::max(high, point);
+    }
+  workspace::BoundingSphere out{0.5 * (low + high), 0};
+  out.radius = glm::length(sphere.centre - out.centre) + sphere.radius;
+  for (const Track& track : tracks)
+    for (const Vec3& point : track.points)
+      out.radius = std::max(out.radius, glm::length(point - out.centre));
+  return out;
+}
+
+}  // namespace
 
 WindowState::WindowState(const Options& from)
     : options(from),
       layout(from.layout),
-      project(from.files, from.open, glfwPostEmptyEvent),
+      project(from.files, from.open, glfwPostEmptyEvent, from.owner),
       renderer(from.context, glfwPostEmptyEvent) {}
 
 world::World WindowState::posed() const {
   world::World out = *models.world;
+  if (view.moment) {
+    workspace::show(view.moment->frame, *models.world, out);
+    return out;
+  }
   for (const auto& [name, pose] : view.poses)
     if (const auto target = out.find(name)) out.set_pose(*target, {pose.position, pose.rotation()});
   workspace::JointSetter setter(out);
@@ -22,9 +50,16 @@ world::World WindowState::posed() const {
   return out;
 }
 
-void WindowState::frame_all() {
+void WindowState::frame_targets() {
   if (!models.world) return;
   view.camera.frame_all(spheres.of(posed()), image_size.y / std::max(image_size.x, 1.0));
+}
+
+void WindowState::frame_all() {
+  if (!models.world) return;
+  workspace::BoundingSphere sphere = spheres.of(posed());
+  if (models.play) sphere = around(sphere, models.play->tracks);
+  view.camera.frame_all(sphere, image_size.y / std::max(image_size.x, 1.0));
 }
 
 std::filesystem::path WindowState::output_path(const std::string& file) const {

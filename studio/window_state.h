@@ -47,6 +47,13 @@ struct PartSelection {
   std::string selected;  // empty: none
 };
 
+// Display of a scenario.
+struct Playback {
+  double rate = 10;               // frames per second
+  bool tracks = true;             // drawn, from outside
+  std::vector<Message> messages;  // of the displayed frame
+};
+
 struct WindowState {
   explicit WindowState(const Options& options);
 
@@ -64,10 +71,12 @@ struct WindowState {
   Pixels color_scale;  // of the displayed layer, without pixels
   Histogram histogram;
   PartSelection parts;
+  Playback playback;
 
   // A copy of the world with the poses and joints of the view. Expects: a world.
   world::World posed() const;
-  // Fits all targets into the image.
+  // Fits all targets into the image; frame_all() the tracks of a scenario too.
+  void frame_targets();
   void frame_all();
   // `file`, relative to the script where there is one.
   std::filesystem::path output_path(const std::string& file) const;

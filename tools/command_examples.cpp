@@ -57,7 +57,8 @@ constexpr Example kExamples[] = {
     {"scenario", "rendezvous/approach.toml --at 42.5 --json",
      "Print the frame of a time, interpolated."},
 
-    {"run", "rendezvous/approach.toml -o frames --frames 0..2", "Render the first three frames."},
+    {"run", "rendezvous/approach.toml -o frames --frames 0..2 --sheet frames.png",
+     "Render the first three frames, and a contact sheet of them."},
     {"run",
      "rendezvous/flyby.csv --target client=client/client.pxn -o flyby --size 320x240 --fov 60",
      "Fly a camera past a model on the way of a table."},
@@ -83,6 +84,7 @@ constexpr Example kExamples[] = {
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",
      "Show two targets in a larger window."},
     {"view", "cubesat/cubesat.pxn -D units=6 -D wings=1", "Set parameters of the model."},
+    {"view", "rendezvous/approach.toml", "Play a scenario."},
 
     {"material", "--list", "List the materials of the library."},
     {"material", "white_z93", "Report on a material: albedo, energy, precision."},

@@ -17,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/frame_json.h"
 #include "tools/render_report.h"
+#include "tools/run_album.h"
 #include "tools/scenario_options.h"
 #include "workspace/record.h"
 #include "workspace/session.h"
@@ -46,6 +47,7 @@ struct Options {
   std::vector<std::string> types;  // extensions; empty: png
   bool labels = false;
   bool resume = false;
+  AlbumOptions album;
   std::string gl = "auto";
 };
 
@@ -81,6 +83,7 @@ void declare_all(Arguments& arguments, Options& options) {
       "the scenario, which chooses parts and flow (docs/labels.md)");
   arguments.flag("--resume", options.resume,
                  "Go on in a folder of the same run: complete frames are kept");
+  declare(arguments, options.album);
   for (const SettingId id : workspace::kCommandOrder)
     if (!is_of_frames(id)) declare(arguments, options.view, id);
   arguments.add("--gl", options.gl, "OpenGL context: auto (default), egl or osmesa")
@@ -149,6 +152,7 @@ class SequenceRun {
       log_.report_file(Code::E0103, options_.folder, "it is no folder, and cannot be made one");
       return false;
     }
+    if (!claim_files(options_.album, log_)) return false;
     FolderLock lock;
     if (!lock.take(options_.folder, log_) || !begin(manifest, settings)) return false;
     if (!render(session, *world, listener)) {
@@ -159,7 +163,7 @@ class SequenceRun {
     if (kept_ > 0 && !options_.common.json)
       fmt::print(stderr, "{} kept\n", counted(kept_, "frame"));
     report.summary();
-    return true;
+    return !options_.album.any() || make_album(options_.album, images_, options_.folder, context_);
   }
 
  private:
@@ -196,7 +200,12 @@ class SequenceRun {
                     "--type is " + in_quotes(type) + ", expected png, exr, npy or npz");
         return false;
       }
-    return true;
+    if (options_.album.any() && std::ranges::find(types_, "png") == types_.end()) {
+      log_.report(Code::E0201, {},
+                  "--sheet and --video are made of PNG files, expected --type png");
+      return false;
+    }
+    return check(options_.album, log_);
   }
 
   // Names of files: by the frame's own name where that is one, else by its number.
@@ -276,6 +285,7 @@ class SequenceRun {
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
+      if (options_.album.any()) images_.push_back(fs::path(options_.folder) / (stem + ".png"));
       if (k == 0 && !(find_shutter(*frame, number, world) && check_labels(world))) return false;
       if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
@@ -428,7 +438,8 @@ class SequenceRun {
   std::vector<std::string> types_;
   std::shared_ptr<const workspace::Labelling> labelling_;  // null: no labels
   workspace::Shutter shutter_;
-  std::set<std::string> stems_;  // of all frames' files
+  std::set<std::string> stems_;   // of all frames' files
+  std::vector<fs::path> images_;  // of the contact sheet and the video, in order
   std::size_t kept_ = 0;
 };
 

@@ -24,6 +24,7 @@ struct Options {
   CommonOptions common;
   std::vector<std::string> targets;  // FILE or NAME=FILE
   std::vector<std::string> defines;
+  std::string owner;
   std::string script;
   std::string size;
   std::string scale;
@@ -34,7 +35,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("targets", options.targets,
            "Targets: .pan, .pxn or CAD files, reloaded when they change; NAME=FILE names a target "
-           "(default: the file's name)")
+           "(default: the file's name). A scenario or trajectory, as of `panwright run`, is played")
       .required()
       .type("[NAME=]FILE…");
   arguments
@@ -42,6 +43,11 @@ void declare_all(Arguments& arguments, Options& options) {
            "Set a <param> of the models, as -D span=2.4m; may be repeated")
       .type("NAME=VALUE")
       .one_value();
+  arguments
+      .add(
+          "--owner", options.owner,
+          "Owner of the positions or attitudes of an OEM or AEM: a target's name (default: camera)")
+      .type("NAME");
   arguments
       .add("--script", options.script,
            "JSON list of actions and screenshots to run in the window (docs/studio-scripts.md); "
@@ -82,8 +88,8 @@ int run(const Options& options, const Host& host) {
   }
   std::vector<std::string> words{kProgram, "--gl", options.gl};
   for (const auto& [option, value] :
-       {std::pair{"--script", &options.script}, std::pair{"--size", &options.size},
-        std::pair{"--scale", &options.scale}})
+       {std::pair{"--owner", &options.owner}, std::pair{"--script", &options.script},
+        std::pair{"--size", &options.size}, std::pair{"--scale", &options.scale}})
     if (!value->empty()) words.insert(words.end(), {option, *value});
   for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
   if (options.common.json) words.push_back("--json");
@@ -102,7 +108,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_view
 
 Command view_command() {
-  return command("view", "Show models in a window and reload them when their files change",
+  return command("view", "Show models, or play a scenario, in a window that follows their files",
                  command_view::declare_all, command_view::run);
 }
 

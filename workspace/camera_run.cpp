@@ -26,16 +26,6 @@ namespace {
 
 using CameraClock = std::chrono::steady_clock;
 
-// A PNG shows a white plate as white whatever the irradiance is measured in; where the Sun is off,
-// white emission.
-double stops_of_sun(const world::World& world) {
-  const std::optional<Vec3>& irradiance = world.sun().irradiance;
-  if (!irradiance) return 0;
-  const double sun = max_component(*irradiance);
-  const double strongest = sun > 0 ? sun : max_component(world.white());
-  return strongest > 0 ? std::log2(strongest) : 0;
-}
-
 std::string words(const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 std::string words(const Quat& q) { return fmt::format("{} {} {} {}", q.w, q.x, q.y, q.z); }
 

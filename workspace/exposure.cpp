@@ -2,11 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/math.h"
 
 namespace panwright::workspace {
+
+double stops_of_sun(const world::World& world) {
+  const std::optional<Vec3>& irradiance = world.sun().irradiance;
+  if (!irradiance) return 0;
+  const double sun = max_component(*irradiance);
+  const double strongest = sun > 0 ? sun : max_component(world.white());
+  return strongest > 0 ? std::log2(strongest) : 0;
+}
 
 double auto_exposure(const image::Image& image, double stops_of_sun) {
   constexpr double kShare = 0.99;  // of the lit pixels, that stay below

@@ -275,7 +275,10 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
   settings.camera_file = Settings().camera_file;
   mount = camera.mount_from_camera;
   settings.size = ImageSize{camera.width, camera.height};
-  settings.intrinsics = Vec4(lens.focal, lens.principal);
+  if (camera.width_m > 0)
+    settings.ortho = camera.width_m;
+  else
+    settings.intrinsics = Vec4(lens.focal, lens.principal);
   if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
     settings.distortion = text;
   // once, not for each of many views

@@ -40,6 +40,9 @@ struct Scenario {
   std::optional<Labelling> labels;   // of every frame; none: not asked for
 };
 
+// Returns whether a file is one for open_scenario(), by its extension or its first word.
+bool is_scenario(const std::filesystem::path& path);
+
 // Opens a scenario (.toml), or one trajectory file alone: .csv, .fli, .json (keyframes), .oem, .aem
 // and other texts by their content. Files in it are relative to its folder.
 //

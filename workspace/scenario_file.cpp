@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "base/config_text.h"
 #include "base/file.h"
@@ -496,6 +499,16 @@ class ScenarioReader {
 };
 
 }  // namespace
+
+bool is_scenario(const fs::path& path) {
+  constexpr std::string_view kExtensions[] = {".toml", ".csv", ".fli", ".json", ".oem", ".aem"};
+  if (std::ranges::find(kExtensions, lower_extension(path)) != std::end(kExtensions)) return true;
+  std::string head(64, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return begins_with_keyword(head, "CCSDS_OEM_VERS") || begins_with_keyword(head, "CCSDS_AEM_VERS");
+}
 
 Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& options,
                                DiagnosticLog& log) {

@@ -50,8 +50,7 @@ void photographed(std::array<double, 3>& color) {
 
 }  // namespace
 
-bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure,
-               DiagnosticLog& log) {
+std::vector<std::uint8_t> png_codes(const Image& image, const PngExposure& exposure) {
   const double scale = kPi * std::exp2(exposure.stops);
   std::vector<std::uint8_t> codes(image.radiance.size());
   const std::size_t row = std::size_t{3} * image.width;
@@ -63,6 +62,12 @@ bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure
       for (std::size_t k = 0; k < 3; ++k) codes[i + k] = srgb_code(color[k]);
     }
   });
+  return codes;
+}
+
+bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure,
+               DiagnosticLog& log) {
+  const std::vector<std::uint8_t> codes = png_codes(image, exposure);
   PngOptions options;
   options.channels = 3;
   options.says_srgb = true;

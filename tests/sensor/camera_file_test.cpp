@@ -176,6 +176,27 @@ TEST(CameraFile, RegionAndBinning) {
   EXPECT_EQ(ros->lens.principal, Vec2(860.5, 540.5) / 2.0);
 }
 
+// Metres across the image, in place of a lens; parts of it keep the metres of a pixel.
+TEST(CameraFile, Orthographic) {
+  const auto whole = read("size = [640, 480]\nwidth_m = 12.8");
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->width_m, 12.8);
+  EXPECT_EQ(whole->lens.focal, Vec2(50));
+  EXPECT_EQ(whole->lens.principal, Vec2(320, 240));
+  const auto part =
+      read("size = [640, 480]\nwidth_m = 12.8\nregion = [160, 120, 320, 240]\nbinning = [2, 2]");
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->width, 160u);
+  EXPECT_EQ(part->width_m, 6.4);
+  DiagnosticLog log;
+  const auto text = camera_text(*part, CameraFormat::toml, log);
+  ASSERT_TRUE(text);
+  const auto back = read(*text);
+  ASSERT_TRUE(back) << *text;
+  EXPECT_EQ(back->width_m, 6.4);
+  EXPECT_FALSE(camera_text(*part, CameraFormat::opencv, log));
+}
+
 // Cameras that a format holds come back from its text.
 TEST(CameraFile, TextReadsBack) {
   CameraFile camera{.name = "a \"b\"", .width = 640, .height = 480};
@@ -235,6 +256,9 @@ TEST(CameraFile, Refused) {
       {"size = 9\nfocal = nan", "numbers"},
       {"size = 9\nfocal = 3\nregion = [5, 0, 5, 9]", "do not fit"},
       {"size = 9\nfocal = 3\nbinning = [10, 1]", "do not fit"},
+      {"size = 9\nwidth_m = 0", "camera:2:11: error: width_m is not above 0 m"},
+      {"size = 9\nwidth_m = 3\nfocal = 9", "'focal' is no member of a camera, or has no effect"},
+      {"size = 9\nwidth_m = 3\nregion = [0, 0, 4, 4]", "reads the middle of its image"},
       {"size = 9\nfocal = [3, 4]\ndistortion = \"powers\"\ncoefficients = [1]", "square ones"},
       {"size = 9\nfocal = 3\ndistortion = \"cahvore\"\naxis = [1, 0, 0]", "60 degrees"},
       {"size = 9\nsize = 8", "camera:2:"},

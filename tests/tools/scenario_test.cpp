@@ -332,5 +332,41 @@ TEST_F(Scenarios, CameraFilesWithDistortion) {
               HasSubstr("--camera-file cannot be combined"));
 }
 
+// The contact sheet and the video are of all frames, those kept from before included.
+TEST_F(Scenarios, SheetAndVideo) {
+  const auto run_png = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"run", scenario_, "-o", folder_ / "frames"});
+    return panwright(words);
+  };
+  const std::string sheet = folder_ / "frames/sheet.png", video = folder_ / "video.png";
+  Outcome done = run_png({"--sheet", sheet, "--video", video});  // the folder is new
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("sheet.png"));
+  const std::string first = contents(video), small = contents(sheet);
+  // 3 frames, as the number after acTL says
+  EXPECT_EQ(first.substr(first.find("acTL") + 4, 4), std::string("\0\0\0\3", 4));
+  fs::remove(folder_ / "frames/000001.png");
+  done = run_png({"--resume", "--sheet", sheet, "--video", video});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(contents(video), first);
+  EXPECT_EQ(contents(sheet), small);
+
+  // mistakes are found before a frame is drawn
+  for (const auto& [words, expected] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--sheet", folder_ / "sheet.jpg"}, "expected a .png file"},
+           {{"--video", folder_ / "video.wmv"}, "expected .png or .mp4"},
+           {{"--video", video, "--type", "npy"}, "expected --type png"},
+           {{"--sheet", video, "--video", video}, "E0206"},
+           {{"--sheet", box_ + ".png", "--video", folder_ / "new/000001.png"}, "E0206"}}) {
+    std::vector<std::string> all{"run", scenario_, "-o", folder_ / "new"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome bad = panwright(all);
+    EXPECT_NE(bad.code, 0) << words[1];
+    EXPECT_THAT(bad.err, HasSubstr(expected));
+    EXPECT_FALSE(fs::exists(folder_ / "new/000000.png"));
+  }
+}
+
 }  // namespace
 }  // namespace panwright::scenario_command_test
