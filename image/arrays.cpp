@@ -51,8 +51,13 @@ std::optional<std::vector<std::uint64_t>> shape_in(std::string_view header) {
   return shape;
 }
 
-// An array of the bytes of an .npy file; none: of another form, or not whole.
-std::optional<Array> array_of(std::string name, const std::vector<std::byte>& bytes) {
+// An array without its data, which begins at `data` of the bytes of an .npy file; none: of another
+// form, or not whole.
+struct ArrayHead {
+  Array array;
+  std::size_t data = 0;
+};
+std::optional<ArrayHead> head_of(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (!text.starts_with(kNpyMagic) || text.size() < 10) return std::nullopt;
   const std::size_t length =
@@ -60,7 +65,7 @@ std::optional<Array> array_of(std::string name, const std::vector<std::byte>& by
   if (length > text.size() - 10) return std::nullopt;
   const std::string_view header = text.substr(10, length);
   if (header.find("'fortran_order': False") == std::string_view::npos) return std::nullopt;
-  Array array{std::move(name), {}, {}, {}};
+  Array array;
   for (const std::string_view type : kArrayTypes)
     if (header.find(fmt::format("'descr': '{}'", type)) != std::string_view::npos)
       array.type = type;
@@ -72,8 +77,16 @@ std::optional<Array> array_of(std::string name, const std::vector<std::byte>& by
     if (__builtin_mul_overflow(size, side, &size)) return std::nullopt;
   if (size != rest) return std::nullopt;
   array.shape = *std::move(shape);
-  array.data.assign(bytes.begin() + static_cast<std::ptrdiff_t>(10 + length), bytes.end());
-  return array;
+  return ArrayHead{std::move(array), 10 + length};
+}
+
+// An array of the bytes of an .npy file; none: of another form, or not whole.
+std::optional<Array> array_of(std::string name, const std::vector<std::byte>& bytes) {
+  auto head = head_of(bytes);
+  if (!head) return std::nullopt;
+  head->array.name = std::move(name);
+  head->array.data.assign(bytes.begin() + static_cast<std::ptrdiff_t>(head->data), bytes.end());
+  return std::move(head->array);
 }
 
 Result<std::vector<float>> depth_of_exr(const std::filesystem::path& path, std::uint32_t width,
@@ -108,6 +121,8 @@ Result<std::vector<float>> depth_of_exr(const std::filesystem::path& path, std::
 }
 
 }  // namespace
+
+bool is_whole_npy(std::span<const std::byte> file) { return head_of(file).has_value(); }
 
 bool write_arrays(const std::filesystem::path& path, std::span<const Array> arrays,
                   DiagnosticLog& log, double* sync_seconds) {

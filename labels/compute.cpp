@@ -1,6 +1,7 @@
 #include "labels/compute.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "labels/internal/coverage.h"
@@ -96,8 +97,17 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
       glm::normalize(glm::conjugate(camera.world_from_camera) * world.sun().direction);
   std::vector<Coverage> coverage;
   {
-    const Surfaces surfaces = placed_surfaces(scene, plane, things, job);
-    coverage = covered({scene, plane, things, layers}, surfaces, job);
+    const Vec2 size(camera.width, camera.height);
+    AxisRectangle canvas{-size, 2.0 * size};
+    Surfaces surfaces = placed_surfaces(scene, plane, things, job);
+    if (context.rows) {
+      const auto [first, end] = *context.rows;
+      if (first > 0 || end == 0) canvas.low.y = first;
+      if (end < camera.height) canvas.high.y = end;
+      cut_boxes(surfaces, first > 0 ? first : -std::numeric_limits<double>::infinity(),
+                end < camera.height ? end : std::numeric_limits<double>::infinity());
+    }
+    coverage = covered({scene, plane, things, layers, canvas}, surfaces, job);
   }
   std::vector<Keypoint> keypoints;
   trace::PlacedNodes nodes;

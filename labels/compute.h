@@ -4,7 +4,9 @@
 //   auto frame = labeller.label(world, camera, {.layers = &image}, log);
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +29,20 @@ struct LabelOptions {
   bool operator==(const LabelOptions&) const = default;
 };
 
+// Rows [first, end) of an image, from the top.
+struct ImageRows {
+  std::uint32_t first = 0, end = 0;
+};
+
 // Knowledge of a frame beside its world and camera.
 struct FrameContext {
   // Image of the frame, whose ground truth saves rays; null, or without: rays alone.
   const image::Image* layers = nullptr;
   const Moment* previous = nullptr;  // null: no backward flow
   const Moment* next = nullptr;      // null: no forward flow
+  // Rows that show this world, where others show other times: masks, boxes and areas are of these,
+  // those of the first and the last row also of what lies above and below the image. None: all.
+  std::optional<ImageRows> rows;
 };
 
 // Maker of labels of frames, one after the other. Search trees and placements are kept from frame

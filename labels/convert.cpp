@@ -122,7 +122,7 @@ class FolderConversion {
   // What another conversion left would be part of the data set.
   bool is_empty(const fs::path& folder) {
     std::error_code ignored;
-    if (fs::is_empty(folder, ignored)) return true;
+    if (conversion_.again || fs::is_empty(folder, ignored)) return true;
     log_.report_file(Code::E9003, folder.string(), "the folder to write has files already",
                      "choose another folder");
     return false;

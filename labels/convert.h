@@ -16,8 +16,9 @@
 namespace panwright::labels {
 
 struct FormatInfo {
-  std::string_view name;   // "coco"
-  std::string_view files;  // files that it writes, and their content
+  std::string_view name;    // "coco"
+  std::string_view files;   // files that it writes, and their content
+  bool one_target = false;  // it holds no second one
 };
 // All formats, in the order of formats.def.
 std::span<const FormatInfo> formats();
@@ -31,6 +32,7 @@ struct TargetModel {
 struct Conversion {
   std::filesystem::path folder;      // of the files of frame_files.h and their images
   std::filesystem::path output;      // empty folder, made where it is not there
+  bool again = false;                // it may have files of these frames, which are replaced
   std::vector<std::string> formats;  // each in output/FORMAT, or one in output itself
   std::vector<std::string> targets;  // those to write; empty: all
   std::vector<TargetModel> models;

@@ -42,4 +42,10 @@ struct FrameParts {
 Result<FrameLabels> read_frame(const std::filesystem::path& json, DiagnosticLog& log,
                                const FrameParts& parts = {});
 
+// Returns whether the files of a frame are there and whole: the JSON and the masks are read as by
+// read_frame(), of flow the sizes are compared.
+//
+//   forward, backward  flow that the frame has
+bool has_whole_files(const std::filesystem::path& json, bool forward, bool backward);
+
 }  // namespace panwright::labels

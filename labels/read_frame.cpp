@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "base/file.h"
@@ -292,6 +293,21 @@ Result<FrameLabels> read_frame(const std::filesystem::path& json, DiagnosticLog&
     *flow = *std::move(read);
   }
   return frame;
+}
+
+bool has_whole_files(const std::filesystem::path& json, bool forward, bool backward) {
+  DiagnosticLog none;
+  const auto frame = read_frame(json, none, {true, false});
+  if (!frame) return false;
+  for (const auto& [expected, extension] :
+       {std::pair(forward, kForwardExtension), std::pair(backward, kBackwardExtension)}) {
+    const auto file = json.parent_path() / (frame->name + std::string(extension));
+    std::error_code error;
+    if (expected && std::filesystem::file_size(file, error) !=
+                        flo_bytes(frame->camera.width, frame->camera.height))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace panwright::labels

@@ -1,7 +1,4 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,13 +8,14 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "labels/frame_files.h"
+#include "labels/convert.h"
 #include "labels/parts.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/frame_json.h"
 #include "tools/render_report.h"
 #include "tools/run_album.h"
+#include "tools/run_folder.h"
 #include "tools/scenario_options.h"
 #include "workspace/record.h"
 #include "workspace/session.h"
@@ -28,14 +26,12 @@ namespace panwright::tools {
 namespace command_run {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using workspace::SettingId;
 
 // Frames rendered by one call of the session.
 constexpr std::size_t kChunk = 256;
 constexpr std::size_t kExposedChunk = 16;  // of frames that have up to a thousand moments each
-constexpr std::uint64_t kMostManifestBytes = 8ull << 30;
 
 struct Options {
   CommonOptions common;
@@ -94,39 +90,6 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.common);
 }
 
-// Lock of a folder, for as long as a run writes into it.
-class FolderLock {
- public:
-  FolderLock() = default;
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-  ~FolderLock() {
-    if (descriptor_ < 0) return;
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-    ::close(descriptor_);
-  }
-
-  // Fails: E0103; E8014 while another run has it.
-  bool take(const fs::path& folder, DiagnosticLog& log) {
-    path_ = folder / ".run.lock";
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) {
-      log.report_file(Code::E0103, path_.string(), "the file cannot be created");
-      return false;
-    }
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
-    ::close(descriptor_);
-    descriptor_ = -1;
-    log.report_file(Code::E8014, folder.string(), "another run writes into this folder");
-    return false;
-  }
-
- private:
-  fs::path path_;
-  int descriptor_ = -1;
-};
-
 // Run into a folder.
 class SequenceRun {
  public:
@@ -144,24 +107,22 @@ class SequenceRun {
     const workspace::View any(opened_->scenario.settings);
     const world::World* world = session.world(any, listener, log_, context_.job());
     if (world == nullptr || log_.has_errors()) return false;
+    RunFolder folder(options_.folder, types_, labelling_);
+    folder_ = &folder;
     std::string manifest, settings;
     if (!describe(*world, manifest) || !describe_settings(*world, settings)) return false;
-    std::error_code error;
-    fs::create_directories(options_.folder, error);
-    if (!fs::is_directory(options_.folder, error)) {
-      log_.report_file(Code::E0103, options_.folder, "it is no folder, and cannot be made one");
+    if (!folder.take(log_) || !folder.begin(stems_, manifest, settings, options_.resume, log_))
       return false;
-    }
     if (!claim_files(options_.album, log_)) return false;
-    FolderLock lock;
-    if (!lock.take(options_.folder, log_) || !begin(manifest, settings)) return false;
-    if (!render(session, *world, listener)) {
+    if (!render(session, *world, listener) || !convert(*world)) {
       if (log_.contains(Code::E0001) && !options_.common.json)
         fmt::print(stderr, "complete frames are kept; --resume goes on\n");
       return false;
     }
     if (kept_ > 0 && !options_.common.json)
       fmt::print(stderr, "{} kept\n", counted(kept_, "frame"));
+    if (renewed_ > 0 && !options_.common.json)
+      fmt::print(stderr, "{} were not whole, and are made again\n", counted(renewed_, "frame"));
     report.summary();
     return !options_.album.any() || make_album(options_.album, images_, options_.folder, context_);
   }
@@ -218,19 +179,6 @@ class SequenceRun {
     return plain ? frame.name : fmt::format("{:06}", number);
   }
 
-  std::vector<std::string> outputs_of(const std::string& stem) const {
-    std::vector<std::string> out;
-    for (const std::string& type : types_) out.push_back(stem + "." + type);
-    return out;
-  }
-
-  // The files by which a frame is complete: the one of the labels comes last.
-  std::vector<std::string> files_of(const std::string& stem) const {
-    std::vector<std::string> out = outputs_of(stem);
-    if (labelling_ != nullptr) out.push_back(stem + std::string(labels::kLabelsExtension));
-    return out;
-  }
-
   // Makes the first frame for its mistakes, and for the rows of its image.
   bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world) {
     auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
@@ -243,14 +191,24 @@ class SequenceRun {
     return bool(made);
   }
 
-  // Labels that no part has, and rows of several times: labels are of one.
+  // Labels that no part has, formats that cannot hold the targets, flow between rows.
   bool check_labels(const world::World& world) {
     if (labelling_ == nullptr) return true;
-    if (shutter_.line_time != 0) {
-      log_.report(Code::E0201, {}, "--line-time and labels cannot be combined: rows differ in time",
-                  "leave out [labels] and --labels");
+    if (shutter_.line_time != 0 && labelling_->flow) {
+      log_.report(Code::E0201, {}, "--line-time and flow cannot be combined: rows differ in time",
+                  "leave out flow in [labels]");
       return false;
     }
+    for (const labels::FormatInfo& info : labels::formats())
+      if (info.one_target && world.size() > 1 &&
+          std::ranges::find(labelling_->formats, info.name) != labelling_->formats.end()) {
+        log_.report_file(Code::E9003, options_.input.file,
+                         fmt::format("the format {} holds one target; the scenario has {}",
+                                     in_quotes(info.name), world.size()),
+                         fmt::format("after the run: panwright labels {} --format {} --target NAME",
+                                     options_.folder, info.name));
+        return false;
+      }
     return bool(labels::named_things(world, labelling_->options.parts, log_));
   }
 
@@ -289,8 +247,8 @@ class SequenceRun {
       if (k == 0 && !(find_shutter(*frame, number, world) && check_labels(world))) return false;
       if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
-      line["outputs"] = outputs_of(stem);
-      if (labelling_ != nullptr) line["labels"] = files_of(stem).back();
+      line["outputs"] = folder_->outputs_of(stem);
+      if (labelling_ != nullptr) line["labels"] = folder_->labels_of(stem);
       manifest += line.dump() + "\n";
     }
     return true;
@@ -316,6 +274,7 @@ class SequenceRun {
       out["labels"] = {{"parts", parts},
                        {"keypoint_slack", labelling_->options.keypoint_slack},
                        {"flow", labelling_->flow}};
+      if (!labelling_->formats.empty()) out["labels"]["formats"] = labelling_->formats;
     }
     if (settings.camera_file) {
       constexpr std::uint64_t kMostBytes = 1 << 20;
@@ -325,58 +284,6 @@ class SequenceRun {
     }
     text = out.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
     return true;
-  }
-
-  // Writes what the run is, or compares it with the run to go on with.
-  bool begin(const std::string& manifest, const std::string& settings) {
-    const fs::path folder = options_.folder;
-    const auto refuse = [&](const std::string& message, const std::string& hint) {
-      log_.report_file(Code::E8014, options_.folder, message, hint);
-      return false;
-    };
-    std::error_code ignored;
-    if (!fs::exists(folder / "frames.jsonl", ignored)) {
-      for (const std::string& stem : stems_)
-        for (const std::string& output : files_of(stem))
-          if (fs::exists(folder / output, ignored))
-            return refuse("the folder has a file " + in_quotes(output) + " of no run",
-                          "choose another folder");
-      return write_file(folder / "run.json", as_bytes(settings), log_) &&
-             write_file(folder / "frames.jsonl", as_bytes(manifest), log_);
-    }
-    if (!options_.resume)
-      return refuse("the folder has the frames of a run",
-                    "--resume goes on with it; or choose another folder");
-    for (const auto& [name, expected] :
-         {std::pair("frames.jsonl", &manifest), std::pair("run.json", &settings)}) {
-      const auto before = read_file(folder / name, kMostManifestBytes, log_);
-      if (!before) return false;
-      if (*before != *expected)
-        return refuse(fmt::format("the folder has the frames of another run: {} differs", name),
-                      "choose another folder");
-    }
-    return true;
-  }
-
-  bool is_complete(const std::string& stem) const {
-    std::error_code ignored;
-    const fs::path folder = options_.folder;
-    if (!options_.resume || !std::ranges::all_of(files_of(stem), [&](const std::string& file) {
-          return fs::exists(folder / file, ignored);
-        }))
-      return false;
-    if (labelling_ == nullptr) return true;
-    DiagnosticLog apart = log_.apart();
-    const auto frame = labels::read_frame(folder / files_of(stem).back(), apart, {false, false});
-    const auto there = [&](std::string_view extension) {
-      return fs::exists(folder / (stem + std::string(extension)), ignored);
-    };
-    if (!frame) return false;
-    const bool shown = std::ranges::any_of(
-        frame->things, [](const labels::Thing& thing) { return thing.amodal.width > 0; });
-    return (!shown || there(labels::kMasksExtension)) &&
-           (!labelling_->flow || opened_->times.size() < 2 || there(labels::kForwardExtension) ||
-            there(labels::kBackwardExtension));
   }
 
   bool add_labels(std::size_t k, const std::string& stem, const world::World& world,
@@ -411,13 +318,14 @@ class SequenceRun {
       const auto frame = workspace::frame_at(opened_->scenario, opened_->times[k], log_);
       if (!frame) return false;
       const std::string stem = stem_of(*frame, number);
-      if (is_complete(stem)) {
+      if (options_.resume && folder_->has_frame(stem, k > 0, k + 1 < opened_->times.size())) {
         ++kept_;
       } else {
+        if (options_.resume && folder_->has_part(stem)) ++renewed_;
         auto view = workspace::view_of(opened_->scenario, *frame, number, world, log_);
         if (!view) return false;
-        std::vector<std::string> outputs = outputs_of(stem);
-        for (std::string& output : outputs) output = (fs::path(options_.folder) / output).string();
+        std::vector<std::string> outputs = folder_->outputs_of(stem);
+        for (std::string& output : outputs) output = (folder_->path() / output).string();
         view->settings.outputs = std::move(outputs);
         if (labelling_ != nullptr && !add_labels(k, stem, world, *view)) return false;
         views.push_back(*std::move(view));
@@ -427,6 +335,23 @@ class SequenceRun {
       if (!views.empty() && !session.run(views, listener, log_, context_.job())) return false;
       views.clear();
     }
+    return true;
+  }
+
+  // Writes the labels in the formats of the scenario, each into a folder of its own.
+  bool convert(const world::World& world) {
+    if (labelling_ == nullptr || labelling_->formats.empty()) return true;
+    labels::Conversion conversion;
+    conversion.folder = conversion.output = options_.folder;
+    conversion.formats = labelling_->formats;
+    if (conversion.formats.size() == 1) conversion.output /= conversion.formats[0];
+    conversion.again = options_.resume;
+    for (const world::Instance& target : world.instances())
+      conversion.models.push_back({target.name(), target.model()});
+    context_.step("convert");
+    const auto converted = labels::convert(conversion, log_, context_.job());
+    if (!converted) return false;
+    for (const auto& file : converted->files) context_.wrote(file.string());
     return true;
   }
 
@@ -440,7 +365,9 @@ class SequenceRun {
   workspace::Shutter shutter_;
   std::set<std::string> stems_;   // of all frames' files
   std::vector<fs::path> images_;  // of the contact sheet and the video, in order
+  RunFolder* folder_ = nullptr;
   std::size_t kept_ = 0;
+  std::size_t renewed_ = 0;
 };
 
 int run(const Options& options, const Host& host) {

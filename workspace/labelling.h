@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "labels/compute.h"
 
@@ -14,7 +15,8 @@ struct Frame;
 
 struct Labelling {
   labels::LabelOptions options;
-  bool flow = false;  // to the next and the previous frame
+  bool flow = false;                 // to the next and the previous frame
+  std::vector<std::string> formats;  // of data sets, written at the end of a run (labels/convert.h)
   bool operator==(const Labelling&) const = default;
 };
 

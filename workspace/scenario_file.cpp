@@ -13,6 +13,7 @@
 #include "base/config_text.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "labels/convert.h"
 #include "scenario/aem.h"
 #include "scenario/csv.h"
 #include "scenario/fli.h"
@@ -213,9 +214,33 @@ class ScenarioReader {
       if (!(*slack > 0)) part.fail(*part.find("keypoint_slack"), "keypoint_slack is not above 0 m");
     }
     read_label_parts(part, labels.options.parts);
+    read_formats(part, labels.formats);
     part.finish();
     good_ = good_ && part.ok();
     labels_ = std::move(labels);
+  }
+
+  static void read_formats(ConfigTable& part, std::vector<std::string>& formats) {
+    const Table* table = part.find("formats");
+    if (table == nullptr) return;
+    std::vector<std::string_view> names;
+    for (const labels::FormatInfo& info : labels::formats()) names.push_back(info.name);
+    const auto add = [&](const Table& value) {
+      const auto* name = std::get_if<std::string>(&value.data);
+      if (name == nullptr)
+        return part.fail(value, fmt::format("a format is {}, expected its name", type_name(value)));
+      if (std::ranges::find(names, *name) == names.end()) {
+        const auto near = nearest_name(*name, names);
+        return part.fail(value,
+                         fmt::format("{} is no format of labels, expected {}", in_quotes(*name),
+                                     fmt::join(names, ", ")),
+                         near ? fmt::format("did you mean '{}'?", *near) : "");
+      }
+      if (std::ranges::find(formats, *name) == formats.end()) formats.push_back(*name);
+    };
+    const auto* list = std::get_if<Table::List>(&table->data);
+    if (list == nullptr) return add(*table);
+    for (const Table& each : *list) add(each);
   }
 
   static void read_label_parts(ConfigTable& part, std::vector<labels::ChosenPart>& parts) {

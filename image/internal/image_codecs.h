@@ -9,6 +9,13 @@
 
 namespace panwright::image {
 
+// Number of four bytes, the largest first, as in PNG. Expects: at + 4 <= size.
+inline std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) value = value << 8 | std::to_integer<unsigned>(bytes[at + k]);
+  return value;
+}
+
 // Checks that an image of this size may be decoded into max_bytes of pixels (four bytes each).
 //
 // Problems: E3001 (empty), E3002. Does not overflow for sides below 2^31.

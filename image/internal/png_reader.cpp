@@ -16,12 +16,6 @@ namespace {
 constexpr std::uint64_t kDeflateRatio = 1032;
 constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR chunk
 
-std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value = value << 8 | std::to_integer<unsigned>(bytes[at + k]);
-  return value;
-}
-
 class PngReader : private ImageReader {
  public:
   PngReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out)

@@ -60,12 +60,15 @@ class ZipReader {
   // False: there is no sound central directory.
   bool good() const { return good_; }
   const std::vector<Entry>& entries() const { return entries_; }  // in its order
+  // True: there is, and the bytes of all entries lie where it says; they are not read.
+  bool is_whole() const;
   // Returns the content, of entry.size bytes, which the caller has judged; none: damaged.
   std::optional<std::vector<std::byte>> content(const Entry& entry) const;
 
  private:
   std::uint64_t number(std::uint64_t at, unsigned count) const;
   bool read_directory();
+  std::optional<std::span<const std::byte>> stored(const Entry& entry) const;
 
   std::span<const std::byte> bytes_;
   std::vector<Entry> entries_;

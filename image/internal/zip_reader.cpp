@@ -76,14 +76,25 @@ bool ZipReader::read_directory() {
   return true;
 }
 
-std::optional<std::vector<std::byte>> ZipReader::content(const Entry& entry) const {
+std::optional<std::span<const std::byte>> ZipReader::stored(const Entry& entry) const {
   const std::uint64_t size = bytes_.size();
   if (entry.offset > size || size - entry.offset < kLocal ||
       number(entry.offset, 4) != 0x04034b50u || (number(entry.offset + 6, 2) & 1) != 0)
     return std::nullopt;
   const std::uint64_t head = kLocal + number(entry.offset + 26, 2) + number(entry.offset + 28, 2);
   if (head > size - entry.offset || entry.stored > size - entry.offset - head) return std::nullopt;
-  const auto stored = bytes_.subspan(entry.offset + head, entry.stored);
+  return bytes_.subspan(entry.offset + head, entry.stored);
+}
+
+bool ZipReader::is_whole() const {
+  return good_ && std::ranges::all_of(
+                      entries_, [&](const Entry& entry) { return stored(entry).has_value(); });
+}
+
+std::optional<std::vector<std::byte>> ZipReader::content(const Entry& entry) const {
+  const auto place = stored(entry);
+  if (!place) return std::nullopt;
+  const std::span<const std::byte> stored = *place;
   // deflate makes at most 1032 bytes of one
   constexpr std::uint64_t kMostGrowth = 1040;
   if (entry.method == 0 ? entry.size != entry.stored

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -29,10 +30,11 @@ class BopWriter final : public LabelWriter {
     const auto depth = output_.depth_of(frame);
     if (!depth) return false;
     if (depth->empty()) output_.lost(frame, "it has no depth (.npz, .exr), which is left out");
-    for (const float z : *depth)
-      if (std::isfinite(z)) farthest_ = std::max(farthest_, double{z});
     const std::string number = fmt::format("{:06}", frame.number);
-    if (!output_.place_png(frame, kScene / "rgb" / (number + ".png"))) return false;
+    if (!output_.place_png(frame, kScene / (is_grey(frame) ? "gray" : "rgb") / (number + ".png")))
+      return false;
+    const double scale = depth_scale(frame, *depth);
+    if (!depth->empty() && !write_depth(frame, *depth, scale)) return false;
     Json poses = Json::array(), infos = Json::array();
     for (const Thing& thing : frame.things) {
       if (!thing.label.empty()) {
@@ -48,32 +50,14 @@ class BopWriter final : public LabelWriter {
     const std::string key = std::to_string(frame.number);
     poses_.emplace_back(key, poses.dump());
     infos_.emplace_back(key, infos.dump());
-    cameras_.emplace_back(key, camera_of(frame.camera));
-    if (!depth->empty()) with_depth_.push_back(remembered(frame));
+    cameras_.emplace_back(key, camera_of(frame.camera, scale).dump());
     return true;
   }
 
   bool finish() override {
-    scale_ = 1;
-    constexpr double kMostCode = 65535;
-    while (farthest_ * kMillimetres / scale_ > kMostCode) scale_ *= 10;
-    if (scale_ > 1 && !with_depth_.empty())
-      output_.lost(with_depth_.front(),
-                   fmt::format("depth reaches {:.6g} m: depth_scale is {}, depth is rounded to {} "
-                               "mm",
-                               farthest_, scale_, scale_));
-    for (const FrameLabels& frame : with_depth_) {
-      output_.job().poll();
-      if (!write_depth(frame)) return false;
-    }
-    Rows cameras;
-    for (auto& [key, camera] : cameras_) {
-      camera["depth_scale"] = scale_;
-      cameras.emplace_back(key, camera.dump());
-    }
     return output_.write_table(kScene / "scene_gt.json", text_of(poses_)) &&
            output_.write_table(kScene / "scene_gt_info.json", text_of(infos_)) &&
-           output_.write_table(kScene / "scene_camera.json", text_of(cameras)) && write_models();
+           output_.write_table(kScene / "scene_camera.json", text_of(cameras_)) && write_models();
   }
 
  private:
@@ -87,15 +71,29 @@ class BopWriter final : public LabelWriter {
     return text + "\n}\n";
   }
 
-  // What the second pass needs of a frame.
-  static FrameLabels remembered(const FrameLabels& frame) {
-    FrameLabels out;
-    out.name = frame.name;
-    out.image = frame.image;
-    out.number = frame.number;
-    out.camera.width = frame.camera.width;
-    out.camera.height = frame.camera.height;
-    return out;
+  // PNG of one channel, or one and alpha, by its header.
+  bool is_grey(const FrameLabels& frame) const {
+    constexpr std::uint64_t kColourType = 25;
+    const auto name = output_.png_of(frame);
+    std::ifstream file(output_.path_of(name.value_or("")), std::ios::binary);
+    file.seekg(kColourType);
+    const int type = file.get();
+    return type == 0 || type == 4;
+  }
+
+  // Millimetres for each unit of depth of a frame.
+  double depth_scale(const FrameLabels& frame, const std::vector<float>& depth) {
+    constexpr double kMostCode = 65535;
+    double farthest = 0;
+    for (const float z : depth)
+      if (std::isfinite(z)) farthest = std::max(farthest, double{z});
+    double scale = 1;
+    while (farthest * kMillimetres / scale > kMostCode) scale *= 10;
+    if (scale > 1)
+      output_.lost(frame, fmt::format("depth reaches beyond {:.6g} m: depth_scale is {}, depth is "
+                                      "rounded to {} mm",
+                                      kMostCode / kMillimetres * scale / 10, scale, scale));
+    return scale;
   }
 
   static Json matrix(const Quat& q) {
@@ -109,13 +107,13 @@ class BopWriter final : public LabelWriter {
     return {v.x * kMillimetres, v.y * kMillimetres, v.z * kMillimetres};
   }
 
-  static Json camera_of(const world::Camera& camera) {
+  static Json camera_of(const world::Camera& camera, double depth_scale) {
     const Quat q = glm::conjugate(camera.world_from_camera);
     // pixel centres are whole numbers
     return {{"cam_K",
              {camera.focal.x, 0, camera.principal.x - 0.5, 0, camera.focal.y,
               camera.principal.y - 0.5, 0, 0, 1}},
-            {"depth_scale", 1},
+            {"depth_scale", depth_scale},
             {"cam_R_w2c", matrix(q)},
             {"cam_t_w2c", millimetres(-(q * camera.position))}};
   }
@@ -202,16 +200,14 @@ class BopWriter final : public LabelWriter {
     return json;
   }
 
-  bool write_depth(const FrameLabels& frame) {
-    const auto depth = output_.depth_of(frame);
-    if (!depth) return false;
+  bool write_depth(const FrameLabels& frame, const std::vector<float>& depth, double scale) {
     std::vector<std::uint8_t> pixels;
-    pixels.reserve(2 * depth->size());
-    for (const float z : *depth) {
+    pixels.reserve(2 * depth.size());
+    for (const float z : depth) {
       // 0 is no depth
       const double code =
           std::isfinite(z) && z > 0
-              ? std::clamp(std::floor(double{z} * kMillimetres / scale_ + 0.5), 1.0, 65535.0)
+              ? std::clamp(std::floor(double{z} * kMillimetres / scale + 0.5), 1.0, 65535.0)
               : 0.0;
       const auto value = static_cast<std::uint32_t>(code);
       pixels.push_back(static_cast<std::uint8_t>(value >> 8));
@@ -250,12 +246,8 @@ class BopWriter final : public LabelWriter {
   }
 
   Output& output_;
-  Rows poses_, infos_;
-  std::vector<std::pair<std::string, Json>> cameras_;
+  Rows poses_, infos_, cameras_;
   std::map<std::uint32_t, std::vector<Vec3>> keypoints_;  // of the first frame
-  std::vector<FrameLabels> with_depth_;
-  double farthest_ = 0;  // metres
-  double scale_ = 1;     // millimetres for each unit of depth
 };
 
 }  // namespace

@@ -71,10 +71,11 @@ class UrsoWriter final : public LabelWriter {
 
 std::span<const Format> tables_formats() {
   static const Format kFormats[] = {
-      {{"spark", "images/, train.csv of SPARK: the pose of one target"},
+      {{"spark", "images/, train.csv of SPARK: the pose of one target", true},
        {false, false},
        make_writer<SparkWriter>},
-      {{"urso", "images/, train_images.csv, train_poses_gt.csv of URSO: the pose of one target"},
+      {{"urso", "images/, train_images.csv, train_poses_gt.csv of URSO: the pose of one target",
+        true},
        {false, false},
        make_writer<UrsoWriter>}};
   return kFormats;

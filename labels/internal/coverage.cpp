@@ -125,7 +125,7 @@ class Coverer {
       : shown_(shown),
         surfaces_(surfaces),
         size_(shown.plane.camera().width, shown.plane.camera().height),
-        canvas_{-size_, 2.0 * size_},
+        canvas_(shown.canvas),
         result_(shown.things.things.size()),
         rasters_(result_.size()),
         has_(result_.size(), std::vector<char>(shown.things.of_leaf.size())) {
@@ -146,6 +146,9 @@ class Coverer {
     return {glm::max(a.low, b.low), glm::min(a.high, b.high)};
   }
 
+  // Of the canvas.
+  AxisRectangle shown_image() const { return common(canvas_, {Vec2(0), size_}); }
+
   void set_box(std::size_t t) {
     AxisRectangle& box = result_[t].box;
     bool cut = false;
@@ -156,7 +159,7 @@ class Coverer {
       }
     if (cut) box = common(box, canvas_);
     if (box.empty()) box = {};
-    const AxisRectangle seen = common(box, {Vec2(0), size_});
+    const AxisRectangle seen = common(box, shown_image());
     if (seen.empty()) return;
     Raster& raster = rasters_[t];
     raster.left = static_cast<int>(std::floor(seen.low.x));
@@ -295,7 +298,7 @@ class Coverer {
     Coverage& out = result_[t];
     out.amodal = mask_of(rasters_[t], rasters_[t].amodal);
     out.visible = mask_of(rasters_[t], rasters_[t].visible);
-    const AxisRectangle seen = common(out.box, {Vec2(0), size_});
+    const AxisRectangle seen = common(out.box, shown_image());
     // where nothing hides it, exactly
     if (out.visible_pixels > 0)
       out.visible_box = out.visible_pixels == out.amodal_pixels && !reaches_beyond(t)
@@ -313,7 +316,7 @@ class Coverer {
   const Shown& shown_;
   const Surfaces& surfaces_;
   const Vec2 size_;
-  const AxisRectangle canvas_;
+  const AxisRectangle& canvas_;
   std::vector<Coverage> result_;
   std::vector<Raster> rasters_;
   std::vector<std::vector<char>> has_;  // by thing and leaf

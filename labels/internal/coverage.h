@@ -26,11 +26,12 @@ struct Shown {
   const ImagePlane& plane;
   const Things& things;
   const image::Image* layers = nullptr;  // of the camera, with ground truth; null: none
+  AxisRectangle canvas;                  // within which things are counted
 };
 
 // Coverage by one thing.
 struct Coverage {
-  AxisRectangle box;  // of the whole; of what is cut, within three images' width and height
+  AxisRectangle box;  // of the whole; of what is cut, within the canvas
   Mask amodal, visible;
   double amodal_pixels = 0, visible_pixels = 0;
   AxisRectangle visible_box;  // within the image, to 1/8 of a pixel

@@ -27,6 +27,10 @@ static_assert(sizeof(FloHeader) == 12);
 
 }  // namespace
 
+std::uint64_t flo_bytes(std::uint32_t width, std::uint32_t height) {
+  return sizeof(FloHeader) + std::uint64_t{2} * sizeof(float) * width * height;
+}
+
 bool write_flo(const std::filesystem::path& path, const Flow& flow, DiagnosticLog& log,
                double* sync_seconds) {
   const FloHeader header{kFloMagic, flow.width, flow.height};
@@ -45,7 +49,7 @@ Result<Flow> read_flo(const std::filesystem::path& path, std::uint32_t width, st
   const auto bytes = file->bytes();
   FloHeader header;
   const std::size_t count = std::size_t{2} * width * height;
-  const bool whole = bytes.size() == sizeof header + count * sizeof(float);
+  const bool whole = bytes.size() == flo_bytes(width, height);
   if (whole) std::memcpy(&header, bytes.data(), sizeof header);
   if (!whole || header.magic != kFloMagic || header.width != width || header.height != height) {
     log.report_file(Code::E9001, path.string(),

@@ -2,6 +2,7 @@
 // pixel in float. Private to labels.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "base/diagnostic.h"
@@ -9,6 +10,9 @@
 #include "labels/labels.h"
 
 namespace panwright::labels {
+
+// Size of the file of a flow.
+std::uint64_t flo_bytes(std::uint32_t width, std::uint32_t height);
 
 // Fails: E0103.
 bool write_flo(const std::filesystem::path& path, const Flow& flow, DiagnosticLog& log,

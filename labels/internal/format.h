@@ -70,6 +70,9 @@ class Output {
 
   // The PNG of a frame, relative to the folder of frames; none: there is no such file.
   std::optional<std::string> png_of(const FrameLabels& frame) const;
+  std::filesystem::path path_of(const std::filesystem::path& name) const {
+    return conversion_.folder / name;
+  }
   // Links or copies it; a loss where there is none. False: reported.
   bool place_png(const FrameLabels& frame, const std::filesystem::path& file);
   // Depth of the frame's .npz or .exr; empty: there is none.

@@ -81,7 +81,30 @@ void find_rows(SurfacePiece& piece) {
   }
 }
 
+// Adds the part of an edge between two heights.
+void add_between(const Vec2& a, const Vec2& b, double top, double bottom, AxisRectangle& box) {
+  const auto at = [&](double y) { return a + (y - a.y) / (b.y - a.y) * (b - a); };
+  const auto [low, high] = std::minmax(a.y, b.y);
+  if (high < top || low > bottom) return;
+  for (const Vec2& end : {a, b})
+    if (end.y >= top && end.y <= bottom) box.add(end);
+  for (const double y : {top, bottom})
+    if (low < y && y < high) box.add(Vec2(at(y).x, y));
+}
+
 }  // namespace
+
+void cut_boxes(Surfaces& surfaces, double top, double bottom) {
+  for (std::size_t leaf = 0; leaf < surfaces.boxes.size(); ++leaf) {
+    AxisRectangle& box = surfaces.boxes[leaf];
+    if (box.empty() || (box.low.y >= top && box.high.y <= bottom)) continue;
+    box = {};
+    for (const std::uint32_t k : surfaces.of_leaf[leaf])
+      for (const PlacedTriangle& triangle : surfaces.pieces[k].placed.triangles)
+        for (std::size_t corner = 0; corner < 3; ++corner)
+          add_between(triangle[corner], triangle[(corner + 1) % 3], top, bottom, box);
+  }
+}
 
 Surfaces placed_surfaces(const trace::Scene& scene, const ImagePlane& plane, const Things& things,
                          const Job& job) {

@@ -41,4 +41,7 @@ struct Surfaces {
 Surfaces placed_surfaces(const trace::Scene& scene, const ImagePlane& plane, const Things& things,
                          const Job& job);
 
+// Replaces the boxes of leaves by those of what lies between two heights, pixels.
+void cut_boxes(Surfaces& surfaces, double top, double bottom);
+
 }  // namespace panwright::labels

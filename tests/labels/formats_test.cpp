@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "image/arrays.h"
+#include "image/png.h"
 #include "labels/convert.h"
 #include "labels/frame_files.h"
 #include "pan/writer.h"
@@ -121,11 +122,22 @@ TEST(Formats, BopChoosesAScaleForFarDepth) {
   const image::Array array{"depth", "<f4", {48, 64}, {bytes.begin(), bytes.end()}};
   DiagnosticLog log;
   ASSERT_TRUE(image::write_arrays(folder / "in/000001.npz", {&array, 1}, log));
+  // an image of one channel has another folder
+  image::PngOptions grey;
+  grey.channels = 1;
+  std::ofstream(folder / "in/000002.png", std::ios::binary)
+      << image::png_file(64, 48, std::vector<std::uint8_t>(64 * 48, 90), grey);
   ASSERT_TRUE(convert(conversion_of(folder, {"bop"}), log)) << messages(log);
-  EXPECT_THAT(messages(log), HasSubstr("depth reaches 300.004 m: depth_scale is 10"));
+  EXPECT_THAT(messages(log), HasSubstr("bop: frame 000001: depth reaches beyond 65.535 m: "
+                                       "depth_scale is 10, depth is rounded to 10 mm"));
   const auto cameras =
       nlohmann::json::parse(file_bytes(folder / "out/train/000000/scene_camera.json"));
-  for (const char* frame : {"0", "1", "2"}) EXPECT_EQ(cameras[frame]["depth_scale"], 10);
+  EXPECT_EQ(cameras["0"]["depth_scale"], 1);
+  EXPECT_EQ(cameras["1"]["depth_scale"], 10);
+  EXPECT_EQ(cameras["2"]["depth_scale"], 1);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/train/000000/rgb/000001.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/train/000000/gray/000002.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/train/000000/rgb/000002.png"));
 }
 
 TEST(Formats, LossesAreTold) {

@@ -6,6 +6,7 @@
 
 #include "base/diagnostic.h"
 #include "base/job.h"
+#include "base/result.h"
 #include "image/image.h"
 #include "labels/compute.h"
 #include "workspace/frame.h"
@@ -29,6 +30,9 @@ class LabelWriter {
              DiagnosticLog& log, double* sync, const Job& job);
 
  private:
+  Result<labels::FrameLabels> label(const Frame& frame, const world::World& world,
+                                    const labels::FrameContext& context, DiagnosticLog& log,
+                                    const Job& job);
   struct Kept {
     std::shared_ptr<const Labelling> labelling;
     labels::Labeller labeller;
