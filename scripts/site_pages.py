@@ -33,6 +33,7 @@ NAVIGATION = [
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),
+    ("Ephemerides", "ephemerides.md"),
     ("Exposures", "exposures.md"),
     ("Cameras", "cameras.md"),
     ("Reference renderer", "reference-renderer.md"),
