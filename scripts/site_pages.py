@@ -35,6 +35,7 @@ NAVIGATION = [
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),
     ("Rendezvous", "rendezvous.md"),
+    ("Ephemerides", "ephemerides.md"),
     ("Exposures", "exposures.md"),
     ("Cameras", "cameras.md"),
     ("Reference renderer", "reference-renderer.md"),

@@ -18,9 +18,11 @@
 #include "scenario/csv.h"
 #include "scenario/fli.h"
 #include "scenario/formulas.h"
+#include "scenario/kernels.h"
 #include "scenario/keyframes.h"
 #include "scenario/oem.h"
 #include "scenario/simulators.h"
+#include "scenario/sun.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/quantities.h"
 #include "workspace/targets.h"
@@ -77,9 +79,14 @@ Result<scenario::SourcePtr> read_source(const fs::path& path, const SourceOption
     csv.strict = options.strict;
     return scenario::read_csv(*text, csv, log);
   }
-  log.report_file(Code::E0202, path.string(),
-                  "not a trajectory, expected .csv, .fli, .json (keyframes), or a message of CCSDS",
-                  "docs/scenarios.md");
+  if (ephemeris::is_kernel(std::as_bytes(std::span(bytes))))
+    log.report_file(Code::E0202, path.string(), "a SPICE kernel, which does not say whose it is",
+                    "[[source]] with kernels and body in a scenario: docs/ephemerides.md");
+  else
+    log.report_file(
+        Code::E0202, path.string(),
+        "not a trajectory, expected .csv, .fli, .json (keyframes), or a message of CCSDS",
+        "docs/scenarios.md");
   return failed;
 }
 
@@ -137,6 +144,8 @@ class ScenarioReader {
         scenario::parse_epoch(std::string_view(*text).substr(0, blank), *system, problem);
     sequence.system = *system;
     if (!sequence.epoch) reader.fail(at, "epoch: " + problem);
+    epoch_ = sequence.epoch;
+    system_ = *system;
   }
 
   void read_mount(ConfigTable& reader, scenario::SequenceOptions& sequence) {
@@ -279,8 +288,13 @@ class ScenarioReader {
     ConfigTable part(table, "a source", Code::E8013, log_);
     const auto file = part.text("file");
     const auto offset = part.number("offset");
-    std::optional<scenario::SourcePtr> source =
-        file ? of_file(part, *file) : of_formula(part, table);
+    std::optional<scenario::SourcePtr> source;
+    if (file)
+      source = of_file(part, *file);
+    else if (const Table* kernels = part.find("kernels"))
+      source = of_kernels(part, *kernels);
+    else
+      source = of_formula(part, table);
     part.finish();
     good_ = good_ && part.ok() && source.has_value();
     if (source) parts_.push_back({*source, offset.value_or(0)});
@@ -302,6 +316,47 @@ class ScenarioReader {
     auto source = read_source(path, options, log_);
     if (!source) return std::nullopt;
     return *source;
+  }
+
+  // kernels: a file, or a list of them.
+  std::optional<scenario::SourcePtr> of_kernels(ConfigTable& part, const Table& kernels) {
+    std::vector<fs::path> paths;
+    const auto add = [&](const Table& each) {
+      if (const auto* file = std::get_if<std::string>(&each.data))
+        paths.push_back(folder_ / *file);
+      else
+        part.fail(each, fmt::format("kernels has {}, expected files", type_name(each)));
+    };
+    if (const auto* list = std::get_if<Table::List>(&kernels.data))
+      for (const Table& each : *list) add(each);
+    else
+      add(kernels);
+    scenario::KernelOptions options;
+    options.target = target_of(part);
+    options.body = name_or_number(part, "body");
+    options.observer = name_or_number(part, "observer");
+    options.frame = part.text("frame").value_or(options.frame);
+    options.aberration = part.text("aberration").value_or(options.aberration);
+    options.attitude = part.text("attitude").value_or("");
+    options.sun = part.flag("sun").value_or(false);
+    options.epoch = epoch_;
+    if (epoch_) options.system = system_;
+    if (paths.empty()) part.fail(kernels, "kernels has no file");
+    if (!part.ok()) return std::nullopt;
+    for (const fs::path& path : paths) files_.push_back(path.string());
+    auto read = ephemeris::Kernels::load(paths, log_);
+    if (!read) return std::nullopt;
+    auto source = scenario::kernel_source(paths.front().string(), *std::move(read), options, log_);
+    if (!source) return std::nullopt;
+    return *source;
+  }
+
+  // Bodies have names and numbers.
+  static std::string name_or_number(ConfigTable& part, std::string_view name) {
+    const Table* value = part.find(name);
+    if (value == nullptr) return {};
+    if (const auto* number = std::get_if<double>(&value->data)) return format_double(*number);
+    return part.text(value, name).value_or("");
   }
 
   // Owner of a source's channels; empty: the camera.
@@ -345,7 +400,7 @@ class ScenarioReader {
     const auto formula = part.text("formula");
     const std::string target = target_of(part);
     if (!formula) {
-      part.fail(table, "a source has neither file nor formula");
+      part.fail(table, "a source has neither file, kernels nor formula");
       return std::nullopt;
     }
     if (*formula == "clohessy_wiltshire") {
@@ -386,8 +441,14 @@ class ScenarioReader {
                                    kDegree * *rate);
     }
     if (*formula == "hold_points") return hold_points(part, table, target);
+    if (*formula == "sun") {
+      if (epoch_) return scenario::sun_source(*epoch_, system_);
+      part.fail(table, "the Sun by its date needs the scenario's epoch",
+                "epoch = \"2026-01-01T00:00:00 UTC\"");
+      return std::nullopt;
+    }
     constexpr std::string_view kFormulas[] = {"clohessy_wiltshire", "two_body", "fixed", "spin",
-                                              "hold_points"};
+                                              "hold_points",        "sun"};
     part.fail(*part.find("formula"), fmt::format("formula is {}, expected {}", in_quotes(*formula),
                                                  fmt::join(kFormulas, ", ")));
     return std::nullopt;
@@ -519,6 +580,8 @@ class ScenarioReader {
   std::vector<std::string> files_;
   std::vector<std::string> names_;  // of the targets
   std::vector<scenario::Part> parts_;
+  std::optional<scenario::Epoch> epoch_;  // of the scenario
+  scenario::TimeSystem system_ = scenario::TimeSystem::utc;
   std::optional<Labelling> labels_;
   bool good_ = true;
 };

@@ -151,6 +151,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
                                         "--size", "4x4",          "--samples", "1"};
   codes_of(run);
   folder.write("torn.labels.json", "{");
+  const auto with_kernel = [&](const std::string& name, const std::string& text) {
+    folder.write(name, text);
+    return folder.write(name + ".toml", "[[source]]\nkernels = \"" + name +
+                                            "\"\nbody = -99\nobserver = \"EARTH\"\n");
+  };
   std::vector<Trigger> triggers = {
       {"E0220", {"render", pan, "-o", png, "--camera-file", camera_file}, {}},
       {"W0221",
@@ -181,6 +186,14 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W5041",
        {"stars", "--fov", "10", "--stars", "8", "--star-catalogue",
         folder.write("torn.csv", "ra[deg],dec[deg],v[mag]\n1,2,3\nx\n")},
+       {}},
+      {"E8015", {"scenario", with_kernel("open.tls", "KPL/LSK\n\\begindata\nA = ( 1\n")}, {}},
+      {"W8016",
+       {"scenario",
+        with_kernel("elements.xsp",
+                    "DAFETF NAIF DAF ENCODED TRANSFER FILE\n'DAF/SPK '\n'2'\n'6'\n'X'\n"
+                    "BEGIN_ARRAY 1 1\n'X'\n'0^0'\n'1^1'\n'-63'\n'18F'\n'1'\n'A'\n1\n'1^1'\n"
+                    "END_ARRAY 1 1\nTOTAL_ARRAYS 1\n")},
        {}},
       {"E9001", {"labels", folder.path(), "--format", "coco", "-o", folder / "coco"}, {}},
       {"W9002", {"labels", kLabels, "--format", "bop", "-o", folder / "bop"}, {}},

@@ -9,11 +9,11 @@ import sys
 # (problems_of_tables() compares them) and of the READMEs (tests/words/stated_names.py). A folder includes those of its own level or of lower ones.
 LEVELS = [
     {"base": [], "schemas": []},
-    {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"]},
+    {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"], "ephemeris": ["base"]},
     {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
-    {"trace": ["world"], "scenario": ["world"], "sky": ["world", "image"]},
+    {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
     {"labels": ["trace", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
@@ -30,6 +30,7 @@ PARTS = {
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "image": {"internal": []},
     "sensor": {"internal": []},
+    "ephemeris": {"internal": []},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
