@@ -34,6 +34,11 @@ bool holds(const Body& body) {
          is_radiant(body.radiance);
 }
 
+bool holds(const Disc& disc) {
+  return is_finite(disc.position) && is_direction(disc.axis) && is_radiant(disc.intensity) &&
+         std::isfinite(disc.radius) && disc.radius > 0;
+}
+
 // Light of a sphere; scale: irradiance times squared distance.
 Incidence of_sphere(const Vec3& centre, double radius, const Vec3& scale, const Vec3& point) {
   const Vec3 toward = centre - point;
@@ -72,6 +77,19 @@ Incidence from(const Point& source, const Vec3& point) {
 Incidence from(const Body& body, const Vec3& point) {
   return of_sphere(body.centre, body.radius, body.radiance * (kPi * body.radius * body.radius),
                    point);
+}
+
+Incidence from(const Disc& disc, const Vec3& point) {
+  const Vec3 toward = disc.position - point;
+  const Vec3 axis = disc.axis / std::sqrt(glm::dot(disc.axis, disc.axis));
+  const double squared = glm::dot(toward, toward);
+  const double square = disc.radius * disc.radius;
+  // in its middle: half of the sky
+  const double distance = std::sqrt(squared);
+  const Vec3 to_light = distance > 0 ? toward / distance : -axis;
+  const double cosine = std::max(-glm::dot(axis, to_light), 0.0);
+  return {to_light, disc.intensity * (cosine / (squared + square)),
+          square / (squared + square) / 8};
 }
 
 }  // namespace
