@@ -94,6 +94,30 @@ std::vector<light::Source> placed_lamps(const World& world, const Camera& camera
   return placed;
 }
 
+bool put_on_node(Lamp& lamp, const World& world, std::size_t target, std::string_view name,
+                 DiagnosticLog& log) {
+  const pan::Model& model = *world[target].model();
+  lamp.carrier = Lamp::Carrier::node;
+  lamp.target = world[target].name();
+  if (const auto found = model.find_frame(name)) {
+    const pan::layout::Frame& frame = model.frames()[*found];
+    const Quat turn(frame.rotation[0], frame.rotation[1], frame.rotation[2], frame.rotation[3]);
+    const Vec3 origin(frame.origin[0], frame.origin[1], frame.origin[2]);
+    lamp.source = placed_source(lamp.source, {glm::mat3_cast(turn), origin});
+    lamp.node = frame.node;
+    return true;
+  }
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < model.frames().size(); ++i) names.push_back(model.frame_name(i));
+  for (std::size_t i = 0; i < model.nodes().size(); ++i)
+    if (model.node_path(i) == name) {
+      lamp.node = static_cast<std::uint32_t>(i);
+      return true;
+    }
+  report_missing(Code::E5005, model.name(), "unknown frame or node", name, names, log);
+  return false;
+}
+
 void fix_lamps(World& world, const Camera& camera) {
   std::vector<Lamp> lamps(world.lamps().begin(), world.lamps().end());
   for (Lamp& lamp : lamps) {

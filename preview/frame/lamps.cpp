@@ -114,13 +114,17 @@ void Lamps::begin_scene(const FrameScene& scene) {
   any_ = false;
   left_out_ = 0;
   receivers_.assign(scene.visible.targets.size(), {});
-  if (sources_.empty()) return;
+  if (sources_.empty() && of_targets_.empty()) return;
   for (std::size_t r = 0; r < receivers_.size(); ++r) {
     std::vector<Lamp>& lamps = receivers_[r].lamps;
     const Sphere sphere = sphere_of(scene, r);
-    for (const light::Source& source : sources_)
-      if (const double irradiance = most_irradiance(source, sphere); irradiance > 0)
-        lamps.push_back({source, irradiance, 0, 0});
+    const auto add = [&](const std::vector<light::Source>& sources) {
+      for (const light::Source& source : sources)
+        if (const double irradiance = most_irradiance(source, sphere); irradiance > 0)
+          lamps.push_back({source, irradiance, 0, 0});
+    };
+    add(sources_);
+    if (!of_targets_.empty()) add(of_targets_[scene.visible.targets[r].target]);
     if (lamps.size() > kMostLamps) {
       left_out_ = std::max(left_out_, static_cast<unsigned>(lamps.size() - kMostLamps));
       std::ranges::stable_sort(lamps, std::greater{}, &Lamp::irradiance);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/diagnostic.h"
@@ -23,7 +24,13 @@ namespace panwright::preview {
 class Lamps {
  public:
   // Begins another image: the lamps that are on, in world axes (world/lamps.h).
-  void begin_image(std::vector<light::Source> sources) { sources_ = std::move(sources); }
+  //
+  //   of_targets  further lights, of each target of the world, as a planet's; empty: none
+  void begin_image(std::vector<light::Source> sources,
+                   std::vector<std::vector<light::Source>> of_targets = {}) {
+    sources_ = std::move(sources);
+    of_targets_ = std::move(of_targets);
+  }
 
   // Chooses the lights of each receiver of a scene.
   void begin_scene(const FrameScene& scene);
@@ -63,6 +70,7 @@ class Lamps {
             LampsBlock& block) const;
 
   std::vector<light::Source> sources_;
+  std::vector<std::vector<light::Source>> of_targets_;
   bool any_ = false;
   unsigned left_out_ = 0;
   std::vector<Receiver> receivers_;

@@ -11,6 +11,7 @@
 namespace panwright::preview {
 namespace {
 
+constexpr std::uint64_t kLampBytes = 1ull << 26;  // two maps of 2048, or 32 of 512
 constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
 
 // What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
@@ -63,6 +64,8 @@ void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) 
   limits_.side = options.shadow_side.value_or(shadow_side_for(scene.texels, options.samples));
   limits_.soft_side = options.shadow_side.value_or(std::min(limits_.side, kShadowSide));
   limits_.bytes = options.max_shadow_bytes;
+  lamp_bytes_ = options.max_shadow_bytes / 2;
+  if (!options.shadow_side) lamp_bytes_ = std::min(lamp_bytes_, kLampBytes);
   lamps_.begin_scene(scene);
 }
 
@@ -97,7 +100,7 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     uploaded_.swap(blocks_);
   }
   return lamps_.update(device, scene, samples_, std::min(limits_.side, kShadowSide),
-                       limits_.bytes / 2, report, log, job);
+                       lamp_bytes_, report, log, job);
 }
 
 void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {

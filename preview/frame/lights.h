@@ -54,6 +54,7 @@ class Lights {
 
  private:
   Lamps lamps_;
+  std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};
   std::vector<Mat4> samples_;        // of the receivers

@@ -263,7 +263,13 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   std::vector<Sun> suns;
   for (const trace::Scene::Placed& placed : scene.rays().targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
-  ViewSamples view{scene, suns, wide, {options.bounces, options.flat, world.white()}, options.seed};
+  const TraceLamps lamps = trace_lamps(world, camera, scene.rays());
+  ViewSamples view{
+      scene,
+      suns,
+      wide,
+      {world.lamps().empty() ? nullptr : &lamps, options.bounces, options.flat, world.white()},
+      options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
   if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))

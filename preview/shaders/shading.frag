@@ -39,6 +39,16 @@ vec3 unit_or_zero(vec3 v) {
 }
 
 #ifdef ADDED
+// pow() of drivers errs by 1e-6 in the logarithm.
+float power(float base, float exponent) {
+  float result = fract(exponent) > 0.0 ? pow(base, fract(exponent)) : 1.0;
+  for (uint n = uint(min(exponent, 1e9)); n > 0u; n >>= 1) {
+    if ((n & 1u) != 0u) result *= base;
+    base *= base;
+  }
+  return result;
+}
+
 // A light after the Sun at a point, unoccluded, as light/light.cpp.
 Incidence light_at(vec3 at, int lamp) {
   vec4 place = lamps.place[lamp];
@@ -55,7 +65,7 @@ Incidence light_at(vec3 at, int lamp) {
   if (intensity.w == 1.0)
     share *= max(cosine, 0.0);
   else if (intensity.w > 0.0)
-    share *= cosine > 0.0 ? pow(min(cosine, 1.0), intensity.w) : 0.0;
+    share *= cosine > 0.0 ? power(min(cosine, 1.0), intensity.w) : 0.0;
   // no square of a distance is as small that counts, and no irradiance infinite
   share = nearest > 1e-30 ? share / nearest : 0.0;
   return Incidence(to_light, min(intensity.rgb * share, vec3(1e30)), place.w > 0.0 ? 0.125 * place.w / nearest : 0.0, 0.0);
