@@ -29,6 +29,11 @@ bool holds(const Point& point) {
   return is_finite(point.position) && is_radiant(point.intensity) && is_size(point.radius);
 }
 
+bool holds(const Disc& disc) {
+  return is_finite(disc.position) && is_direction(disc.axis) && is_radiant(disc.intensity) &&
+         std::isfinite(disc.radius) && disc.radius > 0;
+}
+
 // Light of a sphere; scale: irradiance times squared distance.
 Incidence of_sphere(const Vec3& centre, double radius, const Vec3& scale, const Vec3& point) {
   const Vec3 toward = centre - point;
@@ -62,6 +67,19 @@ Incidence from(const Spot& spot, const Vec3& point) {
 
 Incidence from(const Point& source, const Vec3& point) {
   return of_sphere(source.position, source.radius, source.intensity, point);
+}
+
+Incidence from(const Disc& disc, const Vec3& point) {
+  const Vec3 toward = disc.position - point;
+  const Vec3 axis = disc.axis / std::sqrt(glm::dot(disc.axis, disc.axis));
+  const double squared = glm::dot(toward, toward);
+  const double square = disc.radius * disc.radius;
+  // in its middle: half of the sky
+  const double distance = std::sqrt(squared);
+  const Vec3 to_light = distance > 0 ? toward / distance : -axis;
+  const double cosine = std::max(-glm::dot(axis, to_light), 0.0);
+  return {to_light, disc.intensity * (cosine / (squared + square)),
+          square / (squared + square) / 8};
 }
 
 }  // namespace

@@ -51,14 +51,24 @@ struct Point {
   bool operator==(const Point&) const = default;
 };
 
-using Source = std::variant<Sun, Spot, Point>;
+// Lamp of one side: a flat disc of even radiance, intensity/(π·radius²).
+struct Disc {
+  Vec3 position{0};     // metres
+  Vec3 axis{0, 0, 1};   // out of the side that shines, any non-zero length
+  Vec3 intensity{1};    // on the axis far away, W/sr per band
+  double radius = 0.1;  // metres, > 0
+  bool operator==(const Disc&) const = default;
+};
+
+using Source = std::variant<Sun, Spot, Point, Disc>;
 
 // Returns whether all numbers are finite and within the limits above; radiant quantities >= 0.
 [[nodiscard]] bool is_sound(const Source& source);
 
 // Returns the light that a source gives an unoccluded point. The irradiance of a point and a spot
-// is intensity/distance². Within a source it is that on its surface; at the place of one without a
-// size it is 0. Expects: is_sound(). Cost: O(1).
+// is intensity/distance²; that of a disc is intensity·cos/(distance² + radius²), exact on its axis for a parallel plane.
+// Within a source it is that on its surface; at the place of one without a size it is 0.
+// Expects: is_sound(). Cost: O(1).
 [[nodiscard]] Incidence incidence(const Source& source, const Vec3& point);
 
 // A source with a stamp, the key of what is derived from it.

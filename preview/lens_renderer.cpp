@@ -14,6 +14,7 @@
 #include "preview/frame/lens_splat.h"
 #include "preview/frame/lens_views.h"
 #include "preview/frame/texel_areas.h"
+#include "world/lamps.h"
 
 namespace panwright::preview {
 namespace {
@@ -431,7 +432,10 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
         "--max-image-memory allows more");
     return failed;
   }
-  Frame frame{renderer, world, camera, options, log, job};
+  // lamps of the camera stay with it, wherever the views look
+  world::World fixed = world;
+  world::fix_lamps(fixed, camera);
+  Frame frame{renderer, fixed, camera, options, log, job};
   image::Image& image = frame.image;
   image.width = camera.width;
   image.height = camera.height;

@@ -92,7 +92,10 @@ SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
           std::max(a.sun_error, b.sun_error),
           b.imposters,
           0,
-          0};
+          0,
+          std::max(a.lamps, b.lamps),
+          std::max(a.lamps_without_shadow, b.lamps_without_shadow),
+          std::max(a.lamps_left_out, b.lamps_left_out)};
 }
 
 }  // namespace
@@ -142,7 +145,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   if (!samplers) samplers.emplace(shared);
   set_state(shared.context->gl());
   if (!scene.update(world, camera, options, *device, log, job)) return false;
-  samplers->begin_image(world.sun(), options);
+  samplers->begin_image(world, camera, options);
   FrameUnderWay& frame = frames.next();
   frame.other_radiance.clear();
   frame.other_coverage.clear();

@@ -64,6 +64,9 @@ IMAGES = {
         "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
         "penumbra?": "number: largest possible width of a penumbra, pixels; with --engine gl, shadows of the Sun's disc",
         "sun_points?": "integer: least number of points of the Sun's disc; 1: hard shadows",
+        "lamps?": "integer: number of lights beside the Sun on the target that has most; with --engine gl",
+        "lamps_without_shadow?": "integer: of these, those too weak to cast shadows",
+        "lamps_left_out?": "integer: weakest ones, beyond 64",
         "programs?": "integer: number of shader programs built for this image; with --engine gl",
         "programs_ms?": "number: time to build them",
         "imposters?": ("targets drawn separately, with --engine gl", [{

@@ -121,6 +121,12 @@ std::string explained(const Written& image) {
   else if (sampling.penumbra > 0)
     text += fmt::format("  shadows: hard, the penumbra is {:.2g} pixels or narrower\n",
                         sampling.penumbra);
+  if (sampling.lamps > 0)
+    text += fmt::format("  lamps: {} on a target, {} of them too weak to cast shadows{}\n",
+                        sampling.lamps, sampling.lamps_without_shadow,
+                        sampling.lamps_left_out > 0
+                            ? fmt::format(", {} weaker ones left out", sampling.lamps_left_out)
+                            : "");
   if (sampling.programs > 0)
     text += fmt::format("  {} shader programs built, {}\n", sampling.programs,
                         milliseconds(sampling.program_seconds));
@@ -143,6 +149,12 @@ void describe_image(const Written& image, Json& entry) {
   if (image.sampling && image.sampling->penumbra > 0) {
     entry["penumbra"] = image.sampling->penumbra;
     entry["sun_points"] = image.sampling->sun_points;
+  }
+  if (image.sampling && image.sampling->lamps > 0) {
+    entry["lamps"] = image.sampling->lamps;
+    entry["lamps_without_shadow"] = image.sampling->lamps_without_shadow;
+    if (image.sampling->lamps_left_out > 0)
+      entry["lamps_left_out"] = image.sampling->lamps_left_out;
   }
   if (image.sampling)
     for (const preview::ImposterReport& one : image.sampling->imposters) {

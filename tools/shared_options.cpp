@@ -203,9 +203,11 @@ void declare(Arguments& arguments, ViewOptions& options, workspace::SettingId id
     arguments.flag(info.option, options.flags[at], info.help).group(info.section);
     return;
   }
-  const bool poses = id == workspace::SettingId::pose;
-  Argument argument = poses ? arguments.add(info.option, options.poses, info.help).one_value()
-                            : arguments.add(info.option, options.texts[at], info.help);
+  std::vector<std::string>* repeated = id == workspace::SettingId::pose   ? &options.poses
+                                       : id == workspace::SettingId::lamp ? &options.lamps
+                                                                          : nullptr;
+  Argument argument = repeated ? arguments.add(info.option, *repeated, info.help).one_value()
+                               : arguments.add(info.option, options.texts[at], info.help);
   argument.type(info.metavar).group(info.section).some_of(info.words);
   if ((info.flags & workspace::kSeveral) != 0) argument.numbers();
 }
@@ -252,6 +254,8 @@ Result<workspace::Settings> ViewOptions::settings(DiagnosticLog& log) const {
     if (texts[i]) good = workspace::read_setting(id, *texts[i], out, log) && good;
     if (flags[i]) good = workspace::read_setting(id, "true", out, log) && good;
   }
+  for (const std::string& lamp : lamps)
+    good = workspace::read_setting(SettingId::lamp, lamp, out, log) && good;
   std::set<std::string> targets;
   for (const std::string& pose : poses) {
     good = workspace::read_setting(SettingId::pose, pose, out, log) && good;

@@ -74,6 +74,7 @@ struct ViewOptions {
   std::array<std::optional<std::string>, std::size(workspace::kSettings)> texts;  // by SettingId
   std::array<bool, std::size(workspace::kSettings)> flags{};
   std::vector<std::string> poses;
+  std::vector<std::string> lamps;
   JointOptions joints;
 
   // Returns all of them. Fails: E0201, as workspace::read_setting(), and for two poses of one

@@ -114,6 +114,9 @@ void ExposureSum::add_reports(std::size_t moment, const Drawn& drawn) {
     all.penumbra = std::max(all.penumbra, one.penumbra);
     all.sun_points = std::max(all.sun_points, one.sun_points);
     all.sun_error = std::max(all.sun_error, one.sun_error);
+    all.lamps = std::max(all.lamps, one.lamps);
+    all.lamps_without_shadow = std::max(all.lamps_without_shadow, one.lamps_without_shadow);
+    all.lamps_left_out = std::max(all.lamps_left_out, one.lamps_left_out);
     all.programs += one.programs;
     all.program_seconds += one.program_seconds;
     if (frame_.shutter->middle(sum_.image.height / 2) == moment) all.imposters = one.imposters;

@@ -12,6 +12,7 @@
 #include "workspace/internal/forward.h"
 #include "workspace/internal/image_motion.h"
 #include "workspace/internal/setting_bounds.h"
+#include "workspace/lamp_text.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -189,6 +190,16 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
       camera.position, aim, settings.up ? scaled_direction(*settings.up) : std::nullopt, log);
   if (attitude) camera.world_from_camera = *attitude;
   return bool(attitude);
+}
+
+void set_lamps(const Settings& settings, const world::World& world, Frame& frame,
+               DiagnosticLog& log) {
+  for (const std::string& text : *settings.lamp)
+    if (const auto lamp = lamp_of(text, world, log)) frame.lamps.push_back(*lamp);
+  if (frame.lamps.size() + world.lamps().size() > world::World::kMaxLamps)
+    log.report(Code::E0201, {},
+               fmt::format("{} lamps, expected {} at most",
+                           frame.lamps.size() + world.lamps().size(), world::World::kMaxLamps));
 }
 
 // "TARGET/FRAME", or "FRAME" of the one target that has it.
@@ -406,6 +417,7 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   auto sky = sky_.read(settings, log);
   if (!sky) return failed;
   frame.sky = *std::move(sky);
+  set_lamps(settings, posed, frame, log);
   joints.set_aims(camera.position, log);
   if (log.errors() != errors) return failed;
   for (const world::Instance& target : posed.instances())
@@ -440,6 +452,9 @@ void show(const WorldState& state, const world::World& world, world::World& show
   for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
   for (std::size_t i = 0; i < world.size(); ++i) place_joints(state, world[i], i, shown);
   shown.set_sun(state.sun.value_or(world.sun()));
+  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
+  lamps.insert(lamps.end(), state.lamps.begin(), state.lamps.end());
+  shown.set_lamps(std::move(lamps));
   shown.set_white(state.white ? state.white : world.given_white());
   if (state.sky)
     shown.set_sky(state.sky->bodies, state.sky->sun_visible);

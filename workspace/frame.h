@@ -41,6 +41,7 @@ struct WorldState {
   std::vector<TargetJoint> joints;      // different from the world, aims resolved
   std::optional<world::Sun> sun;        // none: the world's
   std::optional<Vec3> white;            // none: the world's
+  std::vector<world::Lamp> lamps;       // beside those of the world
   std::shared_ptr<const SkyState> sky;  // null: the world's
 };
 
@@ -67,7 +68,7 @@ struct Frame : WorldState {
   const world::Camera& camera() const { return std::get<CameraInstrument>(instrument).camera; }
 };
 
-// Sets a state in a shown world: its poses, joints and Sun, all else as in `world`.
+// Sets a state in a shown world: its poses, joints, Sun and lamps, all else as in `world`.
 // Unchanged parts keep their stamps, and all state derived from them.
 //
 // Expects: `shown` was copied from `world`; targets and joints of the world.

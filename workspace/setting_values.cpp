@@ -477,6 +477,8 @@ std::vector<std::string> setting_texts(SettingId id, const Settings& settings) {
                                 pose.translation.x, pose.translation.y, pose.translation.z,
                                 pose.rotation.w, pose.rotation.x, pose.rotation.y,
                                 pose.rotation.z));
+  else if (id == SettingId::lamp)
+    out = *settings.lamp;
   else
     out.push_back(setting_text(id, settings));
   return out;

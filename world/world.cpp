@@ -181,6 +181,20 @@ void World::set_sun(const Sun& sun) {
   if (sun_.set(sun)) stamp_ = next_stamp();
 }
 
+void World::set_lamps(std::vector<Lamp> lamps) {
+  assert(lamps.size() <= kMaxLamps &&
+         std::ranges::all_of(lamps, [](const Lamp& lamp) { return light::is_sound(lamp.source); }));
+  if (lamps_ == lamps) return;
+  lamps_ = std::move(lamps);
+  stamp_ = next_stamp();
+}
+
+void World::set_lamp_on(std::size_t index, bool on) {
+  if (lamps_[index].on == on) return;
+  lamps_[index].on = on;
+  stamp_ = next_stamp();
+}
+
 void World::set_white(const std::optional<Vec3>& white) {
   assert(!white || (is_finite(*white) && white->x >= 0 && white->y >= 0 && white->z >= 0));
   if (white_ == white) return;

@@ -91,6 +91,22 @@ class Instance {
   Stamp pose_stamp_ = 0;
 };
 
+// A light beside the Sun, in the frame of what carries it. Irradiance, radiance·sr and intensity/m²
+// have the unit of the Sun's irradiance.
+struct Lamp {
+  enum class Carrier : std::uint8_t {
+    world,   // world axes
+    camera,  // x right, y down, z along the boresight
+    node,    // of a target: moves with its pose, nodes and joints
+  };
+  light::Source source;  // a light::Sun: a disc at infinity
+  Carrier carrier = Carrier::world;
+  std::string target;      // of a node
+  std::uint32_t node = 0;  // index in its model; its scale moves the lamp, and leaves its radius
+  bool on = true;
+  bool operator==(const Lamp&) const = default;
+};
+
 // Any number of targets under one Sun. Copies are cheap (models are shared) and independent; equal
 // stamps in copies mean equal states. Setting an equal value changes no stamp. Distinct worlds may
 // be used on distinct threads; one world allows many readers or one writer.
@@ -133,6 +149,14 @@ class World {
   void set_sun(const Sun& sun);
   const Sun& sun() const { return std::get<Sun>(sun_.source()); }
 
+  static constexpr std::size_t kMaxLamps = 64;
+  // Lamps whose target or node does not exist, or is hidden, are off.
+  // Expects: at most kMaxLamps, all light::is_sound().
+  void set_lamps(std::vector<Lamp> lamps);
+  std::span<const Lamp> lamps() const { return lamps_; }
+  // Expects: an index of lamps().
+  void set_lamp_on(std::size_t index, bool on);
+
   // White: what emission is measured in, the irradiance E0 of L = emissive·E0/π. The Sun does not
   // change it.
   //
@@ -166,6 +190,7 @@ class World {
 
   std::vector<Instance> instances_;
   light::Light sun_;
+  std::vector<Lamp> lamps_;
   std::optional<Vec3> white_;
   std::vector<light::Body> bodies_;
   bool sun_visible_ = false;

@@ -7,10 +7,12 @@
 #include "light/light.h"
 #include "preview/frame/blocks.h"
 #include "sky/sky.h"
+#include "world/lamps.h"
 
 namespace panwright::preview {
 namespace {
 
+constexpr std::uint64_t kLampBytes = 1ull << 26;  // two maps of 2048, or 32 of 512
 constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
 
 // What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
@@ -55,8 +57,11 @@ void add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool pl
 
 }  // namespace
 
-void Lights::begin_image(const world::Sun& sun, const RenderOptions& options) {
+void Lights::begin_image(const world::World& world, const world::Camera& camera,
+                         const RenderOptions& options) {
+  const world::Sun& sun = world.sun();
   maps_.begin_image();
+  lamps_.begin_image(world::placed_lamps(world, camera));
   SunDisc& disc = limits_.disc;
   disc = {};
   if (options.shadows == Shadows::hard ||
@@ -75,6 +80,9 @@ void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) 
   limits_.side = options.shadow_side.value_or(shadow_side_for(scene.texels, options.samples));
   limits_.soft_side = options.shadow_side.value_or(std::min(limits_.side, kShadowSide));
   limits_.bytes = options.max_shadow_bytes;
+  lamp_bytes_ = options.max_shadow_bytes / 2;
+  if (!options.shadow_side) lamp_bytes_ = std::min(lamp_bytes_, kLampBytes);
+  lamps_.begin_scene(scene);
 }
 
 bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingReport& report,
@@ -116,16 +124,17 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     first_ = stream_->upload(blocks_);
     uploaded_.swap(blocks_);
   }
-  return true;
+  return lamps_.update(device, scene, samples_, std::min(limits_.side, kShadowSide),
+                       lamp_bytes_, report, log, job);
 }
 
-void Lights::bind(const GladGLContext& gl, std::size_t light, std::size_t receiver) const {
-  const std::size_t i = light * samples_.size() + receiver;
+void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {
+  if (pass > 0) return lamps_.bind(gl, receiver);
   gl.BindBufferRange(GL_UNIFORM_BUFFER, kLightBinding, stream_->id(),
-                     static_cast<GLintptr>(first_ + i * stride_), sizeof(LightBlock));
-  if (views_[i].depths == 0) return;
-  gl.BindTextureUnit(kShadowDepthsUnit, views_[i].depths);
-  gl.BindTextureUnit(kShadowSlopesUnit, views_[i].slopes);
+                     static_cast<GLintptr>(first_ + receiver * stride_), sizeof(LightBlock));
+  if (views_[receiver].depths == 0) return;
+  gl.BindTextureUnit(kShadowDepthsUnit, views_[receiver].depths);
+  gl.BindTextureUnit(kShadowSlopesUnit, views_[receiver].slopes);
 }
 
 }  // namespace panwright::preview

@@ -7,21 +7,26 @@
 
 #include "base/diagnostic.h"
 #include "base/job.h"
+#include "preview/frame/lamps.h"
 #include "preview/frame/light_view.h"
 #include "preview/frame/shadow.h"
 #include "preview/renderer.h"
 
 namespace panwright::preview {
 
-// The Sun, its shadow maps, and the blocks of its light. Shading adds one light after the other.
+// The Sun, its shadow maps, and the blocks of its light; and all others (lamps.h). Shading adds the
+// others to the Sun in one pass.
 class Lights {
  public:
   // Begins another image, of one or several scenes.
-  void begin_image(const world::Sun& sun, const RenderOptions& options);
+  void begin_image(const world::World& world, const world::Camera& camera,
+                   const RenderOptions& options);
 
-  // Chooses the shadow maps of a scene; none: shadows() is false.
+  // Chooses the lights and shadow maps of a scene; none: shadows() is false.
   void begin_scene(const FrameScene& scene, const RenderOptions& options);
   bool shadows() const { return limits_.side > 0; }
+  // Whether samples need positions.
+  bool placed() const { return shadows() || lamps_.any(); }
 
   // Draws the missing maps and uploads the views of a scene. Adds to a report.
   //
@@ -31,20 +36,29 @@ class Lights {
               DiagnosticLog& log, const Job& job);
 
   // Of the scene of the last update().
-  std::size_t count() const { return 1; }
+  std::size_t passes() const { return lamps_.any() ? 2 : 1; }
   const Mat4& model_from_sample(std::size_t receiver) const { return samples_[receiver]; }
-  // Binds a light's block and map for shading a receiver.
-  void bind(const GladGLContext& gl, std::size_t light, std::size_t receiver) const;
+  bool lights(std::size_t pass, std::size_t receiver) const {
+    return pass == 0 || lamps_.lights(receiver);
+  }
+  // Binds blocks and maps of a pass for shading a receiver that it lights.
+  void bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const;
 
   const SunDisc& disc() const { return limits_.disc; }
-  void forget() { maps_.forget(); }  // frees all maps: the next update redraws them
-  std::uint64_t maps_drawn() const { return maps_.drawn(); }
+  // The next update redraws all maps.
+  void forget() {
+    maps_.forget();
+    lamps_.forget();
+  }
+  std::uint64_t maps_drawn() const { return maps_.drawn() + lamps_.maps_drawn(); }
 
  private:
+  Lamps lamps_;
+  std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};
   std::vector<Mat4> samples_;        // of the receivers
-  std::vector<LightView> views_;     // of the receivers, light by light
+  std::vector<LightView> views_;     // of the receivers
   std::vector<std::byte> uploaded_;  // blocks of these, in stream_
   std::vector<std::byte> blocks_;    // those of the next update()
   std::optional<StreamBuffer> stream_;

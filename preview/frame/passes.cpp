@@ -57,6 +57,8 @@ ViewBlock view_block(const world::Camera& camera, const world::World& world, con
 unsigned cell_parts(unsigned samples) { return samples < 4 ? (3 + samples) / samples : 1; }
 
 bool has_shadows(const FrameScene& scene) { return scene.lights && scene.lights->shadows(); }
+// whether samples have positions
+bool has_places(const FrameScene& scene) { return scene.lights && scene.lights->placed(); }
 
 Mat4 rigid_inverse(const Mat4& matrix) {
   const Mat3 turn = glm::transpose(Mat3(matrix));
@@ -153,14 +155,14 @@ Passes::Passes(Device::Impl& device)
 
 GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
                        Pass pass, bool instanced) {
-  const bool shadows = has_shadows(scene);
+  const bool places = has_places(scene);
   const LayerSet layers = model.layers_for(scene.specular_filter);
   variant.curved = variant.curved && scene.specular_filter;
   switch (pass) {
     case Pass::geometry:
-      return device_.programs.geometry(variant, false, layers, shadows, instanced);
+      return device_.programs.geometry(variant, false, layers, places, instanced);
     case Pass::flat_geometry:
-      return device_.programs.geometry(variant, true, layers, shadows, instanced);
+      return device_.programs.geometry(variant, true, layers, places, instanced);
     case Pass::ids:
       return device_.programs.ids(variant.cutout, instanced);
     case Pass::bare:
@@ -197,7 +199,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         if (!model.gpu.decals().empty()) device_.programs.decal();
         const std::uint32_t brdf_model = model.brdf_models.of_material[item.material];
         device_.programs.classes();
-        for (std::size_t light = 0; light < scene.lights->count(); ++light)
+        for (std::size_t light = 0; light < scene.lights->passes(); ++light)
           device_.programs.shading(
               model.brdf_models.all[brdf_model], model.layers_for(scene.specular_filter),
               model.brdf_models.materials[brdf_model] == 1, shadows, light > 0);
@@ -228,8 +230,8 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
       const pan::Model& model = *state.model().model;
       const Mat3 rotation = glm::mat3_cast(scene.world[visible.target].pose().rotation);
       const Mat4 sample_from_model =
-          has_shadows(scene) ? rigid_inverse(scene.lights->model_from_sample(target.visible))
-                             : Mat4(1);
+          has_places(scene) ? rigid_inverse(scene.lights->model_from_sample(target.visible))
+                            : Mat4(1);
       const std::size_t first = view_stride_ + target.first_block * draw_stride_;
       blocks_.resize(std::max(blocks_.size(), first + target.drawn.size() * draw_stride_));
       for (std::size_t k = 0; k < target.drawn.size(); ++k) {
@@ -244,7 +246,7 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         copy_floats(item.diffuse, block.diffuse);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
-        if (has_shadows(scene))
+        if (has_places(scene))
           place_samples(sample_from_model * item.model_from_mesh, model.meshes()[item.mesh], item,
                         flat, block);
         std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
@@ -495,14 +497,15 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   }
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
-  for (std::size_t light = 0; light < scene.lights->count(); ++light) {
-    // each adds to those before it
+  for (std::size_t light = 0; light < scene.lights->passes(); ++light) {
+    // lamps add to the Sun
     if (light == 1) {
       gl_.Enable(GL_BLEND);
       gl_.BlendFunc(GL_ONE, GL_ONE);
     }
     for (std::size_t t = 0; t < tile.targets.size(); ++t) {
       const TileTarget& target = tile.targets[t];
+      if (!scene.lights->lights(light, target.visible)) continue;
       apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
       scene.lights->bind(gl_, light, target.visible);
       shade_target(scene, target, samples, blocks.a_row, first_classes_[t], light > 0);

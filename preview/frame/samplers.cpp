@@ -15,9 +15,9 @@ namespace {
 
 constexpr GLenum kSampleFormats[] = {GL_RGBA32F};
 
-std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
+std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool places) {
   std::array<GLenum, kLayers> formats{};
-  if (shadows) layers |= 1u << kPositionLayer;
+  if (places) layers |= 1u << kPositionLayer;
   for (unsigned layer = 0; layer < kLayers; ++layer)
     if (has(layers, Layer{layer}))
       formats[layer] = kLayerHasIntegers[layer] ? GL_RGBA32UI : GL_RGBA32F;
@@ -32,8 +32,9 @@ Samplers::Samplers(Device::Impl& device)
       passes_(device),
       sampling_(device, passes_, g_buffer_, color_) {}
 
-void Samplers::begin_image(const world::Sun& sun, const RenderOptions& options) {
-  lights_.begin_image(sun, options);
+void Samplers::begin_image(const world::World& world, const world::Camera& camera,
+                           const RenderOptions& options) {
+  lights_.begin_image(world, camera, options);
 }
 
 Samplers::TileSize Samplers::tile_size(const RenderOptions& options, unsigned samples,
@@ -61,7 +62,7 @@ bool Samplers::radiance(FrameScene scene, const RenderOptions& options, FramesIn
     layers |= scene.state(v).model().layers_for(scene.specular_filter);
   lights_.begin_scene(scene, options);
   scene.lights = &lights_;
-  const auto formats = layer_formats(layers, lights_.shadows());
+  const auto formats = layer_formats(layers, lights_.placed());
   const bool by_errors = options.samples == 0 || (options.adaptive && options.samples > 1);
   if (!by_errors &&
       (!ensure_target(gl_, g_buffer_, formats, width, height, log) ||

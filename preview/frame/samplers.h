@@ -25,7 +25,8 @@ class Samplers {
   Samplers& operator=(const Samplers&) = delete;
 
   // Begins another image, of one or several scenes.
-  void begin_image(const world::Sun& sun, const RenderOptions& options);
+  void begin_image(const world::World& world, const world::Camera& camera,
+                   const RenderOptions& options);
 
   // Each submits the tiles of a frame's image, reset() to the scene's camera. After a failure tiles
   // may be under way.

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "base/axis_box.h"
 #include "preview/frame/blocks.h"
@@ -13,23 +11,9 @@
 namespace panwright::preview {
 namespace {
 
-// Software contexts build every program again for textures whose sides are powers of two, and tiles
-// make sides of any length: no side is one, as with other targets (gl_objects.h).
-GLsizei texture_side(std::size_t texels, std::uint32_t most) {
-  const auto side = static_cast<std::uint32_t>(texels);
-  return static_cast<GLsizei>(std::has_single_bit(side) && side + 64 <= most ? side + 64 : side);
-}
-
 void copy_half_map(const ShadowTiles& tiles, float half_map[2]) {
   half_map[0] = static_cast<float>(tiles.columns * tiles.side) / 2;
   half_map[1] = static_cast<float>(tiles.rows * tiles.side) / 2;
-}
-
-// The layer of a map that is drawn next.
-void show_layer(const GladGLContext& gl, GLuint framebuffer, GLuint depths, GLuint slopes,
-                GLint layer) {
-  gl.NamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, depths, 0, layer);
-  gl.NamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, slopes, 0, layer);
 }
 
 }  // namespace
@@ -78,8 +62,8 @@ void ShadowMaps::add_to(LightView& view, std::size_t receiver,
     for (int column = 0; column < 3; ++column)
       block.map_plane_from_sample[4 * row + column] = static_cast<float>(planes[column][row]);
   copy_half_map(tiles, block.half_map);
-  block.texel_size[0] = 1 / static_cast<float>(map.width);
-  block.texel_size[1] = 1 / static_cast<float>(map.height);
+  block.texel_size[0] = 1 / static_cast<float>(map.layers.width);
+  block.texel_size[1] = 1 / static_cast<float>(map.layers.height);
   const Vec3& extent = map.layout.whole.extent;
   const double texel = std::max(extent.x, extent.y) / tiles.side;
   block.texel_depth = static_cast<float>(tiled ? 1 / tiles.depth : texel / extent.z);
@@ -93,45 +77,22 @@ void ShadowMaps::add_to(LightView& view, std::size_t receiver,
     for (int axis = 0; axis < 2; ++axis)
       block.disc[2 * k + static_cast<std::size_t>(axis)] = static_cast<float>(shear[axis]);
   }
-  view.depths = map.depths.id();
-  view.slopes = map.slopes.id();
+  view.depths = map.layers.depths.id();
+  view.slopes = map.layers.slopes.id();
 }
 
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
                       DiagnosticLog& log) {
-  map.depths = {};  // first, so that memory need not hold both
-  map.slopes = {};
   const unsigned side = map.layout.tiles.side;
-  const GLsizei width = texture_side(map.columns * side, limits.framebuffer_side);
-  const GLsizei height = texture_side(map.rows * side, limits.framebuffer_side);
-  const auto layers = static_cast<GLsizei>(map.layout.points);
-  map.depths = make_texture_array(gl, GL_DEPTH_COMPONENT32F, width, height, layers);
-  map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
-  map.width = width;
-  map.height = height;
-  ViewBlock view{};  // the map is one tile
-  copy_half_map(map.layout.tiles, view.half_map);
-  map.view = make_buffer(gl, &view, sizeof view);
-  for (const GlTexture* texture : {&map.depths, &map.slopes}) {
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  }
-  GLuint id = 0;
-  gl.CreateFramebuffers(1, &id);
-  map.framebuffer = GlFramebuffer(gl, id);
-  show_layer(gl, id, map.depths.id(), map.slopes.id(), 0);
-  if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
-      gl.GetError() == GL_NO_ERROR)
+  const auto layers = static_cast<int>(map.layout.points);
+  if (map.layers.make(gl, map.columns * side, map.rows * side, limits.framebuffer_side, layers))
     return true;
-  map.columns = 0;
-  map.depths = {};
-  map.slopes = {};
   log.report_file(
       Code::E5003, {},
-      fmt::format("the context has no memory for a shadow map of {} by {} texels{}", width, height,
+      fmt::format("the context has no memory for a shadow map of {} by {} texels{}",
+                  map.columns * side, map.rows * side,
                   layers > 1 ? fmt::format(" for each of {} points of the Sun", layers) : ""));
+  map.columns = 0;
   return false;
 }
 
@@ -182,8 +143,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
         map.columns = 0;
         map.texels = 0;
         map.drawn = false;
-        map.depths = {};
-        map.slopes = {};
+        map.layers = {};
       }
       for (Map& map : maps_)
         if (map.last_use != update_ && map.columns == 0) chosen = &map;
@@ -268,10 +228,6 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   if (disc_ != limits.disc || stored_texels() > most) maps_.clear();
   disc_ = limits.disc;
   ++update_;
-  if (!stream_) {
-    stride_ = block_stride(gl, sizeof(DrawBlock));
-    stream_.emplace(gl);
-  }
   group(scene, cells);
   lay_out_all(scene, {side, cells, context.framebuffer_side / side, scene.pixel, 0}, soft_side,
               most, log);
@@ -286,8 +242,8 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
 }
 
 // What a point of the Sun sees of targets_ in one box.
-void ShadowMaps::add_draws(const LightSpace& frame, const Vec2& sun_point, std::uint32_t tile,
-                           bool all_receivers, const TargetStates& states) {
+void ShadowMaps::add_draws(const GladGLContext& gl, const LightSpace& frame, const Vec2& sun_point,
+                           std::uint32_t tile, bool all_receivers, const TargetStates& states) {
   const Mat4 sun_from_model = sheared(sun_shear(frame.extent, sun_point)) * frame.sun_from_model;
   for (std::uint32_t t = 0; t < targets_.size(); ++t) {
     const Drawn& target = targets_[t];
@@ -301,25 +257,10 @@ void ShadowMaps::add_draws(const LightSpace& frame, const Vec2& sun_point, std::
       if ((target.caster || !all_receivers) &&
           !meets_column(sun_from_mesh, list[i].low, list[i].high, 0))
         continue;
-      DrawBlock block{};
-      copy_floats(sun_from_mesh, block.clip_from_mesh);
-      block.id = i + 1;
-      copy_repeat(list[i], block);
-      draws_.push_back({t, i, tile});
-      blocks_.resize(blocks_.size() + stride_);
-      std::memcpy(blocks_.data() + blocks_.size() - stride_, &block, sizeof block);
+      draws_.add(gl, target.target, i, tile, target.caster || !all_receivers, list[i],
+                 sun_from_mesh);
     }
   }
-}
-
-// What is drawn of targets_, and its blocks.
-void ShadowMaps::upload(const Map& map, const Vec2& sun_point, const TargetStates& states) {
-  draws_.clear();
-  blocks_.clear();
-  for (std::uint32_t tile = 0; tile < frames_.size(); ++tile)
-    add_draws(frames_[tile], sun_point, tile, map.layout.tiles.tiles.empty(), states);
-  // what is bound of the last blocks reaches beyond them
-  first_block_ = stream_->upload(blocks_, kInstancesAtOnce * stride_);
 }
 
 // False: the job is cancelled.
@@ -327,71 +268,20 @@ bool ShadowMaps::draw(Device::Impl& device, Map& map, const TargetStates& states
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
   find_sun_points(disc_, map.layout.points, map.points);
-  for (std::size_t layer = 0; layer < map.points.size(); ++layer) {
-    upload(map, map.points[layer], states);
-    show_layer(gl, map.framebuffer.id(), map.depths.id(), map.slopes.id(),
-               static_cast<GLint>(layer));
-    if (!draw_layer(device, map, states, job)) return false;
-  }
-  return true;
-}
-
-bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetStates& states,
-                            const Job& job) {
-  const GladGLContext& gl = device.context->gl();
   const std::vector<ShadowTile>& tiles = map.layout.tiles.tiles;
-  gl.BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer.id());
-  gl.Enable(GL_DEPTH_TEST);
-  const float nothing = 0;
-  gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, map.view.id());
-  const DrawItem* last = nullptr;
-  std::uint32_t last_target = ~0u;
-  std::uint32_t last_tile = ~0u;
-  const auto item_at = [&](std::size_t k) -> const DrawItem& {
-    return states[targets_[draws_[k].target].target].items()[draws_[k].item];
+  const auto show_tile = [&](std::uint32_t t) {
+    const ShadowTile tile =
+        tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, map.layout.tiles.side} : tiles[t];
+    gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
+                static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
   };
-  bool were_instanced = false;
-  std::size_t at_once = 1;
-  for (std::size_t k = 0; k < draws_.size(); k += at_once) {
-    std::size_t end = k;  // of its target's
-    while (end < draws_.size() && end - k < kInstancesAtOnce &&
-           draws_[end].target == draws_[k].target && draws_[end].tile == draws_[k].tile)
-      ++end;
-    at_once = drawn_at_once(k, end, item_at);
-    const bool instanced = at_once > 1;
-    const Drawn& target = targets_[draws_[k].target];
-    const TargetState& state = states[target.target];
-    const GpuModel& gpu = state.model().gpu;
-    const DrawItem& item = state.items()[draws_[k].item];
-    const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
-    if (draws_[k].tile != last_tile) {
-      last_tile = draws_[k].tile;
-      const ShadowTile tile =
-          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, map.layout.tiles.side} : tiles[last_tile];
-      gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
-                  static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
-    }
-    if (draws_[k].target != last_target) {
-      last = nullptr;
-      last_target = draws_[k].target;
-      if (target.caster || !tiles.empty()) gl.Enable(GL_DEPTH_CLAMP);
-    }
-    if (!last || item.variant.cutout != last->variant.cutout || instanced != were_instanced)
-      gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced));
-    if (!last || item.sides != last->sides) cull(gl, item.sides);
-    if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
-    if (item.variant.cutout) gpu.bind_maps(draws_[k].item);
-    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
-    gl.BindBufferRange(
-        GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
-        static_cast<GLintptr>(first_block_ + k * stride_),
-        static_cast<GLsizeiptr>((instanced ? kInstancesAtOnce : 1) * sizeof(DrawBlock)));
-    if (!gpu.draw(mesh, item.mesh, at_once, job, 0, mesh.triangle_count)) return false;
-    were_instanced = instanced;
-    last = &item;
+  for (std::size_t layer = 0; layer < map.points.size(); ++layer) {
+    draws_.clear();
+    for (std::uint32_t tile = 0; tile < frames_.size(); ++tile)
+      add_draws(gl, frames_[tile], map.points[layer], tile, tiles.empty(), states);
+    map.layers.begin(gl, static_cast<int>(layer));
+    if (!draws_.draw(device, states, show_tile, false, job)) return false;
   }
-  gl.Disable(GL_DEPTH_CLAMP);
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "preview/context.h"
+#include "preview/frame/caster_draws.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
 #include "preview/frame/light_view.h"
@@ -126,13 +127,8 @@ class ShadowMaps {
     std::size_t columns = 0;     // cells of its textures; 0: none
     std::size_t rows = 0;
     std::uint64_t texels = 0;  // of these, all layers
-    int width = 0;             // of the same, texels
-    int height = 0;
-    GlTexture depths;
-    GlTexture slopes;
-    GlFramebuffer framebuffer;
-    std::vector<Vec2> points;  // of the Sun's disc
-    GlBuffer view;             // ViewBlock of drawing it
+    MapLayers layers;          // one for each point of the Sun's disc
+    std::vector<Vec2> points;  // these
   };
   // Target, placed in the frame of a map's anchor.
   struct Drawn {
@@ -174,15 +170,11 @@ class ShadowMaps {
                    DiagnosticLog& log);
   void add_casters(const FrameScene& scene, std::span<const Drawn> receivers, bool soft);
   bool draw(Device::Impl& device, Map& map, const TargetStates& states, const Job& job);
-  bool draw_layer(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
-  void upload(const Map& map, const Vec2& sun_point, const TargetStates& states);
-  void add_draws(const LightSpace& frame, const Vec2& sun_point, std::uint32_t tile,
-                 bool all_receivers, const TargetStates& states);
+  void add_draws(const GladGLContext& gl, const LightSpace& frame, const Vec2& sun_point,
+                 std::uint32_t tile, bool all_receivers, const TargetStates& states);
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
-  std::size_t stride_ = 0;  // bytes, of blocks_
-  std::optional<StreamBuffer> stream_;
   std::uint64_t update_ = 0;
   std::uint64_t image_ = 0;  // the first update of it
   std::uint64_t drawn_ = 0;
@@ -198,14 +190,7 @@ class ShadowMaps {
   std::vector<ShownItem> shown_;
   std::vector<LightSpace> frames_;  // of the tiles of one map, or of all of it
   ShadowTileFinder finder_;
-  struct Draw {
-    std::uint32_t target = 0;  // into targets_
-    std::uint32_t item = 0;
-    std::uint32_t tile = 0;
-  };
-  std::vector<Draw> draws_;
-  std::vector<std::byte> blocks_;
-  std::size_t first_block_ = 0;  // bytes, in stream_
+  CasterDraws draws_;
 };
 
 // Returns the largest shear of rays to the disc.

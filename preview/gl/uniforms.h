@@ -12,6 +12,8 @@ namespace panwright::preview {
 inline constexpr unsigned kMostShadowTiles = 12;  // of one shadow map
 inline constexpr unsigned kMostSunPoints = 256;  // of the Sun's disc
 inline constexpr unsigned kInstancesAtOnce = 64;  // items of one draw: blocks that every context can bind, 16 KiB
+inline constexpr unsigned kMostLamps = 64;  // lights after the Sun on one target
+inline constexpr unsigned kMostLampMaps = 64;  // layers of their shadow maps
 inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of samples have 30 bits
 
 // Flags.
@@ -74,6 +76,7 @@ inline constexpr unsigned kDrawBinding = 1;
 inline constexpr unsigned kMaterialBinding = 2;
 inline constexpr unsigned kDecalBinding = 3;
 inline constexpr unsigned kLightBinding = 4;
+inline constexpr unsigned kLampsBinding = 5;
 
 // Camera and tile. std140.
 struct alignas(16) ViewBlock {
@@ -180,4 +183,31 @@ static_assert(offsetof(LightBlock, tiles) == 184);
 static_assert(offsetof(LightBlock, tile_place) == 192);
 static_assert(offsetof(LightBlock, tile_inside) == 384);
 static_assert(offsetof(LightBlock, disc) == 576);
+
+// Lights after the Sun on one receiver, and their shadow maps (lamps.h). Positions as of its samples. std140.
+struct alignas(16) LampsBlock {
+  std::int32_t count;  // lights
+  float padding_4[1];
+  float half_map[2];  // half the width and height of a map, texels
+  float texel_size[2];  // in the texture, which may be larger than the maps
+  float padding_24[2];
+  float place[256];  // of each: position, and squared radius; or unit direction to a disc at infinity, and alpha2
+  float axis[256];  // of each: unit axis, and the least cosine to it; below -1: all directions
+  float intensity[256];  // of each: RGB, irradiance at infinity, and the exponent of the cosine
+  float kind[256];  // of each: 0 sphere, 1 disc, 2 at infinity; first map, below 0: none; 1: six maps, by the largest component; limb darkening
+  float map_from_sample[1024];  // columns
+  float map_plane_from_sample[768];  // rows of each map: of planes (normal, offset), as the positions' inverse transpose
+  float texel_depth[256];  // of each map: of one texel, as a share of its depth, times w of a place, or 0: no map; layer; slack of depths beside their own
+};
+static_assert(sizeof(LampsBlock) == 12320);
+static_assert(offsetof(LampsBlock, count) == 0);
+static_assert(offsetof(LampsBlock, half_map) == 8);
+static_assert(offsetof(LampsBlock, texel_size) == 16);
+static_assert(offsetof(LampsBlock, place) == 32);
+static_assert(offsetof(LampsBlock, axis) == 1056);
+static_assert(offsetof(LampsBlock, intensity) == 2080);
+static_assert(offsetof(LampsBlock, kind) == 3104);
+static_assert(offsetof(LampsBlock, map_from_sample) == 4128);
+static_assert(offsetof(LampsBlock, map_plane_from_sample) == 8224);
+static_assert(offsetof(LampsBlock, texel_depth) == 11296);
 }  // namespace panwright::preview

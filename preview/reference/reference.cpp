@@ -274,8 +274,14 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
     bodies.emplace_back(world.bodies(), observer,
                         Sun(world.sun(), observer.world_from, options.sun_disc));
   }
-  ViewSamples view{scene,       suns, bodies, wide, {options.bounces, options.flat, world.white()},
-                   options.seed};
+  const TraceLamps lamps = trace_lamps(world, camera, scene.rays());
+  ViewSamples view{
+      scene,
+      suns,
+      bodies,
+      wide,
+      {world.lamps().empty() ? nullptr : &lamps, options.bounces, options.flat, world.white()},
+      options.seed};
   if (!cells.empty()) add_samples(view, cells, camera, margin, options, result, log, job);
   if (world.has_sky()) add_backdrop(world, scene, camera, cells, options, result, job);
   if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);

@@ -1,10 +1,14 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (a light after the first), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
 #ifndef SHADOWED
+#ifdef ADDED
+LAMPS_BLOCK
+#else
 LIGHT_BLOCK
+#endif
 #endif
 
 #ifdef ONE_MATERIAL
@@ -34,10 +38,44 @@ vec3 unit_or_zero(vec3 v) {
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
 
-// The light of this pass at a sample, unoccluded: from infinity, the same everywhere.
-Incidence light_at(ivec2 place) {
+#ifdef ADDED
+// pow() of drivers errs by 1e-6 in the logarithm.
+float power(float base, float exponent) {
+  float result = fract(exponent) > 0.0 ? pow(base, fract(exponent)) : 1.0;
+  for (uint n = uint(min(exponent, 1e9)); n > 0u; n >>= 1) {
+    if ((n & 1u) != 0u) result *= base;
+    base *= base;
+  }
+  return result;
+}
+
+// A light after the Sun at a point, unoccluded, as light/light.cpp.
+Incidence light_at(vec3 at, int lamp) {
+  vec4 place = lamps.place[lamp];
+  vec4 intensity = lamps.intensity[lamp];
+  vec4 kind = lamps.kind[lamp];
+  if (kind.x == 2.0) return Incidence(place.xyz, intensity.rgb, place.w, kind.w);
+  vec3 toward = place.xyz - at;
+  float square = dot(toward, toward);
+  vec3 to_light = square > 0.0 ? toward * inversesqrt(square) : vec3(0.0, 0.0, 1.0);
+  float nearest = kind.x == 1.0 ? square + place.w : max(square, place.w);
+  vec4 axis = lamps.axis[lamp];
+  float cosine = -dot(axis.xyz, to_light);
+  float share = cosine >= axis.w ? 1.0 : 0.0;
+  if (intensity.w == 1.0)
+    share *= max(cosine, 0.0);
+  else if (intensity.w > 0.0)
+    share *= cosine > 0.0 ? power(min(cosine, 1.0), intensity.w) : 0.0;
+  // no square of a distance is as small that counts, and no irradiance infinite
+  share = nearest > 1e-30 ? share / nearest : 0.0;
+  return Incidence(to_light, min(intensity.rgb * share, vec3(1e30)), place.w > 0.0 ? 0.125 * place.w / nearest : 0.0, 0.0);
+}
+#else
+// The Sun at a sample, unoccluded: from infinity, the same everywhere.
+Incidence light_at() {
   return Incidence(light.to_light, light.irradiance, light.alpha2, light.limb_darkening);
 }
+#endif
 
 // The radius of a disc of one brightness as far from its centre on average as the light's, which is darker
 // at its limb.
@@ -130,7 +168,7 @@ void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
 }
 #endif
 
-#ifdef SHADOWED
+#if defined(SHADOWED) && !defined(ADDED)
 // The share of the Sun's disc beyond the limb of a body: sky::share_beyond().
 float share_beyond_limb(ivec2 place) {
   vec3 at = uintBitsToFloat(texelFetch(position_samples, place, 0).xyz);
@@ -144,67 +182,35 @@ float share_beyond_limb(ivec2 place) {
 }
 #endif
 
-void main() {
-  ivec2 place = sample_place();
-  uvec4 found = texelFetch(normal_samples, place, 0);
-  vec3 normal_sample = uintBitsToFloat(found.xyz);
-  // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
-#ifndef ONE_MATERIAL
-  int item = int(found.w & ~kTurns) - 1 - int(item_range.x);
-  int first_row = kMaterialRows * int(texelFetch(items, item).x);
-#endif
+// What a sample has for every light.
+struct Seen {
+  ivec2 place;
+  vec3 at;  // of ADDED
+  vec3 to_viewer;
+  vec3 normal;        // unit, or 0
+  float turning;      // length of the normal sample where the normal turns from sample to sample, else 0
+  vec3 slopes;        // what turning adds
+  vec3 whole_cell;    // of solar cells
+  vec4 cells;         // roughness_sample
+  float gap;          // length of the mean normal
+  int first_row;
+};
 
-  // the line of sight of this sample, free of where the surface is and how far
-  vec3 view_ray = view.ray + (float(place.x) + 0.5) * view.ray_right +
-               (float(place.y) + 0.5) * view.ray_down;
-  vec3 to_viewer = -normalize(view_ray);
-
-  Incidence from = light_at(place);
-  Surface surface = surface_of(first_row);
-#ifdef ROUGH
-  vec3 whole_cell = surface.weights.x * surface.diffuse;
-#endif
-#ifdef PAINTED
-  vec4 albedo = texelFetch(albedo_samples, place, 0);
-  surface.diffuse = albedo.rgb;
-#endif
-#ifdef ROUGH
-  vec4 roughness_sample = texelFetch(roughness_samples, place, 0);
-  roughen(surface, albedo.a, roughness_sample.x);
-  // of solar cells the paint has the colour of cells and fingers, weights included
-  bool has_cells = material_cell_count(first_row).x > 0.0;
-#endif
-
-#ifdef REFLECTING
-  surface.reflectance = texelFetch(reflectance_samples, place, 0).rgb;
-#endif
+// What one light sends to the viewer, with what is said of errors.
+vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 emitted) {
 #ifdef BRUSHED
-  vec4 brush_sample = texelFetch(tangent_samples, place, 0);
-  vec3 brush = unit_or_zero(brush_sample.xyz);
-  vec3 facing = unit_or_zero(normal_sample);
-  surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
-  vec3 slopes = vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz));
-  if ((found.w & kTurns) != 0u)
-    add_turning(surface, slopes, length(normal_sample), from.to_light, to_viewer, facing);
-  else if (slopes.x > 0.0)
-    add_bumps(surface, slopes, facing);
+  if (seen.turning > 0.0)
+    add_turning(surface, seen.slopes, seen.turning, from.to_light, seen.to_viewer, seen.normal);
 #endif
-
-  // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
-  // the viewer to the horizon
-  vec3 normal = unit_or_zero(normal_sample);
+  vec4 sent;
   vec3 to_middle = from.to_light;
-  from.to_light = to_mean_light(normal, from);
-#ifdef ADDED
-  const vec3 emitted = vec3(0.0);
-#else
-  vec3 emitted = surface_emission(surface, view.white);
-#endif
+  from.to_light = to_mean_light(seen.normal, from);
 #ifdef ROUGH
+  bool has_cells = material_cell_count(seen.first_row).x > 0.0;
   float patternless = 0.0;
   vec3 paint = surface.diffuse;
   float shine = surface.weights.y;
-  vec2 shares = roughness_sample.wz;
+  vec2 shares = seen.cells.wz;
   if (has_cells) {
     surface.weights.x = 1.0;
     surface.weights.y = shine * shares.x;
@@ -212,31 +218,37 @@ void main() {
   // a loop, so that the formulas stand in the program once
   for (int again = has_cells && (view.flags & kPredictsErrors) != 0u ? 1 : 0; again >= 0; --again) {
     if (again == 1) {
-      mean_cells(first_row, whole_cell, surface.diffuse, shares);
+      mean_cells(seen.first_row, seen.whole_cell, surface.diffuse, shares);
       surface.weights.y = shine * shares.x;
     }
 #endif
-  radiance = vec4(surface_radiance(surface, from, to_viewer, normal) + emitted, kCoverage);
+  // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
+  // the viewer to the horizon
+  sent = vec4(surface_radiance(surface, from, seen.to_viewer, seen.normal) + emitted, kCoverage);
 #ifdef ROUGH
     // Lambert's gaps between cells, without cover glass
     if (has_cells) {
-      float lit = max(dot(normal, from.to_light), 0.0) * 0.31830988618379067;
-      radiance.rgb = shares.y * radiance.rgb + (1.0 - shares.y) * (lit * albedo.a) *
-                                                   material_gap_color(first_row) * from.irradiance;
+      float lit = max(dot(seen.normal, from.to_light), 0.0) * 0.31830988618379067;
+      sent.rgb = shares.y * sent.rgb +
+                 (1.0 - shares.y) * (lit * seen.gap) * material_gap_color(seen.first_row) * from.irradiance;
     }
     if (again == 1) {
-      patternless = sqrt(dot(radiance.rgb, radiance.rgb) / 3.0);
+      patternless = sqrt(dot(sent.rgb, sent.rgb) / 3.0);
       surface.diffuse = paint;
-      shares = roughness_sample.wz;
+      shares = seen.cells.wz;
       surface.weights.y = shine * shares.x;
     }
   }
-  radiance.a += patternless / view.told_irradiance;
+  sent.a += patternless / view.told_irradiance;
 #endif
 #ifdef SHADOWED
-  if (dot(normal, from.to_light) > 0.0) {
+  if (dot(seen.normal, from.to_light) > 0.0) {
+#ifdef ADDED
+    vec2 visibility = lamp_visibility(lamp, seen.place);
+#else
     vec2 visibility =
-        light_visibility(place, dot(normal, to_middle) < 0.0) * share_beyond_limb(place);
+        light_visibility(seen.place, dot(seen.normal, to_middle) < 0.0) * share_beyond_limb(seen.place);
+#endif
     // what is left where the light does not shine
     vec3 shaded = emitted;
 #ifdef ROUGH
@@ -244,9 +256,65 @@ void main() {
 #endif
     // never below 0, whatever rounding does
     if ((view.flags & kTellsRelief) != 0u)
-      radiance.a += max(visibility.y - visibility.x, 0.0) * dot(radiance.rgb - shaded, vec3(1.0 / 3.0)) /
-                    view.told_irradiance;
-    radiance.rgb = mix(shaded, radiance.rgb, visibility.x);
+      sent.a += max(visibility.y - visibility.x, 0.0) * dot(sent.rgb - shaded, vec3(1.0 / 3.0)) /
+                view.told_irradiance;
+    sent.rgb = mix(shaded, sent.rgb, visibility.x);
   }
+#endif
+  return sent;
+}
+
+void main() {
+  Seen seen;
+  seen.place = sample_place();
+  uvec4 found = texelFetch(normal_samples, seen.place, 0);
+  vec3 normal_sample = uintBitsToFloat(found.xyz);
+  // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
+#ifndef ONE_MATERIAL
+  int item = int(found.w & ~kTurns) - 1 - int(item_range.x);
+  int first_row = kMaterialRows * int(texelFetch(items, item).x);
+#endif
+  seen.first_row = first_row;
+
+  // the line of sight of this sample, free of where the surface is and how far
+  vec3 view_ray = view.ray + (float(seen.place.x) + 0.5) * view.ray_right +
+               (float(seen.place.y) + 0.5) * view.ray_down;
+  seen.to_viewer = -normalize(view_ray);
+  seen.normal = unit_or_zero(normal_sample);
+
+  Surface surface = surface_of(first_row);
+#ifdef ROUGH
+  seen.whole_cell = surface.weights.x * surface.diffuse;
+#endif
+#ifdef PAINTED
+  vec4 albedo = texelFetch(albedo_samples, seen.place, 0);
+  surface.diffuse = albedo.rgb;
+#endif
+#ifdef ROUGH
+  // of solar cells the paint has the colour of cells and fingers, weights included
+  seen.cells = texelFetch(roughness_samples, seen.place, 0);
+  seen.gap = albedo.a;
+  roughen(surface, albedo.a, seen.cells.x);
+#endif
+
+#ifdef REFLECTING
+  surface.reflectance = texelFetch(reflectance_samples, seen.place, 0).rgb;
+#endif
+#ifdef BRUSHED
+  vec4 brush_sample = texelFetch(tangent_samples, seen.place, 0);
+  vec3 brush = unit_or_zero(brush_sample.xyz);
+  surface.tangent = unit_or_zero(brush - seen.normal * dot(seen.normal, brush));
+  seen.slopes = vec3(seen.cells.y, brush_sample.w, length(brush_sample.xyz));
+  seen.turning = (found.w & kTurns) != 0u ? length(normal_sample) : 0.0;
+  if (!(seen.turning > 0.0) && seen.slopes.x > 0.0) add_bumps(surface, seen.slopes, seen.normal);
+#endif
+
+#ifdef ADDED
+  seen.at = uintBitsToFloat(texelFetch(position_samples, seen.place, 0).xyz);
+  radiance = vec4(0.0);
+  for (int lamp = 0; lamp < lamps.count; ++lamp)
+    radiance += sent_of(surface, light_at(seen.at, lamp), seen, lamp, vec3(0.0));
+#else
+  radiance = sent_of(surface, light_at(), seen, 0, surface_emission(surface, view.white));
 #endif
 }

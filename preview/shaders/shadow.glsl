@@ -1,5 +1,11 @@
 // How much of a light a sample sees, from the shadow map around it.
+#ifdef ADDED
+LAMPS_BLOCK
+#define SHADOW_MAP lamps
+#else
 LIGHT_BLOCK
+#define SHADOW_MAP light
+#endif
 
 // Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
 // in texels (a context's grid for vertices and half floats for slopes come to 1/100)
@@ -21,13 +27,13 @@ const float kMostDown = 16.0;
 // sample, and the texel above the sample's. Along an edge one of the two fails, whichever way it bends,
 // so no bias is needed that grows with the slope. y: the same if relief of parallel planes may be as deep
 // as other relief: between the two lies the truth of what is finer than texels.
-vec2 point_visibility(int layer, vec3 place, vec2 slope, float texel_depth) {
-  vec2 half_size = light.half_map;
+vec2 point_visibility(int layer, vec3 place, vec2 slope, float texel_depth, float slack) {
+  vec2 half_size = SHADOW_MAP.half_map;
   vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
   vec2 first = floor(at);
   vec2 share = at - first;
   // between the four, far from where rounding would take others
-  vec3 among = vec3((first + 1.0) * light.texel_size, float(layer));
+  vec3 among = vec3((first + 1.0) * SHADOW_MAP.texel_size, float(layer));
   // texels here: below left, below right, above right, above left
   vec4 depth = textureGather(shadow_depths, among);
   vec4 its_slope_x = textureGather(shadow_slopes, among, 0);
@@ -40,9 +46,9 @@ vec2 point_visibility(int layer, vec3 place, vec2 slope, float texel_depth) {
   float most = kRelief * texel_depth;
   vec4 relief = min(kReliefOfPlanes * texel_depth + kReliefOfSlopes * apart, vec4(most));
   // by how much the texel lies above the sample's plane, and its plane above the sample
-  vec4 above = depth - (place.z + (slope.x * step_x + slope.y * step_y) + (kDepthSlack + dot(abs(slope), reach)));
+  vec4 above = depth - (place.z + (slope.x * step_x + slope.y * step_y) + (slack + dot(abs(slope), reach)));
   vec4 down = min(its_slope_x * step_x + its_slope_y * step_y, vec4(kMostDown * texel_depth));
-  vec4 below = depth - down - (place.z + kDepthSlack + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
+  vec4 below = depth - down - (place.z + slack + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
   vec4 height = min(above, below);
   // note: where nothing was drawn, depth 0, slopes are those of another map
   bvec4 drawn = greaterThan(depth, vec4(0.0));
@@ -68,6 +74,37 @@ vec3 unpacked_normal(uint bits) {
   return normal;
 }
 
+// How the depth of a plane changes along x and y of a map.
+vec2 slope_of(vec4 plane_x, vec4 plane_y, vec4 plane_z, vec3 at, vec3 normal) {
+  vec4 plane = vec4(normal, -dot(normal, at));
+  vec3 across = vec3(dot(plane_x, plane), dot(plane_y, plane), dot(plane_z, plane));
+  return across.z != 0.0 ? clamp(-across.xy / across.z, vec2(-6e4), vec2(6e4)) : vec2(0.0);
+}
+
+#ifdef ADDED
+// As point_visibility(), of a light after the Sun: all of it or nothing stands for its disc.
+vec2 lamp_visibility(int lamp, ivec2 sample_at) {
+  uvec4 found = texelFetch(position_samples, sample_at, 0);
+  vec3 at = uintBitsToFloat(found.xyz);
+  vec4 kind = lamps.kind[lamp];
+  if (kind.y < 0.0) return vec2(1.0);
+  int map = int(kind.y);
+  if (kind.z > 0.0) {
+    vec3 away = at - lamps.place[lamp].xyz;
+    vec3 size = abs(away);
+    int axis = size.x >= max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+    map += 2 * axis + (away[axis] < 0.0 ? 1 : 0);
+  }
+  vec4 on_map = lamps.map_from_sample[map] * vec4(at, 1.0);
+  float texel_depth = lamps.texel_depth[map].x;
+  if (!(texel_depth > 0.0) || !(on_map.w > 0.0)) return vec2(1.0);
+  vec2 slope = slope_of(lamps.map_plane_from_sample[3 * map], lamps.map_plane_from_sample[3 * map + 1],
+                        lamps.map_plane_from_sample[3 * map + 2], at, unpacked_normal(found.w));
+  vec3 place = on_map.xyz / on_map.w;
+  float slack = kDepthSlack * min(place.z + lamps.texel_depth[map].z, 1.0);
+  return point_visibility(int(lamps.texel_depth[map].y), place, slope, texel_depth / on_map.w, slack);
+}
+#else
 // The finest tile that holds a place. Where none does, nothing shades it: it is out of view.
 bool find_tile(inout vec3 place) {
   for (int i = 0; i < light.tiles; ++i) {
@@ -93,10 +130,8 @@ vec2 light_visibility(ivec2 sample_at, bool below) {
   vec3 place = on_map.xyz / on_map.w;
   float texel_depth = light.texel_depth / on_map.w;
   bool held = find_tile(place);
-  vec4 plane = vec4(normal, -dot(normal, at));
-  vec3 across = vec3(dot(light.map_plane_from_sample[0], plane), dot(light.map_plane_from_sample[1], plane),
-                     dot(light.map_plane_from_sample[2], plane));
-  vec2 slope = across.z != 0.0 ? clamp(-across.xy / across.z, vec2(-6e4), vec2(6e4)) : vec2(0.0);
+  vec2 slope = slope_of(light.map_plane_from_sample[0], light.map_plane_from_sample[1], light.map_plane_from_sample[2],
+                        at, normal);
   vec2 seen = vec2(0.0);
   float sum = 0.0;
   bool in_parts = light.points >= 8 && (sample_blocks.x & 3u) == 0u;
@@ -111,8 +146,9 @@ vec2 light_visibility(ivec2 sample_at, bool below) {
     float brought = below && light.points > 1 ? -facing : facing;
     if (brought <= 0.0) continue;
     vec3 there = vec3(place.xy - shear * (place.z - 0.5), place.z);
-    seen += brought * (held ? point_visibility(k, there, slope / facing, texel_depth) : vec2(1.0));
+    seen += brought * (held ? point_visibility(k, there, slope / facing, texel_depth, kDepthSlack) : vec2(1.0));
     sum += brought;
   }
   return sum > 0.0 ? seen / sum : vec2(0.0);
 }
+#endif

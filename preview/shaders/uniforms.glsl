@@ -2,6 +2,8 @@
 const int kMostShadowTiles = 12;
 const int kMostSunPoints = 256;
 const int kInstancesAtOnce = 64;
+const int kMostLamps = 64;
+const int kMostLampMaps = 64;
 const int kMostItems = 1073741823;
 const uint kTurns = 2147483648u;
 const uint kPredictsErrors = 1u;
@@ -101,3 +103,16 @@ const int kLightBinding = 4;
   vec4 tile_inside[12]; \
   vec4 disc[128]; \
 } light;
+const int kLampsBinding = 5;
+#define LAMPS_BLOCK layout(std140, binding = 5) uniform Lamps { \
+  int count; \
+  vec2 half_map; \
+  vec2 texel_size; \
+  vec4 place[64]; \
+  vec4 axis[64]; \
+  vec4 intensity[64]; \
+  vec4 kind[64]; \
+  mat4 map_from_sample[64]; \
+  vec4 map_plane_from_sample[192]; \
+  vec4 texel_depth[64]; \
+} lamps;

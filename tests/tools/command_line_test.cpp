@@ -97,7 +97,7 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"render", "a", "--stars"}, "put stars and the Earth behind the .npz (docs/limits.md)"},
       {{"render", "a", "--exposure", "1"}, "--ev STOPS, or --ev auto, sets the exposure of a PNG"},
       {{"render", "a", "--labels"}, "meta.json names the ids"},
-      {{"render", "a", "--light", "1"}, "the Sun is the only light: --sun"},
+      {{"render", "a", "--light", "1"}, "--lamp adds a light"},
       {{"render", "a", "--lens", "1"}, "sets the distortion of the lens (docs/cameras.md)"},
       {{"view", "a", "--noise", "3"}, "'--noise' is not an option of 'panwright view'"},
       {{"diff", "a"}, "is missing: panwright diff A B"},

@@ -37,6 +37,7 @@ enum class SettingId : std::uint8_t {
   sun,
   sun_distance,
   sun_irradiance,
+  lamp,
   white,
   limb_darkening,
   planet,
@@ -106,6 +107,7 @@ struct Settings {
   Setting<Vec3> sun;
   Setting<double> sun_distance{1.0};
   Setting<Vec3> sun_irradiance;
+  Setting<std::vector<std::string>> lamp;
   Setting<Vec3> white;
   Setting<double> limb_darkening{0.0};
   Setting<std::vector<std::pair<std::string, std::string>>> planet;

@@ -107,6 +107,9 @@ inline constexpr SettingInfo kSettings[] = {
     {"sun-irradiance", kFormNumber | kFormNumbers | kFormText, 0, 3, SettingUnit::none, {}, 0.0, 1e+20, kSeveral, EngineSet::both, Recorded::given,
      "one number or three, W/m²", "one number or three, W/m², 0 to 1e20",
      "--sun-irradiance", "Camera and Sun", "E|\"R G B\"", "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit irradiance, 1/sr)"},
+    {"lamp", kFormTexts, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "a list of lamps, as [\"spot on camera intensity 100\"]", "a list of lamps, as [\"spot on camera intensity 100\"]",
+     "--lamp", "Camera and Sun", "\"KIND ...\"", "A light beside the Sun: spot, point, disc or led, then any of \"on camera\" (or TARGET/FRAME), \"at X Y Z\", \"toward X Y Z\", \"intensity I\" or \"power P\", \"radius R\", \"half-angle A\", \"exponent N\"; may be repeated"},
     {"white", kFormNumber | kFormNumbers | kFormText, 0, 3, SettingUnit::none, {}, 0.0, 1e+20, kSeveral, EngineSet::both, Recorded::given,
      "one number or three, W/m²", "one number or three, W/m², 0 to 1e20",
      "--white", "Camera and Sun", "E0|\"R G B\"", "Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (default 1; with --sun-irradiance \"158.6 186.2 191.4\" W/m²: the Sun at 1 AU in bands of 100 nm)"},
@@ -191,8 +194,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -226,6 +229,7 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::sun: return f(id, settings.sun...);
     case SettingId::sun_distance: return f(id, settings.sun_distance...);
     case SettingId::sun_irradiance: return f(id, settings.sun_irradiance...);
+    case SettingId::lamp: return f(id, settings.lamp...);
     case SettingId::white: return f(id, settings.white...);
     case SettingId::limb_darkening: return f(id, settings.limb_darkening...);
     case SettingId::planet: return f(id, settings.planet...);
@@ -287,6 +291,7 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::sun, settings.sun...);
   f(SettingId::sun_distance, settings.sun_distance...);
   f(SettingId::sun_irradiance, settings.sun_irradiance...);
+  f(SettingId::lamp, settings.lamp...);
   f(SettingId::white, settings.white...);
   f(SettingId::limb_darkening, settings.limb_darkening...);
   f(SettingId::planet, settings.planet...);

@@ -39,6 +39,10 @@ struct Lit {
   bool reaches(const Vec3& to_sun) const {
     return !(bodies && bodies->hides(point.start, to_sun)) && open(to_sun);
   }
+  bool reaches(const TraceLamp::Sample& light) const {
+    constexpr double kShort = 1 - 1e-9;  // of a lamp that lies on a surface
+    return !scene.any({{point.start, light.to_light, 0, kShort * light.distance}, target});
+  }
 };
 
 // The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
@@ -80,6 +84,49 @@ Vec3 mirrored_disc(const Lit& lit, const Vec3& to_viewer, RayCounts& counts) {
     if (is_black(shown) || !(glm::dot(one.to_light, point.normal) > 0)) continue;
     ++counts.shadow;
     if (lit.reaches(one.to_light)) result += shown;
+  }
+  return result;
+}
+
+// The light of a lamp that a surface sends to a viewer: by a place on it, and in mirrors.
+Vec3 lamplight(const Lit& lit, const TraceLamp& lamp, const Vec3& to_viewer, const Vec2& u,
+               RayCounts& counts) {
+  const Point& point = lit.point;
+  const materials::Scattering& scattering = point.surface().scattering;
+  Vec3 result(0);
+  const TraceLamp::Sample light = lamp.sample(point.start, u);
+  const double cosine = glm::dot(point.normal, light.to_light);
+  if (cosine > 0 && !is_black(light.irradiance)) {
+    const Vec3 sent =
+        scattering.brdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint) *
+        cosine * light.irradiance;
+    if (!is_black(sent)) {
+      ++counts.shadow;
+      if (lit.reaches(light)) result += sent;
+    }
+  }
+  if (!point.surface().has_mirror) return result;
+  const materials::Mirrors mirrors = scattering.mirrors(to_viewer, point.normal, point.tangent);
+  for (int i = 0; i < mirrors.count; ++i) {
+    const materials::Mirrored& one = mirrors.all[static_cast<std::size_t>(i)];
+    const TraceLamp::Sample seen = lamp.seen(point.start, one.to_light);
+    const Vec3 shown = seen.irradiance * one.reflectance;
+    if (is_black(shown) || !(glm::dot(one.to_light, point.normal) > 0)) continue;
+    ++counts.shadow;
+    if (lit.reaches(seen)) result += shown;
+  }
+  return result;
+}
+
+// Of all lamps. Numbers of lamps have uses of their own, beyond those of bounces.
+Vec3 all_lamplight(const Lit& lit, const std::vector<TraceLamp>& lamps, const Vec3& to_viewer,
+                   const StreamKey& name, std::uint32_t depth, RayCounts& counts) {
+  constexpr std::uint32_t kFirstUse = 1u << 20;
+  const auto count = static_cast<std::uint32_t>(lamps.size());
+  Vec3 result(0);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::array<double, 4> u = numbers(name, kFirstUse + depth * count + k);
+    result += lamplight(lit, lamps[k], to_viewer, {u[0], u[1]}, counts);
   }
   return result;
 }
@@ -175,6 +222,9 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
     result.radiance += share * sunlight(lit, to_viewer, u.sun, places, counts);
     if (surface.has_mirror && sun.has_disc())
       result.radiance += share * mirrored_disc(lit, to_viewer, counts);
+    if (options.lamps)
+      result.radiance +=
+          share * all_lamplight(lit, (*options.lamps)[hit->target], to_viewer, name, depth, counts);
 
     std::array<double, 4> v{}, w{};
     if (lit.bodies != nullptr) {

@@ -8,6 +8,7 @@
 #include "base/math.h"
 #include "preview/reference/internal/bodies.h"
 #include "preview/reference/internal/sun.h"
+#include "preview/reference/internal/trace_lamps.h"
 #include "preview/reference/internal/trace_scene.h"
 
 namespace panwright::preview::reference {
@@ -39,12 +40,14 @@ struct FirstRandoms {
 };
 
 struct PathOptions {
+  const TraceLamps* lamps = nullptr;  // null: none
   std::uint32_t bounces = 0;
   bool flat = false;
   Vec3 white{1};  // of emission 1, times π
 };
 
-// Traces the light along a ray from the camera: emission, and the Sun at every surface on the way.
+// Traces the light along a ray from the camera: emission, and at every surface on the way the Sun
+// and one place of each lamp.
 // The Sun is sampled by its disc and, for narrow lobes, by the lobe (power heuristic of E. Veach,
 // "Robust Monte Carlo methods for light transport simulation", 1997, 9.2); the bodies of the sky by
 // their discs and by all lobes, alike.

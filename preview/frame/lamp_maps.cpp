@@ -1,0 +1,173 @@
+#include "preview/frame/lamp_maps.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "preview/frame/shadow.h"
+
+namespace panwright::preview {
+namespace {
+
+// of the far end: depths are held to a millionth of themselves, whatever this is
+constexpr double kNearestShare = 1e-4;
+constexpr unsigned kLeastMapSide = 64;
+
+Tile whole_map(const world::Camera& camera) { return {0, 0, camera.width, camera.height}; }
+
+bool is_perspective(const LampMap& map) {
+  return map.camera.projection == world::Projection::perspective;
+}
+
+// Whether a box may shadow what is on a map; of parallel rays all that is towards the light may.
+bool may_shadow(const LampMap& map, PlacedBox box) {
+  if (!is_perspective(map)) {
+    for (int column = 0; column < 3; ++column) box.camera_from_mesh[column].z = 0;
+    box.camera_from_mesh[3].z = 1;
+  }
+  return may_touch(map.camera, whole_map(map.camera), 1, box);
+}
+
+void set_map_side(LampMap& map, unsigned side) {
+  map.camera.width = map.camera.height = side;
+  map.camera.principal = Vec2(side / 2.0);
+  map.camera.focal = Vec2((side - 4) / 2.0 / map.extent);  // two texels to spare all round
+}
+
+}  // namespace
+
+void LampMaps::forget() { slots_.assign(slots_.size(), {}); }
+
+// Sets the range of depths, and casters_.
+void LampMaps::place(const FrameScene& scene, LampMap& map) {
+  casters_.clear();
+  double near = INFINITY;
+  double far = 0;
+  for (std::uint32_t i = 0; i < scene.world.size(); ++i) {
+    const auto& bounds = scene.states[i].bounds;
+    if (!bounds) continue;
+    const PlacedBox box{camera_from(map.camera, scene.world[i].pose().matrix()), bounds->low,
+                        bounds->high};
+    if (i != map.target && !may_shadow(map, box)) continue;
+    casters_.push_back(i);
+    for (const Vec3& corner : corners(bounds->low, bounds->high)) {
+      const double z = (box.camera_from_mesh * Vec4(corner, 1)).z;
+      near = std::min(near, z);
+      if (i == map.target) far = std::max(far, z);
+    }
+  }
+  const double pad = std::max((far - near) * 0x1p-10, std::fabs(far) * 0x1p-44);
+  far = std::max(far + pad, 0x1p-300);
+  const double least = is_perspective(map) ? std::max(far * kNearestShare, map.nearest) : 0;
+  map.range = {std::min(std::max(near - pad, least), 0.999 * far), far};
+}
+
+LampMaps::Key LampMaps::key_of(const FrameScene& scene, const LampMap& map) const {
+  Key key;
+  const world::Camera& camera = map.camera;
+  const Quat& q = camera.world_from_camera;
+  key.numbers = {camera.position.x,
+                 camera.position.y,
+                 camera.position.z,
+                 q.w,
+                 q.x,
+                 q.y,
+                 q.z,
+                 camera.focal.x,
+                 map.range.near,
+                 map.range.far,
+                 is_perspective(map) ? 1.0 : 0.0};
+  key.stamps.push_back(map.target);
+  for (const std::uint32_t i : casters_) {
+    key.stamps.push_back(scene.states[i].shape_stamp);
+    key.stamps.push_back(scene.states[i].level);
+    const world::Pose& pose = scene.world[i].pose();
+    for (int k = 0; k < 3; ++k) key.numbers.push_back(pose.translation[k]);
+    for (int k = 0; k < 4; ++k) key.numbers.push_back(pose.rotation[k]);
+  }
+  return key;
+}
+
+void LampMaps::add_draws(const GladGLContext& gl, const FrameScene& scene, const LampMap& map) {
+  draws_.clear();
+  const Tile whole = whole_map(map.camera);
+  const bool clamped = !is_perspective(map);
+  for (const std::uint32_t target : casters_) {
+    const Mat4 camera_from_model = camera_from(map.camera, scene.world[target].pose().matrix());
+    const std::span<const DrawItem> items = scene.states[target].items();
+    for (std::uint32_t i = 0; i < items.size(); ++i) {
+      if (!items[i].visible) continue;
+      const PlacedBox box{camera_from_model * items[i].model_from_mesh, items[i].low,
+                          items[i].high};
+      const Mat4 clip = clip_from_mesh(map.camera, whole, map.range, box.camera_from_mesh);
+      if (may_shadow(map, box)) draws_.add(gl, target, i, 0, clamped, items[i], clip);
+    }
+  }
+}
+
+bool LampMaps::update(Device::Impl& device, const FrameScene& scene, std::vector<LampMap>& maps,
+                      unsigned side, std::uint64_t bytes, DiagnosticLog& log, const Job& job) {
+  const GladGLContext& gl = device.context->gl();
+  const std::uint32_t most = device.context->limits().framebuffer_side;
+  ++update_;
+  if (maps.empty()) return true;
+  side = std::min(side, most);
+  while (side > kLeastMapSide &&
+         ShadowMaps::kTexelBytes * side * side * std::uint64_t{maps.size()} > bytes)
+    side /= 2;
+  if (side != side_ || maps.size() > slots_.size()) {
+    slots_.clear();
+    side_ = 0;
+    if (!layers_.make(gl, side, side, most, static_cast<int>(maps.size()))) {
+      log.report_file(Code::E5003, {},
+                      fmt::format("the context has no memory for {} shadow maps of lamps, each of "
+                                  "{} by {} texels",
+                                  maps.size(), side, side));
+      return false;
+    }
+    side_ = side;
+    slots_.resize(maps.size());
+  }
+  for (std::size_t i = 0; i < scene.states.size(); ++i) {
+    for (const DrawItem& item : scene.states[i].items())
+      for (const bool instanced : {false, true})
+        device.programs.shadow(item.variant.cutout, instanced);
+  }
+  if (!device.programs_ready(log)) return false;
+  std::vector<Key> keys;
+  for (LampMap& map : maps) {
+    set_map_side(map, side);
+    place(scene, map);
+    keys.push_back(key_of(scene, map));
+    map.layer = ~0u;
+    for (std::uint32_t s = 0; s < slots_.size(); ++s)
+      if (slots_[s].last_use != update_ && slots_[s].key == keys.back()) {
+        slots_[s].last_use = update_;
+        map.layer = s;
+        break;
+      }
+  }
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    LampMap& map = maps[m];
+    if (map.layer != ~0u) continue;
+    const auto oldest = std::ranges::min_element(slots_, {}, &Slot::last_use);
+    map.layer = static_cast<std::uint32_t>(oldest - slots_.begin());
+    *oldest = {{}, update_};
+    place(scene, map);
+    add_draws(gl, scene, map);
+    layers_.begin(gl, static_cast<int>(map.layer));
+    const auto show = [&](std::uint32_t) {
+      gl.Viewport(0, 0, static_cast<GLsizei>(side), static_cast<GLsizei>(side));
+    };
+    ++drawn_;
+    if (!draws_.draw(device, scene.states, show, true, job)) {
+      report_cancelled(log);
+      return false;
+    }
+    oldest->key = std::move(keys[m]);
+  }
+  return true;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,317 @@
+#include "preview/frame/lamps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <initializer_list>
+#include <type_traits>
+#include <variant>
+
+#include "preview/frame/blocks.h"
+
+namespace panwright::preview {
+namespace {
+
+constexpr double kShadowShare = 1e-3;  // of the lamps' irradiance
+constexpr double kShadowShareOfSun = 1e-6;
+constexpr double kWidestMap = 2.2;  // tangent: 65.5 degrees
+
+struct Sphere {
+  Vec3 centre{0};
+  double radius = 0;
+};
+
+Sphere sphere_of(const FrameScene& scene, std::size_t receiver) {
+  const AxisBox& box = *scene.state(receiver).bounds;
+  const world::Pose& pose = scene.world[scene.visible.targets[receiver].target].pose();
+  return {pose.translation + pose.rotation * (0.5 * (box.low + box.high)),
+          0.5 * glm::length(box.high - box.low)};
+}
+
+// What all kinds but discs at infinity have.
+struct Emitter {
+  Vec3 position{0};
+  Vec3 axis{0};  // unit; 0: all directions
+  double half_angle = kPi;
+  double exponent = 0;
+  double radius = 0;
+  Vec3 intensity{0};
+  bool disc = false;
+};
+
+std::optional<Emitter> emitter_of(const light::Source& source) {
+  return std::visit(
+      [](const auto& one) -> std::optional<Emitter> {
+        using Kind = std::decay_t<decltype(one)>;
+        if constexpr (std::is_same_v<Kind, light::Sun>) {
+          return std::nullopt;
+        } else {
+          Emitter emitter{
+              .position = one.position, .radius = one.radius, .intensity = one.intensity};
+          if constexpr (std::is_same_v<Kind, light::Spot>) {
+            emitter.axis = glm::normalize(one.axis);
+            emitter.half_angle =
+                one.exponent > 0 ? std::min(one.half_angle, kPi / 2) : one.half_angle;
+            emitter.exponent = one.exponent;
+          } else if constexpr (std::is_same_v<Kind, light::Disc>) {
+            emitter.axis = glm::normalize(one.axis);
+            emitter.half_angle = kPi / 2;
+            emitter.exponent = 1;
+            emitter.disc = true;
+          }
+          return emitter;
+        }
+      },
+      source);
+}
+
+// The irradiance of a source anywhere in a sphere, at most, in its strongest band.
+double most_irradiance(const light::Source& source, const Sphere& sphere) {
+  const std::optional<Emitter> emitter = emitter_of(source);
+  if (!emitter) return max_component(std::get<light::Sun>(source).irradiance.value_or(Vec3(1)));
+  const Vec3 toward = sphere.centre - emitter->position;
+  const double distance = glm::length(toward);
+  const double intensity = max_component(emitter->intensity);
+  // within the sphere: as at a quarter of it, so that others count beside
+  const double nearest = std::max(
+      {distance - sphere.radius, 0.25 * sphere.radius, emitter->radius, 1e-150});
+  const double irradiance = intensity / nearest / nearest;
+  if (emitter->half_angle >= kPi || !(distance > sphere.radius)) return irradiance;
+  const double angle = std::acos(std::clamp(glm::dot(toward, emitter->axis) / distance, -1.0, 1.0));
+  const double reach = std::asin(sphere.radius / distance) + emitter->half_angle + 1e-6;
+  return angle > reach ? 0 : irradiance;
+}
+
+Quat looking_along(const Vec3& z) {
+  Vec3 up(0);
+  up[std::fabs(z.z) < 0.8 ? 2 : 0] = 1;
+  const Vec3 x = glm::normalize(glm::cross(z, up));
+  return glm::normalize(glm::quat_cast(Mat3(x, glm::cross(z, x), z)));
+}
+
+// The tangent of the widest angle from an axis to a corner of a box; infinite: 90 degrees or more.
+double widest_tangent(const Vec3& from, const Vec3& axis, const Mat4& world_from_model,
+                      const AxisBox& box) {
+  double widest = 0;
+  for (const Vec3& corner : corners(box.low, box.high)) {
+    const Vec3 toward = Vec3(world_from_model * Vec4(corner, 1)) - from;
+    const double along = glm::dot(toward, axis);
+    if (!(along > 0)) return INFINITY;
+    widest = std::max(widest, glm::length(toward - along * axis) / along);
+  }
+  return widest;
+}
+
+}  // namespace
+
+void Lamps::begin_scene(const FrameScene& scene) {
+  any_ = false;
+  left_out_ = 0;
+  receivers_.assign(scene.visible.targets.size(), {});
+  if (sources_.empty() && of_targets_.empty()) return;
+  for (std::size_t r = 0; r < receivers_.size(); ++r) {
+    std::vector<Lamp>& lamps = receivers_[r].lamps;
+    const Sphere sphere = sphere_of(scene, r);
+    const auto add = [&](const std::vector<light::Source>& sources) {
+      for (const light::Source& source : sources)
+        if (const double irradiance = most_irradiance(source, sphere); irradiance > 0)
+          lamps.push_back({source, irradiance, 0, 0});
+    };
+    add(sources_);
+    if (!of_targets_.empty()) add(of_targets_[scene.visible.targets[r].target]);
+    if (lamps.size() > kMostLamps) {
+      left_out_ = std::max(left_out_, static_cast<unsigned>(lamps.size() - kMostLamps));
+      std::ranges::stable_sort(lamps, std::greater{}, &Lamp::irradiance);
+      lamps.resize(kMostLamps);
+    }
+    any_ = any_ || !lamps.empty();
+  }
+}
+
+// Adds the maps of a receiver to wanted_, the brightest lamps first.
+void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& report) {
+  Receiver& receiver = receivers_[r];
+  receiver.first_map = static_cast<std::uint32_t>(wanted_.size());
+  receiver.maps = 0;
+  const std::uint32_t target = scene.visible.targets[r].target;
+  const AxisBox& box = *scene.state(r).bounds;
+  const Mat4 world_from_model = scene.world[target].pose().matrix();
+  const Sphere sphere = sphere_of(scene, r);
+  double nearest_seen = INFINITY;
+  for (const PlacedBox& part : scene.visible.targets[r].boxes)
+    for (const Vec3& corner : corners(part.low, part.high))
+      nearest_seen = std::min(nearest_seen, (part.camera_from_mesh * Vec4(corner, 1)).z);
+  const double sun = max_component(scene.world.sun().irradiance.value_or(Vec3(1)));
+  double total = 0;
+  std::vector<Lamp*> order;
+  for (Lamp& lamp : receiver.lamps) {
+    lamp.maps = 0;
+    total += lamp.irradiance;
+    order.push_back(&lamp);
+  }
+  std::ranges::stable_sort(order, std::greater{}, &Lamp::irradiance);
+  unsigned without = 0;
+  const auto add = [&](Lamp& lamp, std::initializer_list<LampMap> maps) {
+    if (receiver.maps + maps.size() > kMostLampMaps ||
+        wanted_.size() + maps.size() > LampMaps::kMost) {
+      ++without;
+      return;
+    }
+    lamp.map = receiver.maps;
+    lamp.maps = static_cast<std::uint32_t>(maps.size());
+    receiver.maps += lamp.maps;
+    for (LampMap map : maps) {
+      map.target = target;
+      wanted_.push_back(std::move(map));
+    }
+  };
+  for (Lamp* lamp : order) {
+    if (lamp->irradiance < kShadowShare * total || lamp->irradiance < kShadowShareOfSun * sun) {
+      ++without;
+      continue;
+    }
+    LampMap map;
+    const std::optional<Emitter> emitter = emitter_of(lamp->source);
+    if (!emitter) {
+      const Vec3 to_light = glm::normalize(std::get<light::Sun>(lamp->source).direction);
+      map.camera.projection = world::Projection::orthographic;
+      map.camera.position = sphere.centre + 1.01 * sphere.radius * to_light;
+      map.camera.world_from_camera = looking_along(-to_light);
+      map.extent = std::max(sphere.radius, 1e-300);
+      add(*lamp, {map});
+      continue;
+    }
+    const bool at_camera =
+        scene.camera.projection == world::Projection::perspective && nearest_seen > 0 &&
+        glm::length(emitter->position - scene.camera.position) * scene.camera.focal.x <
+            0.5 * nearest_seen;
+    if (at_camera) continue;
+    map.camera.position = emitter->position;
+    map.nearest = emitter->radius;
+    const Vec3 toward = sphere.centre - emitter->position;
+    const double distance = glm::length(toward);
+    const Vec3 axis = distance > 0 ? toward / distance : Vec3(0, 0, 1);
+    const double of_box = widest_tangent(emitter->position, axis, world_from_model, box);
+    const double of_cone =
+        emitter->half_angle < 1.5 ? std::tan(emitter->half_angle) : double{INFINITY};
+    if (std::min(of_box, of_cone) <= kWidestMap) {
+      const bool by_cone = of_cone < of_box;
+      map.camera.world_from_camera = looking_along(by_cone ? emitter->axis : axis);
+      map.extent = std::max(by_cone ? of_cone : of_box, 1e-12);
+      add(*lamp, {map});
+      continue;
+    }
+    // all around, as a cube (shaders/shadow.glsl)
+    std::array<LampMap, 6> faces;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      Vec3 out(0);
+      out[static_cast<int>(f / 2)] = f % 2 == 0 ? 1 : -1;
+      faces[f] = map;
+      faces[f].camera.world_from_camera = looking_along(out);
+    }
+    add(*lamp, {faces[0], faces[1], faces[2], faces[3], faces[4], faces[5]});
+  }
+  report.lamps_without_shadow = std::max(report.lamps_without_shadow, without);
+}
+
+// Sets the block of a receiver.
+void Lamps::fill(const FrameScene& scene, std::size_t r, const Mat4& model_from_sample,
+                 LampsBlock& block) const {
+  const Receiver& receiver = receivers_[r];
+  const world::Pose& pose = scene.world[scene.visible.targets[r].target].pose();
+  const Vec3 origin = pose.rotation * Vec3(model_from_sample[3]);  // from the pose's translation
+  block.count = static_cast<std::int32_t>(receiver.lamps.size());
+  for (std::size_t k = 0; k < receiver.lamps.size(); ++k) {
+    const Lamp& lamp = receiver.lamps[k];
+    float* place = block.place + 4 * k;
+    float* kind = block.kind + 4 * k;
+    float* axis = block.axis + 4 * k;
+    float* intensity = block.intensity + 4 * k;
+    kind[1] = lamp.maps > 0 ? static_cast<float>(lamp.map) : -1.0f;
+    kind[2] = lamp.maps > 1 ? 1.0f : 0.0f;
+    axis[3] = -2;
+    const std::optional<Emitter> emitter = emitter_of(lamp.source);
+    if (!emitter) {
+      const light::Incidence light = light::incidence(lamp.source, Vec3(0));
+      copy_floats(light.to_light, place);
+      place[3] = static_cast<float>(light.alpha2);
+      copy_floats(light.irradiance, intensity);
+      kind[0] = 2;
+      kind[3] = static_cast<float>(light.limb);
+      continue;
+    }
+    copy_floats((emitter->position - pose.translation) - origin, place);
+    place[3] = static_cast<float>(emitter->radius * emitter->radius);
+    copy_floats(emitter->axis, axis);
+    if (emitter->half_angle < kPi) axis[3] = static_cast<float>(std::cos(emitter->half_angle));
+    copy_floats(emitter->intensity, intensity);
+    intensity[3] = static_cast<float>(emitter->exponent);
+    kind[0] = emitter->disc ? 1 : 0;
+  }
+  if (receiver.maps == 0) return;
+  block.half_map[0] = block.half_map[1] = static_cast<float>(maps_.side()) / 2;
+  block.texel_size[0] = 1 / static_cast<float>(maps_.layers().width);
+  block.texel_size[1] = 1 / static_cast<float>(maps_.layers().height);
+  Mat4 world_from_sample(1);
+  world_from_sample[3] = Vec4(origin + pose.translation, 1);
+  for (std::size_t m = 0; m < receiver.maps; ++m) {
+    const LampMap& map = wanted_[receiver.first_map + m];
+    const Tile whole{0, 0, map.camera.width, map.camera.height};
+    const Mat4 clip =
+        clip_from_mesh(map.camera, whole, map.range, camera_from(map.camera, world_from_sample));
+    copy_floats(clip, block.map_from_sample + 16 * m);
+    const Mat4 planes = glm::transpose(glm::inverse(clip));
+    double most = 1e-300;
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 3; ++row) most = std::max(most, std::fabs(planes[column][row]));
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        block.map_plane_from_sample[12 * m + static_cast<std::size_t>(4 * row + column)] =
+            static_cast<float>(planes[column][row] / most);
+    const double span = map.range.far - map.range.near;
+    const bool perspective = map.camera.projection == world::Projection::perspective;
+    float* texel = block.texel_depth + 4 * m;
+    texel[0] = static_cast<float>((perspective ? map.range.near * map.range.far / span : 1 / span) /
+                                  map.camera.focal.x);
+    texel[1] = static_cast<float>(map.layer);
+    texel[2] = perspective ? static_cast<float>(map.range.near / map.range.far) : 1.0f;
+  }
+}
+
+bool Lamps::update(Device::Impl& device, const FrameScene& scene, const std::vector<Mat4>& samples,
+                   unsigned side, std::uint64_t bytes, SamplingReport& report, DiagnosticLog& log,
+                   const Job& job) {
+  if (!any_) return true;
+  const GladGLContext& gl = device.context->gl();
+  wanted_.clear();
+  for (std::size_t r = 0; r < receivers_.size(); ++r) {
+    report.lamps = std::max(report.lamps, static_cast<unsigned>(receivers_[r].lamps.size()));
+    if (side > 0) find_maps(scene, r, report);
+  }
+  report.lamps_left_out = std::max(report.lamps_left_out, left_out_);
+  if (!maps_.update(device, scene, wanted_, side, bytes, log, job)) return false;
+  if (!stream_) {
+    stride_ = block_stride(gl, sizeof(LampsBlock));
+    stream_.emplace(gl);
+  }
+  blocks_.assign(receivers_.size() * stride_, std::byte{});
+  for (std::size_t r = 0; r < receivers_.size(); ++r) {
+    LampsBlock block{};
+    fill(scene, r, samples[r], block);
+    std::memcpy(blocks_.data() + r * stride_, &block, sizeof block);
+  }
+  first_ = stream_->upload(blocks_);
+  return true;
+}
+
+void Lamps::bind(const GladGLContext& gl, std::size_t receiver) const {
+  gl.BindBufferRange(GL_UNIFORM_BUFFER, kLampsBinding, stream_->id(),
+                     static_cast<GLintptr>(first_ + receiver * stride_), sizeof(LampsBlock));
+  if (receivers_[receiver].maps == 0) return;
+  gl.BindTextureUnit(kShadowDepthsUnit, maps_.layers().depths.id());
+  gl.BindTextureUnit(kShadowSlopesUnit, maps_.layers().slopes.id());
+}
+
+}  // namespace panwright::preview

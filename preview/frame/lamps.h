@@ -1,0 +1,85 @@
+// Lights after the Sun on the targets of a view. Private to preview.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "light/light.h"
+#include "preview/frame/frame_scene.h"
+#include "preview/frame/lamp_maps.h"
+#include "preview/gl/uniforms.h"
+#include "preview/renderer.h"
+
+namespace panwright::preview {
+
+// One pass of shading adds them all, up to kMostLamps on a target: of more the brightest there.
+// A lamp whose share of the light of all lamps on a target is below a thousandth, or whose light is
+// less than a millionth of the Sun's, casts no shadows there; nor does one at the camera, which
+// sees none of them.
+class Lamps {
+ public:
+  // Begins another image: the lamps that are on, in world axes (world/lamps.h).
+  //
+  //   of_targets  further lights, of each target of the world, as a planet's; empty: none
+  void begin_image(std::vector<light::Source> sources,
+                   std::vector<std::vector<light::Source>> of_targets = {}) {
+    sources_ = std::move(sources);
+    of_targets_ = std::move(of_targets);
+  }
+
+  // Chooses the lights of each receiver of a scene.
+  void begin_scene(const FrameScene& scene);
+  bool any() const { return any_; }
+
+  // Draws the missing maps and uploads the blocks. Adds to a report.
+  //
+  //   model_from_sample  of the receivers (light_view.h)
+  //   side               of maps, texels, at most; 0: no shadows
+  // Reports, fails: as ShadowMaps::update().
+  bool update(Device::Impl& device, const FrameScene& scene, const std::vector<Mat4>& samples,
+              unsigned side, std::uint64_t bytes, SamplingReport& report, DiagnosticLog& log,
+              const Job& job);
+
+  bool lights(std::size_t receiver) const { return !receivers_[receiver].lamps.empty(); }
+  // Expects: lights() of the receiver.
+  void bind(const GladGLContext& gl, std::size_t receiver) const;
+
+  void forget() { maps_.forget(); }
+  std::uint64_t maps_drawn() const { return maps_.drawn(); }
+
+ private:
+  // Light on one receiver.
+  struct Lamp {
+    light::Source source;
+    double irradiance = 0;   // at most, the strongest band
+    std::uint32_t map = 0;   // first of its maps
+    std::uint32_t maps = 0;  // none, 1, or 6
+  };
+  struct Receiver {
+    std::vector<Lamp> lamps;
+    std::uint32_t first_map = 0;  // into wanted_
+    std::uint32_t maps = 0;       // in its block
+  };
+  void find_maps(const FrameScene& scene, std::size_t receiver, SamplingReport& report);
+  void fill(const FrameScene& scene, std::size_t receiver, const Mat4& model_from_sample,
+            LampsBlock& block) const;
+
+  std::vector<light::Source> sources_;
+  std::vector<std::vector<light::Source>> of_targets_;
+  bool any_ = false;
+  unsigned left_out_ = 0;
+  std::vector<Receiver> receivers_;
+  std::vector<LampMap> wanted_;  // of all receivers; extent 0: a face that nothing is in
+  LampMaps maps_;
+  std::vector<std::byte> blocks_;
+  std::optional<StreamBuffer> stream_;
+  std::size_t stride_ = 0;
+  std::size_t first_ = 0;
+};
+
+}  // namespace panwright::preview

@@ -1,0 +1,338 @@
+// Lights beside the Sun: closed forms, shadows against geometry, carriers, and how many there may
+// be.
+#include <cstring>
+#include <vector>
+
+#include "models.h"
+#include "world/lamps.h"
+
+namespace panwright::preview::lamps_test {
+namespace {
+
+using namespace testing_support;
+
+world::ModelPtr held(const pan::Contents& contents) {
+  return std::make_shared<const pan::Model>(model_of(contents));
+}
+
+// A night: the Sun is off.
+world::World night(const world::ModelPtr& model) {
+  world::World world;
+  DiagnosticLog log;
+  EXPECT_TRUE(world.add("target", model, log)) << to_text(log);
+  world.set_sun({.irradiance = Vec3(0)});
+  return world;
+}
+
+world::Lamp lamp_of(const light::Source& source) {
+  world::Lamp lamp;
+  lamp.source = source;
+  return lamp;
+}
+
+image::Image drawn(const world::World& world, const world::Camera& camera,
+                   const RenderOptions& options, SamplingReport* report = nullptr) {
+  static Renderer renderer(shared_device());
+  DiagnosticLog log;
+  auto image = renderer.render(world, camera, options, log);
+  EXPECT_TRUE(image) << to_text(log);
+  if (report) *report = renderer.sampling();
+  if (!image) return {};
+  expect_no_nan(*image);
+  return std::move(*image);
+}
+
+double at(const image::Image& image, std::uint32_t x, std::uint32_t y) {
+  return image.radiance[3 * (std::size_t{y} * image.width + x)];
+}
+
+// The irradiance of a Lambert plate of albedo 1 in the plane z = 0 at the centre of every pixel,
+// where light/light.h has it: E·cos over π.
+double worst_on_plate(const image::Image& image, const world::Camera& camera,
+                      const std::vector<light::Source>& sources) {
+  double worst = 0;
+  for (std::uint32_t y = 0; y < image.height; ++y)
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const geometry::Ray ray = world::pixel_ray(camera, {x + 0.5, y + 0.5});
+      const Vec3 point = ray.origin - ray.direction * (ray.origin.z / ray.direction.z);
+      double sum = 0;
+      for (const light::Source& source : sources) {
+        const light::Incidence light = light::incidence(source, point);
+        sum += light.irradiance.x * std::max(light.to_light.z, 0.0) / kPi;
+      }
+      if (sum > 0) worst = std::max(worst, std::fabs(at(image, x, y) / sum - 1));
+      if (sum == 0) EXPECT_EQ(at(image, x, y), 0);
+    }
+  return worst;
+}
+
+// Inverse square, Lambert sphere, disc on and off its axis, spots of exponents, a distant disc:
+// over a plate that fills the image, from 1 m to 4e8 m.
+TEST(Lamps, ClosedFormsOnAPlate) {
+  const auto model = held(single(plate(16, 16), lambert(1)));
+  const View view = looking_from({0.3, -0.5, 1}, 8, 0.6, 64);
+  const std::vector<light::Source> sources = {
+      light::Point{.position = {0.5, 0.2, 3}, .intensity = Vec3(4)},
+      light::Point{.position = {0.5, 0.2, 0.2}, .intensity = Vec3(4)},
+      light::Point{.position = {1e8, -2e8, 4e8}, .intensity = Vec3(1e17)},
+      light::Point{.position = {0, 0, 2}, .intensity = Vec3(4), .radius = 0.5},
+      light::Disc{.position = {0, 0, 2}, .axis = {0, 0, -3}, .intensity = Vec3(4), .radius = 0.7},
+      light::Disc{.position = {2, 1, 2}, .axis = {-1, 0, -1}, .intensity = Vec3(4), .radius = 0.1},
+      light::Spot{.position = {1, 1, 5},
+                  .axis = {-1, -1, -5},
+                  .intensity = Vec3(2),
+                  .half_angle = kPi / 2,
+                  .exponent = 1},
+      light::Spot{.position = {1, 1, 5},
+                  .axis = {-1, -1, -5},
+                  .intensity = Vec3(2),
+                  .half_angle = 1.2,
+                  .exponent = 7.5},
+      light::Spot{.position = {1, 1, 5},
+                  .axis = {-1, -1, -5},
+                  .intensity = Vec3(2),
+                  .half_angle = 1.2,
+                  .exponent = 128},
+      light::Point{.position = {0, 0, 6.771e6}, .intensity = Vec3(0.1 * kPi * 6.371e6 * 6.371e6), .radius = 6.371e6},
+      light::Sun{.direction = {1, 2, 3}, .distance = 0.05, .irradiance = Vec3(0.7)}};
+  for (const unsigned samples : {1u, 0u})
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      world::World world = night(model);
+      world.set_lamps({lamp_of(sources[k])});
+      RenderOptions options;
+      options.samples = samples;
+      const image::Image image = drawn(world, view.camera, options);
+      const double worst = worst_on_plate(image, view.camera, {sources[k]});
+      printf("source %zu, samples %u: %.1e\n", k, samples, worst);
+      // of automatic samples the mean over a pixel is not its middle where the light is curved
+      if (samples == 1)
+        EXPECT_LE(worst, 1e-4) << k;
+      else if (k != 1 && k != 7 && k != 8)
+        EXPECT_LE(worst, 1e-3) << k;
+    }
+}
+
+// On its axis, every azimuth about a tilted plate: intensity·cos/distance².
+TEST(Lamps, EveryAzimuthAndTilt) {
+  const auto model = held(single(plate(1, 1), lambert(1)));
+  for (const double tilt : {0.0, 0.5, 1.2, 1.55})
+    for (int azimuth = 0; azimuth < 360; azimuth += 30) {
+      world::World world = night(model);
+      const Vec3 away(std::sin(tilt) * std::cos(azimuth * kDegree),
+                      std::sin(tilt) * std::sin(azimuth * kDegree), std::cos(tilt));
+      world.set_lamps({lamp_of(light::Point{.position = 3.0 * away, .intensity = Vec3(9)})});
+      const View view = looking_from({0, 0.1, 1}, 10, 1e-4, 3);
+      const double got = at(drawn(world, view.camera, {}), 1, 1) * kPi;
+      EXPECT_NEAR(got / std::cos(tilt), 1, 1e-4) << tilt << ' ' << azimuth;
+    }
+}
+
+// The edge of a spot's cone: a circle on a plate.
+TEST(Lamps, SpotEdge) {
+  const auto model = held(single(plate(10, 10), lambert(1)));
+  world::World world = night(model);
+  const double half = 20 * kDegree;
+  world.set_lamps(
+      {lamp_of(light::Spot{.position = {0, 0, 4}, .axis = {0, 0, -1}, .half_angle = half})});
+  View view = looking_from({0, 0, 1}, 100, 0.04, 256);
+  const image::Image image = drawn(world, view.camera, {});
+  const double radius = 4 * std::tan(half) * view.camera.focal.x / 100;
+  double lit = 0;
+  for (std::size_t i = 0; i < image.pixels(); ++i) lit += image.radiance[3 * i] > 0 ? 1 : 0;
+  EXPECT_NEAR(lit / (kPi * radius * radius), 1, 2e-3);
+}
+
+// A bar between a lamp and a plate: its shadow stands where straight lines put it.
+void expect_shadow_of_bar(const light::Source& source, const Vec3& from) {
+  pan::Contents contents = single(plate(20, 20), lambert(1));
+  contents.nodes.push_back({"bar", 0, Vec3(0.3, 0, 1), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.meshes.push_back(pan::packed(box(Vec3(0.2, 8, 0.02)), "bar"));
+  contents.instances.push_back({1, 1, 0, -1});
+  world::World world = night(held(contents));
+  world.set_lamps({lamp_of(source)});
+  const View view = looking_from({0.9, 0, 0.6}, 12, 0.2, 256);
+  const image::Image image = drawn(world, view.camera, {});
+  std::size_t wrong = 0;
+  std::size_t dark = 0;
+  for (std::uint32_t y = 0; y < 256; ++y)
+    for (std::uint32_t x = 0; x < 256; ++x) {
+      const geometry::Ray ray = world::pixel_ray(view.camera, {x + 0.5, y + 0.5});
+      const Vec3 p = ray.origin - ray.direction * (ray.origin.z / ray.direction.z);
+      // what the bar hides from the camera
+      const Vec3 high = ray.origin + ray.direction * ((1.05 - ray.origin.z) / ray.direction.z);
+      const Vec3 low = ray.origin + ray.direction * ((0.95 - ray.origin.z) / ray.direction.z);
+      if (std::min(std::fabs(high.x - 0.3), std::fabs(low.x - 0.3)) < 0.25) continue;
+      if (light::incidence(source, p).irradiance == Vec3(0)) continue;
+      // where the line to the lamp passes the bar's plane: from its middle
+      const Vec3 to = from - p;
+      const double off = std::fabs(p.x + to.x * (1 - p.z) / to.z - 0.3);
+      if (std::fabs(off - 0.1) < 0.02) continue;  // its edge: a texel, and the bar's own height
+      const bool shadowed = off < 0.1;
+      dark += shadowed;
+      wrong += shadowed != (at(image, x, y) == 0);
+    }
+  EXPECT_GT(dark, 500u) << source.index() << ' ' << from.x;
+  EXPECT_EQ(wrong, 0u) << source.index() << ' ' << from.x;
+}
+
+TEST(Lamps, ShadowsOfABar) {
+  for (const double x : {-1.0, 0.4, 2.0}) {
+    const Vec3 above(x, 0.5, 3);
+    expect_shadow_of_bar(light::Point{.position = above}, above);  // a cube of maps
+    expect_shadow_of_bar(
+        light::Spot{.position = above, .axis = Vec3(0.3, 0, 1) - above, .half_angle = 1.1}, above);
+    const Vec3 far(100 * x, 50, 300);  // a map fitted to the target
+    expect_shadow_of_bar(light::Point{.position = far}, far);
+    const Vec3 direction(x, 0.5, 3);  // parallel rays
+    expect_shadow_of_bar(light::Sun{.direction = direction, .irradiance = Vec3(1)},
+                         1e9 * direction);
+  }
+}
+
+// The light of one target's lamp on another, and its shadow from a third.
+TEST(Lamps, TargetsShadowEachOther) {
+  DiagnosticLog log;
+  world::World world = night(held(single(plate(4, 4), lambert(1))));
+  ASSERT_TRUE(world.add("shield", held(single(box(Vec3(1, 1, 0.1)), lambert(1))),
+                        {{0, 0, 2}, Quat(1, 0, 0, 0)}, log));
+  world.set_lamps({lamp_of(light::Point{.position = {0, 0, 5}, .intensity = Vec3(25)})});
+  const View view = looking_from({1, 0, 0.3}, 20, 0.3, 64);
+  View close = looking_from({1, 0, 0.3}, 20, 1e-4, 1);
+  EXPECT_EQ(at(drawn(world, close.camera, {}), 0, 0), 0);
+  world.set_pose(1, {{3, 0, 2}, Quat(1, 0, 0, 0)});
+  EXPECT_NEAR(at(drawn(world, close.camera, {}), 0, 0) * kPi, 1, 1e-4);
+  drawn(world, view.camera, {});
+}
+
+// A lamp inside of a closed body lights nothing outside; images stay finite wherever it is.
+TEST(Lamps, InsideAndAtThePinhole) {
+  DiagnosticLog log;
+  world::World world = night(held(single(box(Vec3(1)), lambert(1))));
+  ASSERT_TRUE(world.add("screen", held(single(plate(10, 10), lambert(1))),
+                        {{0, 0, -3}, Quat(1, 0, 0, 0)}, log));
+  const View view = looking_from({1, 0.4, 0.8}, 12, 0.8, 64);
+  for (const double radius : {0.0, 0.05}) {
+    world.set_lamps({lamp_of(light::Point{.position = {0.1, 0.1, 0.1}, .radius = radius})});
+    for (const float value : drawn(world, view.camera, {}).radiance) EXPECT_EQ(value, 0);
+  }
+  for (const Vec3& place : {Vec3(0), Vec3(0.5, 0, 0), Vec3(0.5, 0.5, 0.5), Vec3(0, 0, -3)})
+    for (const double radius : {0.0, 3.0}) {
+      world.set_lamps({lamp_of(light::Point{.position = place, .radius = radius})});
+      for (const unsigned samples : {1u, 0u}) drawn(world, view.camera, {.samples = samples});
+    }
+  // at the camera: no shadow is in view
+  world::Lamp lamp = lamp_of(light::Spot{.intensity = Vec3(100), .half_angle = 0.7});
+  lamp.carrier = world::Lamp::Carrier::camera;
+  world.set_lamps({lamp});
+  const image::Image lit = drawn(world, view.camera, {});
+  const image::Image bare = drawn(world, view.camera, {.shadow_side = 0});
+  EXPECT_EQ(lit.radiance, bare.radiance);
+  std::size_t dark = 0;
+  for (std::size_t i = 0; i < lit.pixels(); ++i)
+    dark += lit.coverage[i] == 1 && lit.radiance[3 * i] == 0;
+  EXPECT_EQ(dark, 0u);
+}
+
+// A lamp on a node goes where pose, node and joint take it; the camera's goes with the camera.
+TEST(Lamps, Carriers) {
+  const auto model = held(single(plate(1, 1), lambert(1)));
+  world::World world = night(model);
+  world::Lamp lamp =
+      lamp_of(light::Spot{.position = {1, 2, 3}, .axis = {0, 0, 1}, .half_angle = 0.1});
+  lamp.carrier = world::Lamp::Carrier::node;
+  lamp.target = "target";
+  world.set_lamps({lamp});
+  const world::Pose pose{{10, 0, 0}, glm::angleAxis(kPi / 2, Vec3(0, 0, 1))};
+  world.set_pose(0, pose);
+  world.set_node_transform(
+      0, 0, world::NodeTransform{{0, 0, 5}, glm::angleAxis(kPi / 2, Vec3(1, 0, 0)), Vec3(2)});
+  world::Camera camera;
+  const auto spot = [&] { return std::get<light::Spot>(world::placed_lamps(world, camera).at(0)); };
+  // scaled 2 4 6, turned about x to 2 -6 4, moved to 2 -6 9; then about z to 6 2 9 and to 16 2 9
+  EXPECT_LT(glm::length(spot().position - Vec3(16, 2, 9)), 1e-12);
+  EXPECT_LT(glm::length(glm::normalize(spot().axis) - Vec3(1, 0, 0)), 1e-12);
+  world.set_lamp_on(0, false);
+  EXPECT_TRUE(world::placed_lamps(world, camera).empty());
+  world.set_lamp_on(0, true);
+  world.set_node_visible(0, 0, false);
+  EXPECT_TRUE(world::placed_lamps(world, camera).empty());
+  lamp.carrier = world::Lamp::Carrier::camera;
+  world.set_lamps({lamp});
+  camera = looking_from({0, 0, 1}, 7, 0.1, 8).camera;
+  EXPECT_LT(glm::length(spot().axis - Vec3(0, 0, -1)), 1e-12);
+  world::fix_lamps(world, camera);
+  EXPECT_EQ(world.lamps()[0].carrier, world::Lamp::Carrier::world);
+  const light::Spot fixed = spot();
+  camera = {};
+  EXPECT_EQ(spot(), fixed);
+  const Stamp before = world.stamp();
+  world.set_lamps({world.lamps()[0]});
+  EXPECT_EQ(world.stamp(), before);
+  world.set_lamp_on(0, false);
+  EXPECT_NE(world.stamp(), before);
+}
+
+// Light adds up, whatever the count; the Sun stays as it is.
+TEST(Lamps, AddUp) {
+  const auto model = held(single(sphere(60, 60), lambert(0.7)));
+  const View view = looking_from({0, -1, 0.2}, 10, 0.25, 64);
+  world::World world = night(model);
+  const auto lamp_at = [](int k) {
+    return lamp_of(light::Point{.position = {6 * std::cos(0.7 * k), 6 * std::sin(0.7 * k), 0.3 * k},
+                                .intensity = Vec3(1 + k % 3)});
+  };
+  const auto sum_of = [&](int count) {
+    std::vector<double> sum(image::Image{}.radiance.size());
+    sum.assign(3 * 64 * 64, 0);
+    for (int k = 0; k < count; ++k) {
+      world.set_lamps({lamp_at(k)});
+      const image::Image one = drawn(world, view.camera, {.shadow_side = 0});
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += one.radiance[i];
+    }
+    return sum;
+  };
+  for (const int count : {2, 32, 64}) {
+    const std::vector<double> sum = sum_of(count);
+    std::vector<world::Lamp> all;
+    for (int k = 0; k < count; ++k) all.push_back(lamp_at(k));
+    world.set_lamps(all);
+    SamplingReport report;
+    const image::Image image = drawn(world, view.camera, {.shadow_side = 0}, &report);
+    EXPECT_EQ(report.lamps, static_cast<unsigned>(count));
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      ASSERT_NEAR(image.radiance[i], sum[i], 1e-5 * sum[i] + 1e-9) << count;
+  }
+  world.set_sun({.direction = {1, -1, 1}, .irradiance = Vec3(1)});
+  const image::Image both = drawn(world, view.camera, {.shadow_side = 0});
+  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
+  world.set_lamps({});
+  const image::Image sun = drawn(world, view.camera, {.shadow_side = 0});
+  world.set_sun({.irradiance = Vec3(0)});
+  world.set_lamps(lamps);
+  const image::Image others = drawn(world, view.camera, {.shadow_side = 0});
+  for (std::size_t i = 0; i < both.radiance.size(); ++i)
+    ASSERT_NEAR(both.radiance[i], sun.radiance[i] + others.radiance[i], 1e-6 * both.radiance[i]);
+}
+
+// All kinds of materials and options with lamps: finite, and the same bits again.
+TEST(Lamps, EveryWayOfDrawing) {
+  const auto model = held(single(sphere(60, 60), lambert(0.7)));
+  world::World world = night(model);
+  world.set_sun({.direction = {1, -1, 1}, .irradiance = Vec3(1)});
+  world.set_lamps(
+      {lamp_of(light::Point{.position = {3, -3, 1}, .intensity = Vec3(9), .radius = 0.1}),
+       lamp_of(light::Sun{.direction = {-1, -1, 0}, .irradiance = Vec3(0.2)})});
+  const View view = looking_from({0, -1, 0.2}, 400, 0.25, 64);
+  const double one = intensity(drawn(world, view.camera, {.samples = 16}), view.camera, 400);
+  for (const Imposters imposters : {Imposters::always, Imposters::off}) {
+    RenderOptions options{.samples = 0, .imposters = imposters};
+    const image::Image image = drawn(world, view.camera, options);
+    // a sphere of half a pixel
+    if (imposters == Imposters::always)
+      EXPECT_NEAR(intensity(image, view.camera, 400) / one, 1, 0.02);
+    EXPECT_EQ(drawn(world, view.camera, options).radiance, image.radiance);
+  }
+}
+
+}  // namespace
+}  // namespace panwright::preview::lamps_test

@@ -1,0 +1,29 @@
+// The lamps of a world where they are now. No OpenGL.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "light/light.h"
+#include "world/camera.h"
+#include "world/world.h"
+
+namespace panwright::world {
+
+// Returns the lamps that are on, in their order and in world axes.
+// Cost: O(nodes + meshes) for each target that carries a lamp.
+std::vector<light::Source> placed_lamps(const World& world, const Camera& camera);
+
+// Puts a lamp, now in the frame of a target's node or named frame, on the node: by the frame's name
+// or the node's path.
+//
+// Fails: E5005.
+bool put_on_node(Lamp& lamp, const World& world, std::size_t target, std::string_view name,
+                 DiagnosticLog& log);
+
+// Takes the lamps of the camera off it: they stay where they are, whatever camera looks.
+void fix_lamps(World& world, const Camera& camera);
+
+}  // namespace panwright::world
