@@ -46,6 +46,7 @@ struct Drawer::Impl {
   struct Behind {
     std::optional<sky::Sky> sky;
     world::Camera camera;
+    double psf_sigma = 0;
   };
   std::deque<Behind> behind;
   std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
@@ -169,7 +170,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   const bool good = impl_->submit(world, camera, ground_truth, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) {
-    behind.push_back({{}, camera});
+    behind.push_back({{}, camera, impl_->options.gl.psf_sigma});
     // the reference has its own
     if (world.has_sky() && impl_->renderer) behind.back().sky.emplace(world);
   }
@@ -183,8 +184,7 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   if (drawn && behind.front().sky) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
-      sky::add_behind(sky::backdrop(*here.sky, here.camera, impl_->options.gl.psf_sigma, job),
-                      drawn->image);
+      sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), drawn->image);
       return true;
     });
     if (!good) drawn = failed;
