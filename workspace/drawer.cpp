@@ -49,6 +49,7 @@ struct Drawer::Impl {
     bool bodies = false;  // not drawn yet
     light::Stars stars;
     world::Camera camera;
+    double psf_sigma = 0;
   };
   std::deque<Behind> behind;
   std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
@@ -172,7 +173,9 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   const bool good = impl_->submit(world, camera, ground_truth, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) {
-    behind.push_back({{}, false, world.stars(), camera});
+    const double sigma =
+        impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
+    behind.push_back({{}, false, world.stars(), camera, sigma});
     Impl::Behind& last = behind.back();
     // the reference has bodies of its own
     last.bodies = world.has_sky() && impl_->renderer.has_value();
@@ -188,12 +191,10 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   if (drawn && behind.front().sky) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
-      const double sigma =
-          impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
       if (here.bodies)
-        sky::add_behind(sky::backdrop(*here.sky, here.camera, sigma, job), drawn->image);
+        sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), drawn->image);
       if (here.stars.catalogue)
-        sky::add_stars(*here.sky, here.stars, here.camera, sigma, drawn->image);
+        sky::add_stars(*here.sky, here.stars, here.camera, here.psf_sigma, drawn->image);
       return true;
     });
     if (!good) drawn = failed;

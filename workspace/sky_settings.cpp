@@ -248,7 +248,8 @@ Result<std::shared_ptr<const SkyState>> SkyReader::read(const Settings& settings
       if (map == nullptr) return failed;
       planet.body.map = map;
     }
-    std::erase_if(sky->bodies, [&](const light::Body& body) { return body.name == name; });
+    std::erase_if(sky->bodies,
+                  [&](const light::Body& body) { return body.name == planet.body.name; });
     sky->bodies.push_back(std::move(planet.body));
   }
   return std::shared_ptr<const SkyState>(std::move(sky));

@@ -21,5 +21,6 @@
 #include "workspace/record.h"
 #include "workspace/run.h"
 #include "workspace/session.h"
+#include "workspace/sky_settings.h"
 #include "workspace/targets.h"
 #include "workspace/views.h"
