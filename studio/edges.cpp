@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "studio/clip.h"
 #include "world/evaluation.h"
 
 namespace panwright::studio {
@@ -84,25 +85,16 @@ class EdgeImage {
  private:
   // Clips a line to the image, with its depths.
   bool clip(ProjectedVertex& a, ProjectedVertex& b) const {
-    double from = 0, to = 1;
+    const auto part = visible_part(a.pixel, b.pixel, Vec2(image_.width, image_.height));
+    if (!part) return false;
     const Vec2 way = b.pixel - a.pixel;
-    for (int k = 0; k < 2; ++k) {
-      const double end = k == 0 ? image_.width : image_.height;
-      for (const auto& [distance, speed] :
-           {std::pair{a.pixel[k], way[k]}, std::pair{end - a.pixel[k], -way[k]}}) {
-        if (speed == 0 && distance < 0) return false;
-        if (speed > 0) from = std::max(from, -distance / speed);
-        if (speed < 0) to = std::min(to, -distance / speed);
-      }
-    }
-    if (!(from <= to)) return false;
     const auto at = [&](double t) {
       const double depth = camera_.projection == world::Projection::perspective
                                ? 1 / ((1 - t) / a.depth + t / b.depth)
                                : (1 - t) * a.depth + t * b.depth;
       return ProjectedVertex{a.pixel + t * way, depth};
     };
-    const ProjectedVertex first = at(from), last = at(to);
+    const ProjectedVertex first = at(part->first), last = at(part->second);
     a = first;
     b = last;
     return true;

@@ -11,6 +11,7 @@ namespace panwright::studio {
 namespace {
 
 constexpr std::uint64_t kTrackSteps = 2000;
+constexpr std::uint64_t kMadeSteps = 200;  // where the camera's position follows from the models
 
 // Moments of a camera that is open for a while, and the path tracer, are not for a window.
 void leave_out(workspace::View& view) {
@@ -81,9 +82,13 @@ Result<std::shared_ptr<const Moment>> moment_of(const Play& play, std::uint64_t 
 
 bool find_tracks(Play& play, const world::World& world, DiagnosticLog& log) {
   workspace::FrameMaker maker(world);
-  if (!moment_of(play, 0, world, maker, log)) return false;
+  // also checks the lens, and the names of joints
+  const auto first = moment_of(play, 0, world, maker, log);
+  if (!first) return false;
+  const bool made = bool((*first)->view.settings.camera_frame);
   std::map<std::string, Track> tracks;
-  const std::uint64_t last = play.times.size() - 1, steps = std::min(last, kTrackSteps);
+  const std::uint64_t last = play.times.size() - 1,
+                      steps = std::min(last, made ? kMadeSteps : kTrackSteps);
   const auto add = [&](const std::string& target, std::uint64_t number, const Vec3& point) {
     Track& track = tracks[target];
     track.target = target;
@@ -94,10 +99,15 @@ bool find_tracks(Play& play, const world::World& world, DiagnosticLog& log) {
     const std::uint64_t number = steps == last ? k : k * last / steps;
     const auto frame = workspace::frame_at(play.scenario, play.times[number], log);
     if (!frame) return false;
-    if (frame->camera.position)
+    if (made) {
+      const auto moment = moment_of(play, number, world, maker, log);
+      if (!moment) return false;
+      add({}, number, (*moment)->frame.camera().position);
+    } else if (frame->camera.position) {
       add({}, number, *frame->camera.position);
-    else if (play.scenario.settings.camera)
+    } else if (play.scenario.settings.camera) {
       add({}, number, *play.scenario.settings.camera);
+    }
     for (const scenario::TargetState& target : frame->targets)
       if (target.placement.position && !target.name.empty())
         add(target.name, number, *target.placement.position);

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
+
+#include "studio/clip.h"
 
 namespace panwright::studio {
 namespace {
@@ -21,8 +24,9 @@ class TrackLines {
     Vec3 a = camera_from_world_ * (from - camera_.position),
          b = camera_from_world_ * (to - camera_.position);
     if (camera_.projection == world::Projection::perspective && !in_front(a, b)) return;
-    TrackLine line{kind, pixel(a), pixel(b)};
-    if (clipped(line)) lines_.push_back(line);
+    const Vec2 start = pixel(a), way = pixel(b) - start;
+    if (const auto part = visible_part(start, start + way, Vec2(camera_.width, camera_.height)))
+      lines_.push_back({kind, start + part->first * way, start + part->second * way});
   }
 
   std::vector<TrackLine> take() { return std::move(lines_); }
@@ -41,33 +45,13 @@ class TrackLines {
     return camera_.principal + camera_.focal * Vec2(p.x, p.y) / (perspective ? p.z : 1.0);
   }
 
-  // Liang and Barsky 1984.
-  bool clipped(TrackLine& line) const {
-    const Vec2 way = line.to - line.from;
-    double from = 0, to = 1;
-    for (int k = 0; k < 2; ++k) {
-      const double size = k == 0 ? camera_.width : camera_.height;
-      for (const auto& [distance, speed] :
-           {std::pair{line.from[k], way[k]}, std::pair{size - line.from[k], -way[k]}}) {
-        if (speed == 0 && distance < 0) return false;
-        if (speed > 0) from = std::max(from, -distance / speed);
-        if (speed < 0) to = std::min(to, -distance / speed);
-      }
-    }
-    if (!(from <= to)) return false;
-    const Vec2 start = line.from;
-    line.from = start + from * way;
-    line.to = start + to * way;
-    return true;
-  }
-
   const world::Camera& camera_;
   Mat3 camera_from_world_;
   std::vector<TrackLine> lines_;
 };
 
-// World points at a depth along the boresight, where the ray of a pixel meets it; a ray of more
-// than a right angle ends at that distance.
+// World point of a pixel at a depth along the boresight. Rays more than 84 degrees off it end at
+// ten times that distance.
 std::optional<Vec3> point_of(const world::Camera& camera, const Vec2& pixel, double depth) {
   const auto ray = world::distorted_ray(camera, pixel);
   if (!ray) return std::nullopt;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/program.h"
 #include "tests/support/process.h"
 
 namespace panwright::studio {
