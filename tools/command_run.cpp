@@ -184,7 +184,8 @@ class SequenceRun {
     auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
     if (!view) return false;
     const workspace::Settings& settings = view->settings;
-    shutter_ = {*settings.exposure, *settings.line_time, 1};
+    shutter_ = {*settings.exposure, *settings.line_time, 1,
+                static_cast<std::uint32_t>(*settings.tdi)};
     if (shutter_.instant()) return true;
     const auto made = workspace::FrameMaker(world).frame(*view, log_);
     if (made) shutter_.rows = made->camera().height;
@@ -194,6 +195,12 @@ class SequenceRun {
   // Labels that no part has, formats that cannot hold the targets, flow between rows.
   bool check_labels(const world::World& world) {
     if (labelling_ == nullptr) return true;
+    if (shutter_.stages > 0) {
+      log_.report(Code::E0201, {},
+                  "--tdi and labels cannot be combined: a point may be in several rows, or in none",
+                  "leave out [labels] and --labels");
+      return false;
+    }
     if (shutter_.line_time != 0 && labelling_->flow) {
       log_.report(Code::E0201, {}, "--line-time and flow cannot be combined: rows differ in time",
                   "leave out flow in [labels]");

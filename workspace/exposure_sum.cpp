@@ -45,7 +45,7 @@ world::Camera ExposureSum::camera(std::size_t moment) const {
   camera.world_from_camera = frame_.moments[moment].world_from_camera;
   const ShutterMoments::Rows rows = drawn_rows(moment);
   camera.height = rows.end - rows.first;
-  camera.principal.y -= rows.first;
+  camera.principal.y -= rows.first + frame_.shutter->sensor_offset(moment);
   return camera;
 }
 
@@ -165,12 +165,19 @@ void ExposureSum::measure_errors() {
 void ExposureSum::measure_flux() {
   const world::Camera& camera = frame_.camera();
   const bool flat = camera.projection == world::Projection::orthographic;
+  // all rows of a line scanner look as the one in the middle of the lens
+  world::Camera line = camera;
+  line.height = 1;
+  line.principal.y -= 0.5 * (camera.height - 1.0);
+  const bool scanned = frame_.shutter->is_scanner();
   Vec3 flux(0), variance(0);
   for (std::uint32_t y = 0; y < camera.height; ++y)
     for (std::uint32_t x = 0; x < camera.width; ++x) {
       const std::size_t i = std::size_t{y} * camera.width + x;
       if (coverage_[i] == 0) continue;
-      const double size = flat ? world::pixel_area(camera) : world::pixel_solid_angle(camera, x, y);
+      const double size = flat      ? world::pixel_area(camera)
+                          : scanned ? world::pixel_solid_angle(line, x, 0)
+                                    : world::pixel_solid_angle(camera, x, y);
       for (int k = 0; k < 3; ++k) {
         const std::size_t at = 3 * i + static_cast<std::size_t>(k);
         flux[k] += size * radiance_[at];

@@ -311,7 +311,12 @@ Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
 // Adds the moments of an exposure over time, if the image moves in it.
 bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   const Settings& settings = frame.settings;
-  const Shutter shutter{*settings.exposure, *settings.line_time, frame.camera().height};
+  const Shutter shutter{*settings.exposure, *settings.line_time, frame.camera().height,
+                        static_cast<std::uint32_t>(*settings.tdi)};
+  if (shutter.stages > 0 && shutter.line_time == 0) {
+    log.report(Code::E0201, {}, "--tdi needs --line-time: rows are exposed one after the other");
+    return false;
+  }
   if (shutter.instant()) return true;
   if (!view.motion) {
     const SettingId id = *settings.exposure != 0 ? SettingId::exposure : SettingId::line_time;
@@ -360,7 +365,15 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   constexpr double kStep = 0.5, kDraftStep = 1;  // pixels
   const double step = *settings.quality == Settings::Quality::draft ? kDraftStep : kStep;
   const ShutterMoments moments(shutter, speed, step);
-  if (moments.count() == 1) return true;
+  if (moments.count() == 1 && !moments.is_scanner()) return true;
+  if (moments.count() > ShutterMoments::kMostOfScanner) {
+    log.report(
+        Code::E0201, {},
+        fmt::format("--tdi of {} stages and an image of {} rows are {} moments, expected at "
+                    "most {}",
+                    shutter.stages, shutter.rows, moments.count(), ShutterMoments::kMostOfScanner));
+    return false;
+  }
   constexpr double kMuchMore = 1.01;
   if (moments.step() > kMuchMore * step)
     log.report_file(Code::W5008, {},

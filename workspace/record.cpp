@@ -295,8 +295,9 @@ std::string record_text(const world::World& world, const Frame& frame, const Rec
   if (*frame.settings.engine == Settings::Engine::gl && context != preview::ContextKind::automatic)
     record["context"] = context == preview::ContextKind::egl ? "egl" : "osmesa";
   record["view"] = view_of(world, frame, source);
-  if (Json keypoints = keypoints_of(world, frame.camera()); !keypoints.empty())
-    record["keypoints"] = std::move(keypoints);
+  // rows of several times show them elsewhere
+  Json keypoints = *frame.settings.line_time == 0 ? keypoints_of(world, frame.camera()) : Json();
+  if (!keypoints.empty()) record["keypoints"] = std::move(keypoints);
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 

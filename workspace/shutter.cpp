@@ -2,14 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace panwright::workspace {
 
-double Shutter::begin() const { return -0.5 * exposure; }
-double Shutter::end() const { return std::fabs(line_time) * (rows - 1) + 0.5 * exposure; }
+double Shutter::begin() const {
+  return -0.5 * exposure - (stages > 0 ? 0.5 * std::fabs(line_time) * (stages - 1) : 0);
+}
+double Shutter::end() const { return std::fabs(line_time) * (rows - 1) - begin(); }
 
 ShutterMoments::ShutterMoments(const Shutter& shutter, double speed, double step)
     : shutter_(shutter) {
+  if (is_scanner()) {
+    divide_scan(speed, step);
+    return;
+  }
   const double delays = shutter.end() - 0.5 * shutter.exposure;
   const double motion = speed * (shutter.end() - shutter.begin());
   // what moves less than rounding is drawn once
@@ -39,7 +46,36 @@ ShutterMoments::ShutterMoments(const Shutter& shutter, double speed, double step
   step_ = speed * length_;
 }
 
+// Times at which the sensor's rows expose, a line time apart, of some moments each.
+void ShutterMoments::divide_scan(double speed, double step) {
+  const std::size_t times = std::size_t{shutter_.rows} + shutter_.stages - 1;
+  const double wanted = std::ceil(speed * shutter_.exposure / step);
+  const auto most = static_cast<double>(std::max<std::size_t>(kMostOfScanner / times, 1));
+  per_row_ = std::clamp(wanted, 1.0, most);
+  length_ = shutter_.exposure / per_row_;
+  count_ = times * static_cast<std::size_t>(per_row_);
+  step_ = speed * length_;
+}
+
+// First row of the image that a moment would expose, were there rows beyond its edges.
+std::int64_t ShutterMoments::first_scanned(std::size_t moment) const {
+  const auto time = static_cast<std::int64_t>(moment / static_cast<std::size_t>(per_row_));
+  return shutter_.line_time > 0 ? time - (std::int64_t{shutter_.stages} - 1)
+                                : std::int64_t{shutter_.rows} - 1 - time;
+}
+
+double ShutterMoments::sensor_offset(std::size_t moment) const {
+  if (!is_scanner()) return 0;
+  return 0.5 * (static_cast<double>(shutter_.rows) - shutter_.stages) -
+         static_cast<double>(first_scanned(moment));
+}
+
 double ShutterMoments::time(std::size_t moment) const {
+  if (is_scanner()) {
+    const auto parts = static_cast<std::size_t>(per_row_);
+    return shutter_.begin() + static_cast<double>(moment / parts) * std::fabs(shutter_.line_time) +
+           (static_cast<double>(moment % parts) + 0.5) * length_;
+  }
   return first_ + (static_cast<double>(moment) + 0.5) * length_;
 }
 
@@ -50,6 +86,11 @@ double ShutterMoments::delay(std::uint32_t row) const {
 }
 
 double ShutterMoments::share(std::size_t moment, std::uint32_t row) const {
+  if (is_scanner()) {
+    const std::int64_t stage = std::int64_t{row} - first_scanned(moment);
+    return stage >= 0 && stage < std::int64_t{shutter_.stages} ? 1 / (per_row_ * shutter_.stages)
+                                                               : 0;
+  }
   const double begin = delay(row);
   const auto at = static_cast<double>(moment);
   // the last one also has what lies after it
@@ -60,6 +101,12 @@ double ShutterMoments::share(std::size_t moment, std::uint32_t row) const {
 }
 
 ShutterMoments::Rows ShutterMoments::rows(std::size_t moment) const {
+  if (is_scanner()) {
+    const std::int64_t first = first_scanned(moment);
+    return {
+        static_cast<std::uint32_t>(std::max<std::int64_t>(first, 0)),
+        static_cast<std::uint32_t>(std::min<std::int64_t>(first + shutter_.stages, shutter_.rows))};
+  }
   Rows out{shutter_.rows, 0};
   for (std::uint32_t row = 0; row < shutter_.rows; ++row)
     if (share(moment, row) > 0 || middle(row) == moment) {
@@ -70,6 +117,11 @@ ShutterMoments::Rows ShutterMoments::rows(std::size_t moment) const {
 }
 
 std::size_t ShutterMoments::middle(std::uint32_t row) const {
+  if (is_scanner()) {
+    const std::size_t place = shutter_.line_time < 0 ? shutter_.rows - 1 - row : row;
+    const auto parts = static_cast<std::size_t>(per_row_);
+    return (place + shutter_.stages / 2) * parts + parts / 2;
+  }
   return std::min(static_cast<std::size_t>(delay(row) + 0.5 * per_row_), count_ - 1);
 }
 

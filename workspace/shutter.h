@@ -13,8 +13,11 @@ struct Shutter {
   double exposure = 0;   // seconds, >= 0
   double line_time = 0;  // seconds from a row to that below it; negative: to that above it
   std::uint32_t rows = 1;
+  // Of a line scanner: rows of its sensor, that all expose every row of the image, a line time
+  // apart, as the image moves over them; 0: every row has a row of the sensor.
+  std::uint32_t stages = 0;
 
-  bool instant() const { return exposure == 0 && line_time == 0; }
+  bool instant() const { return exposure == 0 && line_time == 0 && stages == 0; }
   // Seconds after the time of the frame.
   double begin() const;
   double end() const;
@@ -27,6 +30,8 @@ class ShutterMoments {
  public:
   // Limit of the moments of an image.
   static constexpr std::size_t kMost = 1024;
+  // The same of a line scanner, which draws a few rows in each.
+  static constexpr std::size_t kMostOfScanner = 16384;
 
   // Least motion in the exposure of a row, in steps, where rows differ in time: it is the mean of
   // two moments.
@@ -50,8 +55,14 @@ class ShutterMoments {
   double share(std::size_t moment, std::uint32_t row) const;
   // Moment that holds the middle of a row's exposure.
   std::size_t middle(std::uint32_t row) const;
+  // Rows of the lens above that in which a moment sees the image's row 0: 0 but of line scanners,
+  // whose sensor is in the middle of the lens.
+  double sensor_offset(std::size_t moment) const;
+  bool is_scanner() const { return shutter_.stages > 0; }
 
  private:
+  void divide_scan(double speed, double step);
+  std::int64_t first_scanned(std::size_t moment) const;
   double delay(std::uint32_t row) const;  // of a row's exposure, moments
 
   Shutter shutter_;

@@ -48,8 +48,9 @@ std::vector<trace::Ray> probes(std::uint32_t target, const Vec3& point, double r
   return rays;
 }
 
-Footing footing_of(const trace::Scene& scene, std::uint32_t target, const Vec3& point,
-                   double reach) {
+// error: within which facets beside the nearest one count too, metres.
+Footing footing_of(const trace::Scene& scene, std::uint32_t target, const Vec3& point, double reach,
+                   double error) {
   // what facets at one corner differ by, rounded
   const double same = 1e-6 * std::max(1.0, glm::length(point));
   struct Facet {
@@ -70,7 +71,7 @@ Footing footing_of(const trace::Scene& scene, std::uint32_t target, const Vec3& 
   if (facets.empty()) return result;
   const auto nearest = std::ranges::min_element(
       facets, {}, [](const Facet& facet) { return std::fabs(facet.height); });
-  const double limit = std::fabs(nearest->height) + same;
+  const double limit = std::max(std::fabs(nearest->height) + same, error);
   result.position = point - nearest->height * nearest->normal;
   for (const Facet& facet : facets)
     if (std::fabs(facet.height) <= limit) result.normals.push_back(facet.normal);
@@ -94,7 +95,8 @@ std::vector<Keypoint> keypoints_of(const world::World& world, std::uint32_t targ
   const trace::RigidFrame& frame = scene.targets()[target].frame;
   // a row times a matrix: the inverse of a rotation is its transpose
   const Vec3 to_sun = glm::normalize(world.sun().direction) * frame.world_from;
-  const double reach = std::max(slack, 2 * mesh_error(instance));
+  const double error = mesh_error(instance);
+  const double reach = std::max(slack, 2 * error);
   const world::Camera& camera = plane.camera();
   std::vector<Keypoint> result;
   for (const auto& record : model.keypoints()) {
@@ -106,7 +108,8 @@ std::vector<Keypoint> keypoints_of(const world::World& world, std::uint32_t targ
     out.pixel = plane.place(out.in_camera);
     out.truncated = !out.pixel || !(out.pixel->x >= 0 && out.pixel->y >= 0 &&
                                     out.pixel->x < camera.width && out.pixel->y < camera.height);
-    const Footing footing = footing_of(scene, target, out.position, reach);
+    const Footing footing =
+        footing_of(scene, target, out.position, reach, slack < error ? error : 0);
     trace::Ray to_light;
     to_light.frame = target;
     to_light.origin = footing.position;

@@ -1,8 +1,9 @@
 // Keypoints of targets in a frame: where they are in the image, hidden or not, lit or not.
 //
 // A keypoint on a surface is tested from there. "On": within `slack`, or within twice the largest
-// error of the target's meshes. It faces a direction if the normal of a facet there does, the
-// nearest alone; on open meshes both sides count. Off surfaces it faces everything.
+// error of the target's meshes. It faces a direction if the normal of a facet there does: of the
+// nearest, and of those within the error of the meshes where that is above `slack`, as at the rims
+// of round shapes. On open meshes both sides count. Off surfaces it faces everything.
 //
 //   occluded  it does not face the camera, or its view ray meets a surface, those nearer than
 //             `slack` to it left out. Backs of closed meshes hide nothing, as in images.

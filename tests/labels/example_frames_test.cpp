@@ -370,7 +370,7 @@ class ExampleFrames : public testing::Test {
     EXPECT_LT(box_, 0.5);
     EXPECT_LT(pixel_, 1e-3);
     EXPECT_GT(compared_, 20 * frames);
-    EXPECT_LT(static_cast<double>(borders_), 0.05 * static_cast<double>(compared_));
+    EXPECT_LT(static_cast<double>(borders_), 0.02 * static_cast<double>(compared_));
   }
 };
 

@@ -45,8 +45,9 @@ class Exposures : public testing::TestWithParam<std::string> {
                   kWidth, kHeight, kWidth / kPixels, GetParam(), 16));
 
   Outcome run(const std::string& output, std::vector<std::string> words) const {
-    words.insert(words.begin(), {"run", scenario_, "-o", folder_ / output, "--type", "npy", "--at",
-                                 fmt::format("{}", kTime)});
+    if (std::ranges::find(words, "--at") == words.end())
+      words.insert(words.end(), {"--at", fmt::format("{}", kTime)});
+    words.insert(words.begin(), {"run", scenario_, "-o", folder_ / output, "--type", "npy"});
     return panwright(words);
   }
 
@@ -115,6 +116,40 @@ TEST_P(Exposures, EdgesLean) {
             << y << " " << line_time << " " << exposure;
       }
     }
+}
+
+// A plate of 16 pixels passes the middle of the lens at time 1, by one pixel a line or three
+// quarters: a scanner draws 16 rows of it, or 64/3, around the row of that time.
+TEST_P(Exposures, LineScannersSeeEverythingInTheMiddleOfTheLens) {
+  for (const double line_time : {1.0 / 16, -1.0 / 16, 3.0 / 64})
+    for (const char* stages : {"1", "4"}) {
+      const double up = line_time > 0 ? 1 : -1;
+      folder_.write("way.csv", fmt::format("time[s],box.x[m],box.y[m],box.z[m]\n"
+                                           "-4,0,0,{}\n6,0,0,{}\n",
+                                           -5 * up, 5 * up));
+      const auto image = rows(fmt::format("scan{}{}", line_time, stages),
+                              {"--tdi", stages, "--line-time", fmt::format("{}", line_time), "--at",
+                               fmt::format("{}", 1 - 16 * std::fabs(line_time))});
+      double sum = 0, centre = 0;
+      int half_lit = 0;
+      for (int y = 0; y < kHeight; ++y) {
+        const double value = image[std::size_t(y)][kWidth / 2];
+        sum += value;
+        centre += value * y;
+        half_lit += value > 0.05 && value < 0.95;
+        EXPECT_NEAR(value, image[std::size_t(y)][kWidth / 2 + 5], 0.15) << y;
+        EXPECT_EQ(image[std::size_t(y)][kWidth / 2 + 9], 0) << y;
+      }
+      EXPECT_NEAR(sum, 1 / std::fabs(line_time), 0.2) << line_time << " " << stages;
+      EXPECT_NEAR(centre / sum, line_time > 0 ? 16 : 15, 0.1) << line_time << " " << stages;
+      // stages in step with the image keep it sharp; a quarter of a pixel a line blurs by three
+      const bool in_step = std::fabs(line_time) == 1.0 / 16;
+      if (*stages == '4') EXPECT_EQ(half_lit > 2, !in_step) << line_time;
+    }
+  const Outcome bare = run("bare", {"--tdi", "2"});
+  EXPECT_THAT(bare.err, HasSubstr("tdi needs line-time"));
+  const Outcome labels = run("labels", {"--tdi", "2", "--line-time", "0.001", "--labels"});
+  EXPECT_THAT(labels.err, HasSubstr("--tdi and labels cannot be combined"));
 }
 
 TEST_P(Exposures, AnInstantIsAsWithout) {

@@ -30,6 +30,7 @@ enum class SettingId : std::uint8_t {
   ortho,
   exposure,
   line_time,
+  tdi,
   pose,
   joint,
   define,
@@ -100,6 +101,7 @@ struct Settings {
   Setting<double> ortho;
   Setting<double> exposure{0.0};
   Setting<double> line_time{0.0};
+  Setting<std::uint32_t> tdi{std::uint32_t{0}};
   Setting<std::vector<PoseSetting>> pose;
   Setting<std::vector<JointText>> joint;
   Setting<std::vector<std::pair<std::string, std::string>>> define;

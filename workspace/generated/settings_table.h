@@ -86,6 +86,9 @@ inline constexpr SettingInfo kSettings[] = {
     {"line-time", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, -1000.0, 1000.0, 0, EngineSet::both, Recorded::changed,
      "seconds, -1000 to 1000", "seconds, -1000 to 1000",
      "--line-time", "Camera and Sun", "SECONDS", "Rolling shutter: time from the exposure of a row to that of the row below it; negative: above it (default 0: all at once)"},
+    {"tdi", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1024.0, 0, EngineSet::both, Recorded::changed,
+     "a number of stages, 0 to 1024", "a number of stages, 0 to 1024",
+     "--tdi", "Camera and Sun", "N", "Line scanner: all rows of the image are exposed by the same N rows of the sensor, one after the other, --line-time apart (1: push-broom; default 0: none)"},
     {"pose", kFormNumbers | kFormText | kFormMap, kFormNumbers | kFormText, 7, SettingUnit::none, {}, -kUnbounded, kUnbounded, kSeveral, EngineSet::both, Recorded::never,
      "seven numbers x y z qw qx qy qz, text, or an object of these by target", "seven numbers x y z qw qx qy qz, text, or an object of these by target",
      "--pose", "Camera and Sun", "[NAME=]\"X Y Z QW QX QY QZ\"", "Position and attitude world_from_model of a target, the quaternion as of --quat (NAME= is optional for a single one); may be repeated"},
@@ -194,8 +197,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -222,6 +225,7 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::ortho: return f(id, settings.ortho...);
     case SettingId::exposure: return f(id, settings.exposure...);
     case SettingId::line_time: return f(id, settings.line_time...);
+    case SettingId::tdi: return f(id, settings.tdi...);
     case SettingId::pose: return f(id, settings.pose...);
     case SettingId::joint: return f(id, settings.joint...);
     case SettingId::define: return f(id, settings.define...);
@@ -284,6 +288,7 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::ortho, settings.ortho...);
   f(SettingId::exposure, settings.exposure...);
   f(SettingId::line_time, settings.line_time...);
+  f(SettingId::tdi, settings.tdi...);
   f(SettingId::pose, settings.pose...);
   f(SettingId::joint, settings.joint...);
   f(SettingId::define, settings.define...);
