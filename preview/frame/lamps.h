@@ -18,8 +18,8 @@
 namespace panwright::preview {
 
 // One pass of shading adds them all, up to kMostLamps on a target: of more the brightest there.
-// Some lamps cast no shadows on a target: those with less than a thousandth of all lamps' light
-// there or a millionth of the Sun's, and those at the camera, which sees no shadow of theirs.
+// Lamps with less than a thousandth of all lamps' light on a target, or a millionth of the Sun's,
+// cast no shadows there. Nor does one at the camera, which sees no shadow of it.
 class Lamps {
  public:
   // Begins another image: the lamps that are on, in world axes (world/lamps.h).
@@ -34,7 +34,7 @@ class Lamps {
   // Chooses the lights of each receiver of a scene.
   void begin_scene(const FrameScene& scene);
   bool any() const { return any_; }
-  // True if none of them has a size: programs for these are faster.
+  // True if none of them has a size.
   bool points() const { return points_; }
 
   // Draws the missing maps and uploads the blocks. Adds to a report.
