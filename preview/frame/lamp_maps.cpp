@@ -16,13 +16,13 @@ constexpr unsigned kLeastMapSide = 64;
 
 Tile whole_map(const world::Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
-bool is_perspective(const LampMap& map) {
+bool has_rays_from_point(const LampMap& map) {
   return map.camera.projection == world::Projection::perspective;
 }
 
 // Whether a box may shadow what is on a map; of parallel rays all that is towards the light may.
 bool may_shadow(const LampMap& map, PlacedBox box) {
-  if (!is_perspective(map)) {
+  if (!has_rays_from_point(map)) {
     for (int column = 0; column < 3; ++column) box.camera_from_mesh[column].z = 0;
     box.camera_from_mesh[3].z = 1;
   }
@@ -59,7 +59,7 @@ void LampMaps::place(const FrameScene& scene, LampMap& map) {
   }
   const double pad = std::max((far - near) * 0x1p-10, std::fabs(far) * 0x1p-44);
   far = std::max(far + pad, 0x1p-300);
-  const double least = is_perspective(map) ? std::max(far * kNearestShare, map.nearest) : 0;
+  const double least = has_rays_from_point(map) ? std::max(far * kNearestShare, map.nearest) : 0;
   map.range = {std::min(std::max(near - pad, least), 0.999 * far), far};
 }
 
@@ -77,7 +77,7 @@ LampMaps::Key LampMaps::key_of(const FrameScene& scene, const LampMap& map) cons
                  camera.focal.x,
                  map.range.near,
                  map.range.far,
-                 is_perspective(map) ? 1.0 : 0.0};
+                 has_rays_from_point(map) ? 1.0 : 0.0};
   key.stamps.push_back(map.target);
   for (const std::uint32_t i : casters_) {
     key.stamps.push_back(scene.states[i].shape_stamp);
@@ -92,7 +92,7 @@ LampMaps::Key LampMaps::key_of(const FrameScene& scene, const LampMap& map) cons
 void LampMaps::add_draws(const GladGLContext& gl, const FrameScene& scene, const LampMap& map) {
   draws_.clear();
   const Tile whole = whole_map(map.camera);
-  const bool clamped = !is_perspective(map);
+  const bool clamped = !has_rays_from_point(map);
   for (const std::uint32_t target : casters_) {
     const Mat4 camera_from_model = camera_from(map.camera, scene.world[target].pose().matrix());
     const std::span<const DrawItem> items = scene.states[target].items();

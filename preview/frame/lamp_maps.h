@@ -14,11 +14,11 @@
 
 namespace panwright::preview {
 
-// A map to be drawn: what a lamp sees of a target, as a square image.
+// A map to be drawn: a square view of a target from a lamp.
 struct LampMap {
   world::Camera camera;      // set but for its size and focal length
   double extent = 1;         // half the width: tangent, or metres of an orthographic one
-  double nearest = 0;        // what is nearer to the lamp casts no shadow, metres
+  double nearest = 0;        // metres; surfaces nearer to the lamp cast no shadow
   std::uint32_t target = 0;  // of the world
   // results
   DepthRange range;

@@ -1,11 +1,9 @@
 #include "preview/frame/lamps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <initializer_list>
 #include <type_traits>
 #include <variant>
 
@@ -75,8 +73,8 @@ double most_irradiance(const light::Source& source, const Sphere& sphere) {
   const double distance = glm::length(toward);
   const double intensity = max_component(emitter->intensity);
   // within the sphere: as at a quarter of it, so that others count beside
-  const double nearest = std::max(
-      {distance - sphere.radius, 0.25 * sphere.radius, emitter->radius, 1e-150});
+  const double nearest =
+      std::max({distance - sphere.radius, 0.25 * sphere.radius, emitter->radius, 1e-150});
   const double irradiance = intensity / nearest / nearest;
   if (emitter->half_angle >= kPi || !(distance > sphere.radius)) return irradiance;
   const double angle = std::acos(std::clamp(glm::dot(toward, emitter->axis) / distance, -1.0, 1.0));
@@ -104,10 +102,63 @@ double widest_tangent(const Vec3& from, const Vec3& axis, const Mat4& world_from
   return widest;
 }
 
+// Distance of the nearest visible part of a receiver in front of the camera, metres.
+double nearest_depth(const FrameScene& scene, std::size_t r) {
+  double nearest = INFINITY;
+  for (const PlacedBox& part : scene.visible.targets[r].boxes)
+    for (const Vec3& corner : corners(part.low, part.high))
+      nearest = std::min(nearest, (part.camera_from_mesh * Vec4(corner, 1)).z);
+  return nearest;
+}
+
+// The maps of a lamp on a receiver: one, or six all around; none if it is at the camera.
+std::vector<LampMap> maps_of(const light::Source& source, const FrameScene& scene, std::size_t r) {
+  const Sphere sphere = sphere_of(scene, r);
+  LampMap map;
+  const std::optional<Emitter> emitter = emitter_of(source);
+  if (!emitter) {
+    const Vec3 to_light = glm::normalize(std::get<light::Sun>(source).direction);
+    map.camera.projection = world::Projection::orthographic;
+    map.camera.position = sphere.centre + 1.01 * sphere.radius * to_light;
+    map.camera.world_from_camera = looking_along(-to_light);
+    map.extent = std::max(sphere.radius, 1e-300);
+    return {map};
+  }
+  const double seen = nearest_depth(scene, r);
+  if (scene.camera.projection == world::Projection::perspective && seen > 0 &&
+      glm::length(emitter->position - scene.camera.position) * scene.camera.focal.x < 0.5 * seen)
+    return {};
+  map.camera.position = emitter->position;
+  map.nearest = emitter->radius;
+  const Vec3 toward = sphere.centre - emitter->position;
+  const double distance = glm::length(toward);
+  const Vec3 axis = distance > 0 ? toward / distance : Vec3(0, 0, 1);
+  const world::Pose& pose = scene.world[scene.visible.targets[r].target].pose();
+  const double of_box =
+      widest_tangent(emitter->position, axis, pose.matrix(), *scene.state(r).bounds);
+  const double of_cone =
+      emitter->half_angle < 1.5 ? std::tan(emitter->half_angle) : double{INFINITY};
+  if (std::min(of_box, of_cone) <= kWidestMap) {
+    const bool by_cone = of_cone < of_box;
+    map.camera.world_from_camera = looking_along(by_cone ? emitter->axis : axis);
+    map.extent = std::max(by_cone ? of_cone : of_box, 1e-12);
+    return {map};
+  }
+  // as a cube (shaders/shadow.glsl)
+  std::vector<LampMap> faces(6, map);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Vec3 out(0);
+    out[static_cast<int>(f / 2)] = f % 2 == 0 ? 1 : -1;
+    faces[f].camera.world_from_camera = looking_along(out);
+  }
+  return faces;
+}
+
 }  // namespace
 
 void Lamps::begin_scene(const FrameScene& scene) {
   any_ = false;
+  points_ = true;
   left_out_ = 0;
   receivers_.assign(scene.visible.targets.size(), {});
   if (sources_.empty() && of_targets_.empty()) return;
@@ -127,6 +178,10 @@ void Lamps::begin_scene(const FrameScene& scene) {
       lamps.resize(kMostLamps);
     }
     any_ = any_ || !lamps.empty();
+    for (const Lamp& lamp : lamps) {
+      const std::optional<Emitter> emitter = emitter_of(lamp.source);
+      points_ = points_ && emitter && emitter->radius == 0;
+    }
   }
 }
 
@@ -136,13 +191,6 @@ void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& re
   receiver.first_map = static_cast<std::uint32_t>(wanted_.size());
   receiver.maps = 0;
   const std::uint32_t target = scene.visible.targets[r].target;
-  const AxisBox& box = *scene.state(r).bounds;
-  const Mat4 world_from_model = scene.world[target].pose().matrix();
-  const Sphere sphere = sphere_of(scene, r);
-  double nearest_seen = INFINITY;
-  for (const PlacedBox& part : scene.visible.targets[r].boxes)
-    for (const Vec3& corner : corners(part.low, part.high))
-      nearest_seen = std::min(nearest_seen, (part.camera_from_mesh * Vec4(corner, 1)).z);
   const double sun = max_component(scene.world.sun().irradiance.value_or(Vec3(1)));
   double total = 0;
   std::vector<Lamp*> order;
@@ -153,7 +201,7 @@ void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& re
   }
   std::ranges::stable_sort(order, std::greater{}, &Lamp::irradiance);
   unsigned without = 0;
-  const auto add = [&](Lamp& lamp, std::initializer_list<LampMap> maps) {
+  const auto add = [&](Lamp& lamp, const std::vector<LampMap>& maps) {
     if (receiver.maps + maps.size() > kMostLampMaps ||
         wanted_.size() + maps.size() > LampMaps::kMost) {
       ++without;
@@ -172,46 +220,8 @@ void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& re
       ++without;
       continue;
     }
-    LampMap map;
-    const std::optional<Emitter> emitter = emitter_of(lamp->source);
-    if (!emitter) {
-      const Vec3 to_light = glm::normalize(std::get<light::Sun>(lamp->source).direction);
-      map.camera.projection = world::Projection::orthographic;
-      map.camera.position = sphere.centre + 1.01 * sphere.radius * to_light;
-      map.camera.world_from_camera = looking_along(-to_light);
-      map.extent = std::max(sphere.radius, 1e-300);
-      add(*lamp, {map});
-      continue;
-    }
-    const bool at_camera =
-        scene.camera.projection == world::Projection::perspective && nearest_seen > 0 &&
-        glm::length(emitter->position - scene.camera.position) * scene.camera.focal.x <
-            0.5 * nearest_seen;
-    if (at_camera) continue;
-    map.camera.position = emitter->position;
-    map.nearest = emitter->radius;
-    const Vec3 toward = sphere.centre - emitter->position;
-    const double distance = glm::length(toward);
-    const Vec3 axis = distance > 0 ? toward / distance : Vec3(0, 0, 1);
-    const double of_box = widest_tangent(emitter->position, axis, world_from_model, box);
-    const double of_cone =
-        emitter->half_angle < 1.5 ? std::tan(emitter->half_angle) : double{INFINITY};
-    if (std::min(of_box, of_cone) <= kWidestMap) {
-      const bool by_cone = of_cone < of_box;
-      map.camera.world_from_camera = looking_along(by_cone ? emitter->axis : axis);
-      map.extent = std::max(by_cone ? of_cone : of_box, 1e-12);
-      add(*lamp, {map});
-      continue;
-    }
-    // all around, as a cube (shaders/shadow.glsl)
-    std::array<LampMap, 6> faces;
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      Vec3 out(0);
-      out[static_cast<int>(f / 2)] = f % 2 == 0 ? 1 : -1;
-      faces[f] = map;
-      faces[f].camera.world_from_camera = looking_along(out);
-    }
-    add(*lamp, {faces[0], faces[1], faces[2], faces[3], faces[4], faces[5]});
+    if (const std::vector<LampMap> maps = maps_of(lamp->source, scene, r); !maps.empty())
+      add(*lamp, maps);
   }
   report.lamps_without_shadow = std::max(report.lamps_without_shadow, without);
 }

@@ -18,9 +18,8 @@
 namespace panwright::preview {
 
 // One pass of shading adds them all, up to kMostLamps on a target: of more the brightest there.
-// A lamp whose share of the light of all lamps on a target is below a thousandth, or whose light is
-// less than a millionth of the Sun's, casts no shadows there; nor does one at the camera, which
-// sees none of them.
+// Lamps with less than a thousandth of all lamps' light on a target, or a millionth of the Sun's,
+// cast no shadows there. Nor does one at the camera, which sees no shadow of it.
 class Lamps {
  public:
   // Begins another image: the lamps that are on, in world axes (world/lamps.h).
@@ -35,6 +34,8 @@ class Lamps {
   // Chooses the lights of each receiver of a scene.
   void begin_scene(const FrameScene& scene);
   bool any() const { return any_; }
+  // True if none of them has a size.
+  bool points() const { return points_; }
 
   // Draws the missing maps and uploads the blocks. Adds to a report.
   //
@@ -72,6 +73,7 @@ class Lamps {
   std::vector<light::Source> sources_;
   std::vector<std::vector<light::Source>> of_targets_;
   bool any_ = false;
+  bool points_ = true;
   unsigned left_out_ = 0;
   std::vector<Receiver> receivers_;
   std::vector<LampMap> wanted_;  // of all receivers; extent 0: a face that nothing is in

@@ -124,8 +124,8 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     first_ = stream_->upload(blocks_);
     uploaded_.swap(blocks_);
   }
-  return lamps_.update(device, scene, samples_, std::min(limits_.side, kShadowSide),
-                       lamp_bytes_, report, log, job);
+  return lamps_.update(device, scene, samples_, std::min(limits_.side, kShadowSide), lamp_bytes_,
+                       report, log, job);
 }
 
 void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {

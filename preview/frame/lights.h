@@ -25,7 +25,7 @@ class Lights {
   // Chooses the lights and shadow maps of a scene; none: shadows() is false.
   void begin_scene(const FrameScene& scene, const RenderOptions& options);
   bool shadows() const { return limits_.side > 0; }
-  // Whether samples need positions.
+  // True if samples need positions.
   bool placed() const { return shadows() || lamps_.any(); }
 
   // Draws the missing maps and uploads the views of a scene. Adds to a report.
@@ -36,6 +36,7 @@ class Lights {
               DiagnosticLog& log, const Job& job);
 
   // Of the scene of the last update().
+  bool points() const { return lamps_.points(); }  // of passes after the first
   std::size_t passes() const { return lamps_.any() ? 2 : 1; }
   const Mat4& model_from_sample(std::size_t receiver) const { return samples_[receiver]; }
   bool lights(std::size_t pass, std::size_t receiver) const {

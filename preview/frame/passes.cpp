@@ -60,6 +60,11 @@ bool has_shadows(const FrameScene& scene) { return scene.lights && scene.lights-
 // whether samples have positions
 bool has_places(const FrameScene& scene) { return scene.lights && scene.lights->placed(); }
 
+Programs::Lit lit_by(const FrameScene& scene, bool added) {
+  if (!added) return Programs::Lit::sun;
+  return scene.lights->points() ? Programs::Lit::point_lamps : Programs::Lit::lamps;
+}
+
 Mat4 rigid_inverse(const Mat4& matrix) {
   const Mat3 turn = glm::transpose(Mat3(matrix));
   Mat4 inverse(turn);
@@ -202,7 +207,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         for (std::size_t light = 0; light < scene.lights->passes(); ++light)
           device_.programs.shading(
               model.brdf_models.all[brdf_model], model.layers_for(scene.specular_filter),
-              model.brdf_models.materials[brdf_model] == 1, shadows, light > 0);
+              model.brdf_models.materials[brdf_model] == 1, shadows, lit_by(scene, light > 0));
         if (shadows)
           for (const bool instanced : {false, true})
             device_.programs.shadow(item.variant.cutout, instanced);
@@ -448,9 +453,9 @@ void Passes::shade_target(const FrameScene& scene, const TileTarget& target, uns
   model.gpu.bind_materials();
   for (const TileTarget::ShadingClass& one : target.classes) {
     if (one.one_material) model.gpu.bind_one_material(one.material);
-    gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model],
-                                            model.layers_for(scene.specular_filter),
-                                            one.one_material, has_shadows(scene), added));
+    gl_.UseProgram(device_.programs.shading(
+        model.brdf_models.all[one.brdf_model], model.layers_for(scene.specular_filter),
+        one.one_material, has_shadows(scene), lit_by(scene, added)));
     gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
     gl_.Uniform2ui(kSampleBlocksLocation, samples, a_row);
     gl_.Uniform1f(kScreenDepthLocation,

@@ -100,15 +100,17 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
 }
 
 GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                         bool shadows, bool added) {
+                         bool shadows, Lit lit) {
+  const auto number = static_cast<unsigned>(lit);
   GlProgram& program =
-      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 2 + added}];
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 3 + number}];
   if (!program) {
     std::string head =
         sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
         defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
                                   brdf_model.specular == materials::SpecularModel::ggx) +
-        defined("ONE_MATERIAL", one_material) + defined("ADDED", added);
+        defined("ONE_MATERIAL", one_material) + defined("ADDED", lit != Lit::sun) +
+        defined("POINTS", lit == Lit::point_lamps);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;

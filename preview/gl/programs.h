@@ -28,9 +28,9 @@ class Programs {
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced);
-  // added: for a light after the first
+  enum class Lit { sun, lamps, point_lamps };  // the last: without a size
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                 bool shadows, bool added);
+                 bool shadows, Lit lit);
   GLuint classes();
   GLuint shadow(bool cutout, bool instanced);
   GLuint ids(bool cutout, bool instanced);

@@ -69,12 +69,11 @@ struct ReferenceImage {
 // Always as authored: materials in double, textures at full resolution (bilinear), the finest
 // meshes. The rays' geometry is in double, each target in its own frame. Camera and targets may be
 // from inside one another to 1e8 m apart. Light comes from the whole disc of the Sun, with the
-// world's irradiance on a plane that faces it, from lamps, from emission, and by `bounces`
-// interreflections;
-// targets shadow and light each other. A point is lit if its shading normal faces the Sun and a ray
-// to it is free; the ray starts past the chord error of the mesh towards the smooth surface
-// (docs/conventions.md 14). Sides, maps, decals and ground truth layers as in renderer.h, except
-// that holes are always sharp.
+// world's irradiance on a plane that faces it, and from emission. Places on lamps give theirs.
+// `bounces` interreflections follow; targets shadow and light each other. A point is lit if its
+// shading normal faces the Sun and a ray to it is free; the ray starts past the chord error of the
+// mesh towards the smooth surface (docs/conventions.md 14). Sides, maps, decals and ground truth
+// layers as in renderer.h, except that holes are always sharp.
 //
 // It shares the formulas of materials/ and the reader of pan files with the preview, and nothing
 // else: rays, placement and textures are those of trace/, and decals, tangents, view rays and truth

@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
@@ -54,7 +54,9 @@ Incidence light_at(vec3 at, int lamp) {
   vec4 place = lamps.place[lamp];
   vec4 intensity = lamps.intensity[lamp];
   vec4 kind = lamps.kind[lamp];
+#ifndef POINTS
   if (kind.x == 2.0) return Incidence(place.xyz, intensity.rgb, place.w, kind.w);
+#endif
   vec3 toward = place.xyz - at;
   float square = dot(toward, toward);
   vec3 to_light = square > 0.0 ? toward * inversesqrt(square) : vec3(0.0, 0.0, 1.0);
@@ -68,7 +70,13 @@ Incidence light_at(vec3 at, int lamp) {
     share *= cosine > 0.0 ? power(min(cosine, 1.0), intensity.w) : 0.0;
   // no square of a distance is as small that counts, and no irradiance infinite
   share = nearest > 1e-30 ? share / nearest : 0.0;
-  return Incidence(to_light, min(intensity.rgb * share, vec3(1e30)), place.w > 0.0 ? 0.125 * place.w / nearest : 0.0, 0.0);
+  return Incidence(to_light, min(intensity.rgb * share, vec3(1e30)),
+#ifdef POINTS
+                   0.0,
+#else
+                   place.w > 0.0 ? 0.125 * place.w / nearest : 0.0,
+#endif
+                   0.0);
 }
 #else
 // The Sun at a sample, unoccluded: from infinity, the same everywhere.
