@@ -113,9 +113,10 @@ bool find_tracks(Play& play, const world::World& world, DiagnosticLog& log) {
         add(target.name, number, *target.placement.position);
   }
   play.tracks.clear();
-  for (auto& [target, track] : tracks) {
+  for (auto& each : tracks) {
+    Track& track = each.second;
     const auto moves = [&](const Vec3& point) { return point != track.points.front(); };
-    if (target.empty() || std::ranges::any_of(track.points, moves))
+    if (track.target.empty() || std::ranges::any_of(track.points, moves))
       play.tracks.push_back(std::move(track));
   }
   return true;
