@@ -185,7 +185,8 @@ TEST_F(Resume, KilledAtTenPlaces) {
 long peak_of(std::vector<std::string> words) {
   const std::string program =
       "import resource, subprocess, sys\n"
-      "code = subprocess.run(sys.argv[1:], stderr=subprocess.DEVNULL).returncode\n"
+      "quiet = subprocess.DEVNULL\n"
+      "code = subprocess.run(sys.argv[1:], stdout=quiet, stderr=quiet).returncode\n"
       "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss if code == 0 else -1)\n";
   words.insert(words.begin(), {"python3", "-c", program, PANWRIGHT_BIN_DIR "/panwright"});
   return std::stol(support::run(words).out);
