@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "world/evaluation.h"
+#include "world/internal/missing_name.h"
 
 namespace panwright::world {
 namespace {
