@@ -198,7 +198,8 @@ double et_of(const Epoch& epoch) {
 Epoch epoch_of(double et) {
   double tt = et;
   for (int i = 0; i < 3; ++i) tt = et - tdb_minus_tt_at(tt);
-  return later({0, 0}, tt - kTtMinusTai + kHalfDay);
+  // in parts: an ET of today has steps of 1e-7 s
+  return later(later({0, 0}, et + kHalfDay), -kTtMinusTai - tdb_minus_tt_at(tt));
 }
 
 Result<SourcePtr> kernel_source(const std::string& name, eph::Kernels kernels,
@@ -222,11 +223,13 @@ Result<SourcePtr> kernel_source(const std::string& name, eph::Kernels kernels,
     return failed;
   }
   const double begin = et_of(*info.epoch);
-  for (const eph::Interval& span : spans) {
+  const auto since = [&](double et) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    info.spans.push_back({span.begin <= -kWithoutEnd ? -kInfinity : span.begin - begin,
-                          span.end >= kWithoutEnd ? kInfinity : span.end - begin});
-  }
+    if (std::abs(et) >= kWithoutEnd) return et < 0 ? -kInfinity : kInfinity;
+    return std::round((et - begin) / kRounding) * kRounding;
+  };
+  for (const eph::Interval& span : spans)
+    info.spans.push_back({since(span.begin), since(span.end)});
   info.frame = frame_name(options.frame);
   if (asked.body) {
     info.centre = capitals(kernels.body_name(asked.observer));
