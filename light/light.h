@@ -66,9 +66,9 @@ using Source = std::variant<Sun, Spot, Point, Disc>;
 [[nodiscard]] bool is_sound(const Source& source);
 
 // Returns the light that a source gives an unoccluded point. The irradiance of a point and a spot
-// is intensity/distance²; that of a disc is intensity·cos/(distance² + radius²), exact on its axis for a parallel plane.
-// Within a source it is that on its surface; at the place of one without a size it is 0.
-// Expects: is_sound(). Cost: O(1).
+// is intensity/distance²; that of a disc is intensity·cos/(distance² + radius²), exact on its axis
+// for a parallel plane. Within a source it is that on its surface; at the place of one without a
+// size it is 0. Expects: is_sound(). Cost: O(1).
 [[nodiscard]] Incidence incidence(const Source& source, const Vec3& point);
 
 // A source with a stamp, the key of what is derived from it.

@@ -250,7 +250,8 @@ class SequenceRun {
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
-      if (options_.album.any()) images_.push_back(std::filesystem::path(options_.folder) / (stem + ".png"));
+      if (options_.album.any())
+        images_.push_back(std::filesystem::path(options_.folder) / (stem + ".png"));
       if (k == 0 && !(find_shutter(*frame, number, world) && check_labels(world))) return false;
       if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
@@ -370,7 +371,7 @@ class SequenceRun {
   std::vector<std::string> types_;
   std::shared_ptr<const workspace::Labelling> labelling_;  // null: no labels
   workspace::Shutter shutter_;
-  std::set<std::string> stems_;   // of all frames' files
+  std::set<std::string> stems_;                // of all frames' files
   std::vector<std::filesystem::path> images_;  // of the contact sheet and the video, in order
   RunFolder* folder_ = nullptr;
   std::size_t kept_ = 0;

@@ -104,6 +104,22 @@ vec3 to_mean_light(vec3 normal, Incidence from) {
   return from.to_light + normal * (max(mean, 0.0) * radius - cosine);
 }
 
+#ifdef ADDED
+// Of an alpha2 beyond it, discs of lights count as bumps of the surface: those of planets, not the Sun's.
+const float kWideDisc = 1e-3;
+
+void widen(inout Surface surface, inout Incidence from, vec3 normal) {
+  if (dot(surface.tangent, surface.tangent) < 0.5) {
+    vec3 aside = abs(normal.z) < 0.7 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+    surface.tangent = unit_or_zero(cross(normal, aside));
+  }
+  surface.bump_x = max(surface.bump_x, 0.0) + from.alpha2;
+  surface.bump_y = max(surface.bump_y, 0.0) + from.alpha2;
+  from.alpha2 = 0.0;
+  from.limb = 0.0;
+}
+#endif
+
 #ifdef ROUGH
 // What a roughness map says. Lambert's BRDF is linear in the normal, so the length of the mean normal
 // gives the mean over bumps that a sample is too large to show.
@@ -213,6 +229,14 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   vec4 sent;
   vec3 to_middle = from.to_light;
   from.to_light = to_mean_light(seen.normal, from);
+#ifdef ADDED
+  // a disc may be wide: BRDFs expect unit directions, and the cosine stays
+  float lifted = length(from.to_light);
+  from.to_light /= lifted;
+  from.irradiance *= lifted;
+  float wide = from.alpha2 > kWideDisc ? disc_radius(from) : 0.0;
+  if (wide > 0.0) widen(surface, from, seen.normal);
+#endif
 #ifdef ROUGH
   bool has_cells = material_cell_count(seen.first_row).x > 0.0;
   float patternless = 0.0;
@@ -253,6 +277,8 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   if (dot(seen.normal, from.to_light) > 0.0) {
 #ifdef ADDED
     vec2 visibility = lamp_visibility(lamp, seen.place);
+    // the map looks along the disc's middle: surfaces whose horizon cuts the disc would shade themselves
+    if (wide > 0.0) visibility = mix(vec2(1.0), visibility, clamp(dot(seen.normal, to_middle) / wide, 0.0, 1.0));
 #else
     vec2 visibility =
         light_visibility(seen.place, dot(seen.normal, to_middle) < 0.0) * share_beyond_limb(seen.place);

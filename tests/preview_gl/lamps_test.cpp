@@ -93,7 +93,9 @@ TEST(Lamps, ClosedFormsOnAPlate) {
                   .intensity = Vec3(2),
                   .half_angle = 1.2,
                   .exponent = 128},
-      light::Point{.position = {0, 0, 6.771e6}, .intensity = Vec3(0.1 * kPi * 6.371e6 * 6.371e6), .radius = 6.371e6},
+      light::Point{.position = {0, 0, 6.771e6},
+                   .intensity = Vec3(0.1 * kPi * 6.371e6 * 6.371e6),
+                   .radius = 6.371e6},
       light::Sun{.direction = {1, 2, 3}, .distance = 0.05, .irradiance = Vec3(0.7)}};
   for (const unsigned samples : {1u, 0u})
     for (std::size_t k = 0; k < sources.size(); ++k) {

@@ -57,8 +57,8 @@ TEST(ReferenceLamps, ClosedForms) {
         Case{light::Spot{.position = {0, 3, 4}, .axis = {0, 0, -1}, .half_angle = 0.6}, 0},
         // of radiance 1
         Case{light::Point{.position = {0, 0, 6.771e6},
-                          .intensity = Vec3(kPi * 6.371e6 * 6.371e6),
-                          .radius = 6.371e6},
+        .intensity = Vec3(kPi * 6.371e6 * 6.371e6),
+        .radius = 6.371e6},
              kPi * 0.8853390}}) {
     const world::World world = lit_world(contents, {c.source});
     const ReferenceImage result = traced(world, view.camera, direct_light(4096));

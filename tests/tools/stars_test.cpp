@@ -70,7 +70,7 @@ TEST(Stars, OfAnImageAreThoseOfTheList) {
       for (std::size_t column = 0; column < 200; ++column) {
         const double x = (static_cast<double>(column) + 0.5 - 100) / focal;
         const double y = (static_cast<double>(row) + 0.5 - 75) / focal;
-        flux += image->values[3 * (row * 200 + column) + 1] / (focal * focal) /
+        flux += image->rgb[3 * (row * 200 + column) + 1] / (focal * focal) /
                 std::pow(1 + x * x + y * y, 1.5);
       }
     std::size_t inside = 0;
