@@ -18,10 +18,10 @@ using light::StarCatalogue;
 // 1991.25. Parsed at the first call, some 20 ms.
 std::shared_ptr<const StarCatalogue> hipparcos_stars();
 
-// Reads a catalogue as text: lines of numbers with commas below a line of their names
-// `ra[deg],dec[deg],v[mag]`, in any order, with pm_ra[mas/yr] (times cos dec), pm_dec[mas/yr],
-// b_v[mag], hip and name as they are known. `# epoch 2016` before it gives the Julian year
-// (default 2000). Other lines that begin with # are comments; other columns are ignored.
+// Reads a catalogue as text: a line of column names, then a line of numbers with commas for each
+// star. Columns: ra[deg], dec[deg], v[mag]; and as known pm_ra[mas/yr] (times cos dec),
+// pm_dec[mas/yr], b_v[mag], hip, name. Others are ignored. `# epoch 2016` before them gives the
+// Julian year (default 2000); other lines that begin with # are comments.
 //
 //   name  of the text in diagnostics
 //

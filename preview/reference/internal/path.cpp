@@ -185,6 +185,17 @@ std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
+namespace {
+
+// bodies: the last for rays of the observer
+bool is_behind_body(std::span<const Bodies> bodies, const trace::Ray& ray, double distance) {
+  if (bodies.empty()) return false;
+  const auto before = bodies.back().nearest(ray.origin, ray.direction);
+  return before && before->distance < distance;
+}
+
+}  // namespace
+
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
                   std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,
                   const StreamKey& name, const PathOptions& options, RayCounts& counts) {
@@ -192,10 +203,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
   ++counts.camera;
   auto hit = scene.seen(ray);
   if (!hit) return result;
-  if (!bodies.empty()) {
-    const auto before = bodies.back().nearest(ray.origin, ray.direction);
-    if (before && before->distance < hit->distance) return result;
-  }
+  if (is_behind_body(bodies, ray, hit->distance)) return result;
   result.covered = true;
   Vec3 direction = hit->direction;
   Vec3 share(1);
