@@ -83,7 +83,6 @@ constexpr Example kExamples[] = {
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",
      "Show two targets in a larger window."},
-    {"view", "cubesat/cubesat.pxn -D units=6 -D wings=1", "Set parameters of the model."},
     {"view", "rendezvous/approach.toml", "Play a scenario."},
 
     {"material", "--list", "List the materials of the library."},

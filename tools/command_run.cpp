@@ -105,15 +105,16 @@ class SequenceRun {
     RenderReport report(context_, true, false);
     const workspace::RunListener listener = report.listener();
     const workspace::View any(opened_->scenario.settings);
+    if (!workspace::check(any, log_)) return false;
     const world::World* world = session.world(any, listener, log_, context_.job());
     if (world == nullptr || log_.has_errors()) return false;
     RunFolder folder(options_.folder, types_, labelling_);
     folder_ = &folder;
     std::string manifest, settings;
     if (!describe(*world, manifest) || !describe_settings(*world, settings)) return false;
-    if (!folder.take(log_) || !folder.begin(stems_, manifest, settings, options_.resume, log_))
+    if (!folder.take(log_) || !claim_files(options_.album, log_) ||
+        !folder.begin(stems_, manifest, settings, options_.resume, log_))
       return false;
-    if (!claim_files(options_.album, log_)) return false;
     if (!render(session, *world, listener) || !convert(*world)) {
       if (log_.contains(Code::E0001) && !options_.common.json)
         fmt::print(stderr, "complete frames are kept; --resume goes on\n");

@@ -303,6 +303,15 @@ class CameraRun : public InstrumentRun {
   // Surfaces of closed parts are drawn from outside only.
   void warn_of_inside(const Frame& frame, const world::World& shown) {
     if (frame.camera().projection != world::Projection::perspective) return;
+    for (const light::Body& body : shown.bodies()) {
+      const Vec3 from = glm::conjugate(body.world_from_body) *
+                        (frame.camera().position - body.centre) / body.radii;
+      if (glm::dot(from, from) < 1)
+        misplaced_[{Code::W5016, fmt::format("the camera is inside the planet {}, which is drawn "
+                                             "from outside only",
+                                             in_quotes(body.name))}]
+            .push_back(frame.label);
+    }
     evaluation_.update(shown);
     const auto part = world::closed_part_around(shown, evaluation_, frame.camera().position);
     if (!part) return;

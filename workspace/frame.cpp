@@ -414,6 +414,11 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
                  "--camera-file");
       return failed;
     }
+    if (!settings.quat && !settings.look_at) {
+      log.report(Code::E0201, {},
+                 "no direction and no target to look at, expected --quat or --look-at");
+      return failed;
+    }
     if (!settings.camera) settings.camera = Vec3(0);
   }
   const auto sphere = [&] { return spheres_.of(posed); };

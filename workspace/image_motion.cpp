@@ -47,6 +47,22 @@ void ImageMotion::project_target(std::size_t target, const world::Camera& camera
   }
 }
 
+// By the places that corners and the middle of the last image have in this one.
+double ImageMotion::of_sky(const world::Camera& camera) const {
+  if (!last_ || !(shown_.has_sky() || shown_.stars().catalogue)) return 0;
+  world::Camera from = *last_, to = camera;
+  from.position = to.position = Vec3(0);  // what is far
+  double most = 0;
+  for (const double x : {0.0, 0.5, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Vec2 pixel(x * camera.width, y * camera.height);
+      const auto ray = world::distorted_ray(from, pixel);
+      const auto there = ray ? world::project(to, ray->direction) : std::nullopt;
+      if (there) most = std::max(most, glm::length(*there - pixel));
+    }
+  return most;
+}
+
 double ImageMotion::add(const WorldState& state, const world::Camera& camera) {
   show(state, world_, shown_);
   evaluation_.update(shown_);
@@ -54,7 +70,8 @@ double ImageMotion::add(const WorldState& state, const world::Camera& camera) {
   before_.swap(now_);
   now_.clear();
   for (std::size_t i = 0; i < shown_.size(); ++i) project_target(i, camera);
-  double most = 0;
+  double most = of_sky(camera);
+  last_ = camera;
   for (std::size_t i = 0; i < before_.size(); ++i) {
     double near = 0, any = 0;
     for (std::size_t k = 0; k < before_[i].size(); ++k) {

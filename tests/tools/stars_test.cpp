@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -99,14 +100,42 @@ TEST(Stars, OfOnesOwnCatalogueMoveToTheDate) {
 }
 
 TEST(Stars, NeedALens) {
-  const Outcome done = panwright({"stars"});
-  EXPECT_EQ(done.code, 1);
+  const Outcome done = panwright({"stars", "--look-at", "1 0 0"});
+  EXPECT_EQ(done.code, 2);
   EXPECT_THAT(done.err, HasSubstr("--fov"));
+}
+
+TEST(Stars, NeedADirection) {
+  const Outcome done = panwright({"stars", "--fov", "10"});
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("--quat"));
+}
+
+// A camera that turns by 5 pixels in the exposure, and sees stars alone: they streak.
+TEST(Stars, StreakAsTheCameraTurns) {
+  const TemporaryFolder folder;
+  const std::string scenario = folder.write(
+      "turn.toml",
+      "begin = 0\nend = 2\nstep = 1\n[[source]]\nformula = \"spin\"\nrate_deg_s = [0, 0.5, 0]\n"
+      "[view]\nsize = [200, 200]\nfov = 20\nstars = 6\npsf = 0.8\n");
+  double peaks[2];
+  for (const bool exposed : {false, true}) {
+    const std::string out = folder / (exposed ? "streaks" : "dots");
+    std::vector<std::string> words = {"run", scenario, "-o", out, "--at", "1", "--type", "npy"};
+    if (exposed) words.insert(words.end(), {"--exposure", "1"});
+    const Outcome done = panwright(words);
+    ASSERT_EQ(done.code, 0) << done.err;
+    const auto image = oracles::read_npy(out + "/000000.npy");
+    ASSERT_TRUE(image);
+    peaks[exposed] = *std::ranges::max_element(image->rgb);
+  }
+  EXPECT_GT(peaks[1], 0);
+  EXPECT_LT(peaks[1], 0.6 * peaks[0]);
 }
 
 TEST(Stars, WithoutThemAnImageNeedsATarget) {
   const Outcome done = panwright({"render", "--fov", "10"});
-  EXPECT_EQ(done.code, 1);
+  EXPECT_EQ(done.code, 2);
   EXPECT_THAT(done.err, HasSubstr("no model is given"));
 }
 

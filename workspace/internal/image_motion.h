@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "base/math.h"
@@ -13,8 +14,8 @@
 namespace panwright::workspace {
 
 // Largest motion of a world's targets from one time to the next, measured on points of boxes: of
-// the whole target, and of its meshes where it has joints. Points near the image count, or all
-// before the camera where a target has none of these.
+// the whole target, and of its meshes where it has joints; and of a sky, by the camera's turn.
+// Points near the image count, or all before the camera where a target has none of these.
 class ImageMotion {
  public:
   // Expects: world outlives it.
@@ -32,6 +33,8 @@ class ImageMotion {
   world::World shown_;
   world::Evaluation evaluation_;
   std::vector<std::vector<Vec3>> rigid_;  // of each target, in its model's frame
+  double of_sky(const world::Camera& camera) const;
+  std::optional<world::Camera> last_;
   struct Place {
     Vec2 pixel{0};
     bool in_front = false;
