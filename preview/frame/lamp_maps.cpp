@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "preview/frame/shadow.h"
 
@@ -161,7 +162,7 @@ bool LampMaps::update(Device::Impl& device, const FrameScene& scene, std::vector
       gl.Viewport(0, 0, static_cast<GLsizei>(side), static_cast<GLsizei>(side));
     };
     ++drawn_;
-    if (!draws_.draw(device, scene.states, show, true, job)) {
+    if (!draws_.draw(device, scene.states, std::cref(show), true, job)) {
       report_cancelled(log);
       return false;
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/axis_box.h"
 #include "preview/frame/blocks.h"
@@ -280,7 +281,7 @@ bool ShadowMaps::draw(Device::Impl& device, Map& map, const TargetStates& states
     for (std::uint32_t tile = 0; tile < frames_.size(); ++tile)
       add_draws(gl, frames_[tile], map.points[layer], tile, tiles.empty(), states);
     map.layers.begin(gl, static_cast<int>(layer));
-    if (!draws_.draw(device, states, show_tile, false, job)) return false;
+    if (!draws_.draw(device, states, std::cref(show_tile), false, job)) return false;
   }
   return true;
 }
