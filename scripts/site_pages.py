@@ -34,6 +34,7 @@ NAVIGATION = [
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),
+    ("Sources of scenarios", "scenario-sources.md"),
     ("Rendezvous", "rendezvous.md"),
     ("Ephemerides", "ephemerides.md"),
     ("Exposures", "exposures.md"),

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "base/diagnostic.h"
 #include "ephemeris/analytic.h"
 #include "ephemeris/kernels.h"
+#include "tests/ephemeris/corpus.h"
 
 namespace panwright::ephemeris::analytic_corpus_test {
 namespace {
@@ -21,11 +21,8 @@ namespace fs = std::filesystem;
 
 constexpr double kArcsecond = kDegree / 3600;
 
-fs::path folder() {
-  const char* given = std::getenv("PANWRIGHT_CORPUS");
-  return (given != nullptr && *given != '\0' ? fs::path(given) : fs::path(PANWRIGHT_CORPUS_DIR)) /
-         "spice";
-}
+using testing_support::folder;
+using testing_support::load;
 
 class AnalyticCorpus : public testing::Test {
  protected:
@@ -33,15 +30,6 @@ class AnalyticCorpus : public testing::Test {
     if (!fs::exists(folder() / "spk")) GTEST_SKIP() << "no kernels are at hand";
   }
 };
-
-std::optional<Kernels> load(const std::vector<std::string>& files) {
-  std::vector<fs::path> paths;
-  for (const std::string& each : files) paths.push_back(folder() / each);
-  DiagnosticLog log;
-  auto out = Kernels::load(paths, log);
-  EXPECT_TRUE(out) << to_text(log);
-  return out ? std::optional<Kernels>(*out) : std::nullopt;
-}
 
 // Largest angle and share of the distance between a function and a body of kernels.
 void compare(const Kernels& kernels, int body, Vec3 (*function)(double), double& angle,

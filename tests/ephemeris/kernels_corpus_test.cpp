@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,6 +16,7 @@
 #include "base/diagnostic.h"
 #include "base/text.h"
 #include "ephemeris/kernels.h"
+#include "tests/ephemeris/corpus.h"
 #include "tests/ephemeris/support.h"
 
 namespace panwright::ephemeris::kernels_corpus_test {
@@ -24,11 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path folder() {
-  const char* given = std::getenv("PANWRIGHT_CORPUS");
-  return (given != nullptr && *given != '\0' ? fs::path(given) : fs::path(PANWRIGHT_CORPUS_DIR)) /
-         "spice";
-}
+using testing_support::folder;
+using testing_support::load;
 
 class KernelsCorpus : public testing::Test {
  protected:
@@ -59,15 +56,6 @@ std::vector<double> numbers(const std::string& text) {
   for (std::string word; stream >> word;)
     if (const auto value = parse_double(word)) out.push_back(*value);
   return out;
-}
-
-std::optional<Kernels> load(const std::vector<std::string>& files) {
-  std::vector<fs::path> paths;
-  for (const std::string& each : files) paths.push_back(folder() / each);
-  DiagnosticLog log;
-  auto out = Kernels::load(paths, log);
-  EXPECT_TRUE(out) << to_text(log);
-  return out ? std::optional<Kernels>(*out) : std::nullopt;
 }
 
 const Kernels& cached(const std::string& file) {
