@@ -108,7 +108,8 @@ TEST(Lamps, ClosedFormsOnAPlate) {
       printf("source %zu, samples %u: %.1e\n", k, samples, worst);
       // of automatic samples the mean over a pixel is not its middle where the light is curved
       if (samples == 1)
-        EXPECT_LE(worst, 1e-4) << k;
+        // a tail of exponent 128 changes by 1.9e-3 from a vertex to its place on hardware's grid
+        EXPECT_LE(worst, bound(1e-4, 3e-3)) << k;
       else if (k != 1 && k != 7 && k != 8)
         EXPECT_LE(worst, 1e-3) << k;
     }

