@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Makes the record of settings, the JSON schema and the page of views from schemas/views.toml.
+"""Makes the record of settings, the JSON schema, the type for Python and the page of views from schemas/views.toml.
 
-generate_views.py          writes workspace/generated/, schemas/views.schema.json and docs/views.md
+generate_views.py          writes workspace/generated/, schemas/views.schema.json, python/panwright/_views.py and docs/views.md
 generate_views.py --check  fails, and names the file, when one of them differs from what it would write
 """
 
@@ -70,6 +70,28 @@ def schema_text(table):
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
+def python_type(option, form):
+    """The type of a member's form in Python."""
+    if form == "text" and option["type"] == "choice":
+        return f"Literal[{', '.join(json.dumps(word) for word in option['words'])}]"
+    if form == "map":
+        inner = dict.fromkeys(python_type(option, each) for each in forms_of(option)[1])
+        return f"Mapping[str, {' | '.join(inner)}]"
+    return {"number": "float", "text": "str", "flag": "bool", "numbers": "Sequence[float]", "texts": "Sequence[str]"}[form]
+
+
+def python_text(table):
+    lines = ['"""Members of a view. Made by schemas/generate_views.py from schemas/views.toml."""', "",
+             "from __future__ import annotations", "", "from typing import Literal, Mapping, Sequence, TypedDict", "", "",
+             "class View(TypedDict, total=False):", '    """One image: docs/views.md. Angles are degrees, lengths metres."""', ""]
+    for option in options_of(table):
+        if option["name"] in ("output", "outputs", "targets"):
+            continue  # of files
+        forms = dict.fromkeys(python_type(option, form) for form in forms_of(option)[0])
+        lines.append(f"    {option['name'].replace('-', '_')}: {' | '.join(forms)}  # {option['doc']}")
+    return "\n".join(lines) + "\n"
+
+
 def docs_text(table):
     lines = []
     for group in table["group"]:
@@ -89,7 +111,7 @@ def make():
         table = tomllib.load(file)
     record, rules = header_texts(table)
     return {"workspace/generated/settings.h": record, "workspace/generated/settings_table.h": rules,
-            "schemas/views.schema.json": schema_text(table), "docs/views.md": docs_text(table)}
+            "schemas/views.schema.json": schema_text(table), "python/panwright/_views.py": python_text(table), "docs/views.md": docs_text(table)}
 
 
 if __name__ == "__main__":

@@ -162,7 +162,7 @@ class CameraRun : public InstrumentRun {
     tell(apart, drawing.frame->label);
     drawing.seconds += seconds_since(start);
     if (drawn) {
-      tell({"render " + drawing.frame->outputs[0], drawing.seconds});
+      tell({"render " + name_of(*drawing.frame), drawing.seconds});
       drawn_ = *std::move(drawn);
     } else {
       drawing_.pop_front();
@@ -380,7 +380,7 @@ class CameraRun : public InstrumentRun {
     if (worst <= std::max(kFar, kTimes * asked)) return;
     ++uncertain_.views;
     if (worst <= uncertain_.flux_error) return;
-    uncertain_ = {uncertain_.views, worst, asked, frame.label, frame.outputs[0]};
+    uncertain_ = {uncertain_.views, worst, asked, frame.label, name_of(frame)};
   }
 
   // One warning for all views.
@@ -408,7 +408,7 @@ class CameraRun : public InstrumentRun {
     const double silent = report.limited ? std::max(asked, kLimited) : asked;
     if (draw.samples > 0 || draw.gl.samples > 0 || reached <= silent) return;
     scope_.log.report_file(
-        Code::W5008, frame.outputs[0],
+        Code::W5008, name_of(frame),
         fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",
                     frame.label.empty() ? "" : frame.label + ": ", 100 * reached, 100 * asked),
         report.limited ? "--quality standard limits the time of an image; --pixel-error does not"
@@ -439,6 +439,7 @@ class CameraRun : public InstrumentRun {
 bool stores_ground_truth(const Frame& frame) {
   if (frame.labels) return true;  // which are made from it
   const image::FileOptions files = file_options(frame.settings);
+  if (frame.outputs.empty()) return image::stores_ground_truth(image::ImageFormat::npz, files);
   return std::any_of(frame.outputs.begin(), frame.outputs.end(), [&](const std::string& output) {
     return image::stores_ground_truth(*image::image_format(output), files);
   });

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <new>
@@ -14,12 +15,19 @@
 
 #include "base/clock.h"
 #include "base/file_uses.h"
+#include "labels/frame_files.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
 #include "workspace/sky_settings.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
+
+namespace {}  // namespace
+
+std::string name_of(const Frame& frame) {
+  return frame.outputs.empty() ? frame.label : frame.outputs[0];
+}
 
 namespace {
 
@@ -44,7 +52,7 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
   return log.errors() == errors && have_parts(world, frames, log);
 }
 
-// A product that is being written.
+// A product that is being written, or kept.
 struct Writing {
   Written what;
   Product product;
@@ -54,17 +62,25 @@ struct Writing {
   double labels_seconds = 0;
   double sync = 0;
   bool ok = true;
+  std::optional<labels::FrameLabels> labels;  // kept
   DiagnosticLog log;
 };
 
 // note: not cancelled, so that a frame whose image is written is whole
-void write_labels(Writing& writing, const world::World& world, LabelWriter& writer,
-                  std::size_t threads) {
+void write_labels(Writing& writing, const world::World& world, FrameLabeller& labeller,
+                  std::size_t threads, bool keeps) {
   const auto* product = std::get_if<ImageProduct>(&writing.product);
   if (!writing.ok || !writing.frame->labels || product == nullptr) return;
   const auto start = std::chrono::steady_clock::now();
-  writing.ok = writer.write(*writing.frame, world, product->image, writing.log, &writing.sync,
-                            Job({threads, {}}));
+  auto labels =
+      labeller.label(*writing.frame, world, product->image, writing.log, Job({threads, {}}));
+  writing.ok = bool(labels);
+  if (labels && keeps)
+    writing.labels = *std::move(labels);
+  else if (labels)
+    writing.ok =
+        labels::write_frame(std::filesystem::path(writing.frame->outputs.front()).parent_path(),
+                            *labels, writing.log, &writing.sync);
   writing.labels_seconds = seconds_since(start);
 }
 
@@ -218,15 +234,16 @@ class Run {
     what.outputs = frame.outputs;
     for (const world::Instance& target : scope_.world.instances())
       what.targets.push_back(target.name());
-    if (index + 1 == frames_.size() || scope_.job.threads() == 1) {
-      write_all(*writing_);
-      write_labels(*writing_, scope_.world, drawers_.labels, scope_.job.threads());
+    const bool keeps = bool(scope_.options.listener.kept);
+    if (index + 1 == frames_.size() || scope_.job.threads() == 1 || (keeps && !frame.labels)) {
+      if (!keeps) write_all(*writing_);
+      write_labels(*writing_, scope_.world, drawers_.labels, scope_.job.threads(), keeps);
       return retire();
     }
     // one thread beside those that draw the next image
-    pending_ = std::async(std::launch::async, [this, &writing = *writing_] {
-      run_on_threads(Job({1, {}}), [&] { write_all(writing); });
-      write_labels(writing, scope_.world, drawers_.labels, scope_.job.threads());
+    pending_ = std::async(std::launch::async, [this, keeps, &writing = *writing_] {
+      if (!keeps) run_on_threads(Job({1, {}}), [&] { write_all(writing); });
+      write_labels(writing, scope_.world, drawers_.labels, scope_.job.threads(), keeps);
     });
     return true;
   }
@@ -238,6 +255,12 @@ class Run {
     const std::unique_ptr<Writing> writing = std::move(writing_);
     if (writing == nullptr) return true;
     forward(writing->log, frames_[writing->what.frame].label, {}, scope_.log);
+    const auto& kept = scope_.options.listener.kept;
+    if (kept && writing->ok) {
+      ++done_;
+      kept({std::move(writing->what), std::move(writing->product), std::move(writing->labels)});
+      return true;
+    }
     writing->run->recycle(writing->what, std::move(writing->product));
     if (!writing->ok) return false;
     ++done_;

@@ -13,9 +13,11 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "labels/labels.h"
 #include "workspace/drawer.h"
 #include "workspace/frame.h"
 #include "workspace/open.h"
+#include "workspace/product.h"
 #include "workspace/record.h"
 #include "world/world.h"
 
@@ -41,11 +43,21 @@ struct Written {
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
 };
 
+// Product in memory.
+struct Kept {
+  Written what;
+  Product product;
+  std::optional<labels::FrameLabels> labels;  // of a frame that asks for them
+};
+
 // Called one at a time, on the thread that called run_frames; each may be empty.
 struct RunListener {
   std::function<void(const EngineInfo&)> ready;  // before the first image
   std::function<void(const Written&)> written;
   std::function<void(const Step&)> step;  // after it
+  // Takes the products in place of files, in order. Frames need no outputs then, and have ground
+  // truth as their setting `layers` says.
+  std::function<void(Kept)> kept;
 };
 
 struct RunOptions {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "workspace/internal/label_writer.h"
+#include "workspace/internal/frame_labeller.h"
 #include "workspace/product.h"
 #include "workspace/run.h"
 
@@ -16,7 +16,7 @@ namespace panwright::workspace {
 struct Drawers {
   std::optional<Drawer> gl;
   std::optional<Drawer> reference;
-  LabelWriter labels;
+  FrameLabeller labels;
   std::optional<Drawer>& of(const DrawOptions& options) {
     return options.engine == Engine::gl ? gl : reference;
   }
@@ -54,6 +54,9 @@ class InstrumentRun {
 };
 
 bool stores_ground_truth(const Frame& frame);
+
+// Returns the first output of a frame; without any, its label.
+std::string name_of(const Frame& frame);
 
 // By kind of instrument.
 std::unique_ptr<InstrumentRun> run_of(const CameraInstrument& kind, const RunScope& scope,

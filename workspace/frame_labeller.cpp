@@ -1,4 +1,4 @@
-#include "workspace/internal/label_writer.h"
+#include "workspace/internal/frame_labeller.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "labels/frame_files.h"
 #include "labels/parts.h"
 #include "labels/rolling.h"
 
@@ -39,9 +38,9 @@ std::vector<labels::ImageRows> rows_of_moments(const Frame& frame) {
 }  // namespace
 
 // Rows of a rolling shutter show the moment in the middle of their exposure, as the image's ids.
-Result<labels::FrameLabels> LabelWriter::label(const Frame& frame, const world::World& world,
-                                               const labels::FrameContext& context,
-                                               DiagnosticLog& log, const Job& job) {
+Result<labels::FrameLabels> FrameLabeller::label(const Frame& frame, const world::World& world,
+                                                 const labels::FrameContext& context,
+                                                 DiagnosticLog& log, const Job& job) {
   show(frame, world, kept_->shown);
   labels::Labeller& labeller = kept_->labeller;
   if (frame.moments.empty() || *frame.settings.line_time == 0)
@@ -72,8 +71,9 @@ Result<labels::FrameLabels> LabelWriter::label(const Frame& frame, const world::
   return rolling.take();
 }
 
-bool LabelWriter::write(const Frame& frame, const world::World& world, const image::Image& image,
-                        DiagnosticLog& log, double* sync, const Job& job) {
+Result<labels::FrameLabels> FrameLabeller::label(const Frame& frame, const world::World& world,
+                                                 const image::Image& image, DiagnosticLog& log,
+                                                 const Job& job) {
   const FrameLabelling& of = *frame.labels;
   if (!kept_ || kept_->labelling != of.labelling || kept_->world != world.stamp())
     kept_ = Kept{of.labelling, labels::Labeller(of.labelling->options), world.stamp(), world, world,
@@ -92,13 +92,13 @@ bool LabelWriter::write(const Frame& frame, const world::World& world, const ima
   context.previous = previous ? &*previous : nullptr;
   context.next = next ? &*next : nullptr;
   auto labelled = label(frame, world, context, log, job);
-  if (!labelled) return false;
-  const std::filesystem::path output = frame.outputs.front();
+  if (!labelled) return failed;
   labelled->name = of.name;
-  labelled->image = output.filename().string();
+  if (!frame.outputs.empty())
+    labelled->image = std::filesystem::path(frame.outputs.front()).filename().string();
   labelled->number = of.number;
   labelled->time = of.time;
-  return labels::write_frame(output.parent_path(), *labelled, log, sync);
+  return labelled;
 }
 
 }  // namespace panwright::workspace

@@ -1,4 +1,4 @@
-// Labels of the frames of a run, made and written.
+// Labels of the frames of a run.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,15 @@ namespace panwright::workspace {
 bool have_parts(const world::World& world, std::span<const Frame> frames, DiagnosticLog& log);
 
 // It keeps search trees and placements from frame to frame, also of runs one after the other.
-class LabelWriter {
+class FrameLabeller {
  public:
-  // Writes the labels of a frame beside its first output, after that.
+  // Returns the labels of a frame.
   //
   //   world  of the run
   //   image  of the frame, with ground truth or without
-  //   sync   seconds until they were on the disk, added
-  // Expects: a frame with labels. Fails: E0001, E0103.
-  bool write(const Frame& frame, const world::World& world, const image::Image& image,
-             DiagnosticLog& log, double* sync, const Job& job);
+  // Expects: a frame with labels. Fails: E0001, E9005.
+  Result<labels::FrameLabels> label(const Frame& frame, const world::World& world,
+                                    const image::Image& image, DiagnosticLog& log, const Job& job);
 
  private:
   Result<labels::FrameLabels> label(const Frame& frame, const world::World& world,
