@@ -34,6 +34,8 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& path) {
   if (extension == ".exr") return ImageFormat::exr;
   if (extension == ".npy") return ImageFormat::npy;
   if (extension == ".npz") return ImageFormat::npz;
+  if (extension == ".tif" || extension == ".tiff") return ImageFormat::tiff;
+  if (extension == ".fits" || extension == ".fit") return ImageFormat::fits;
   return std::nullopt;
 }
 
@@ -50,9 +52,10 @@ bool write_image(const std::filesystem::path& path, const Image& image, const Pn
   assert(is_consistent(image));
   const auto format = image_format(path);
   if (!format) {
-    log.report_file(Code::E0202, path.string(),
-                    fmt::format("images are written as .png, .exr, .npy or .npz, not {}",
-                                in_quotes(path.extension().string())));
+    log.report_file(
+        Code::E0202, path.string(),
+        fmt::format("images are written as .png, .exr, .npy, .npz, .tif or .fits, not {}",
+                    in_quotes(path.extension().string())));
     return false;
   }
   auto file = AtomicFile::create(path, log);
@@ -60,7 +63,14 @@ bool write_image(const std::filesystem::path& path, const Image& image, const Pn
   bool written = false;
   switch (*format) {
     case ImageFormat::png:
-      written = write_png(*file, image, exposure, log);
+      written = image.dn.empty() ? write_png(*file, image, exposure, log)
+                                 : write_numbers_png(*file, image, log);
+      break;
+    case ImageFormat::tiff:
+      written = write_tiff(*file, image, log);
+      break;
+    case ImageFormat::fits:
+      written = write_fits(*file, image, log);
       break;
     case ImageFormat::exr:
       written = write_exr(*file, image, options, log);

@@ -39,6 +39,14 @@ struct Image {
 
   std::vector<float> standard_error;  // 3*H*W of the radiance; empty if unknown
 
+  // Of a camera with a detector; else empty.
+  std::vector<std::uint16_t> dn;  // H*W digital numbers
+  unsigned dn_bits = 0;           // 2 to 16
+  std::string filters;            // of its pixels, as "rggb"; empty: mono
+  std::vector<float> electrons;   // H*W charge before the read noise
+  // H*W electrons, by stage of the detector: what it added.
+  std::vector<std::pair<std::string, std::vector<float>>> stages;
+
   // Name and value, for EXR headers; that of kRecordName also for PNG (a text chunk of ASCII) and
   // .npz (meta.json). Not in .npy.
   std::vector<std::pair<std::string, std::string>> metadata;
@@ -48,12 +56,15 @@ struct Image {
 };
 
 enum class ImageFormat {
-  png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white
+  png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white;
+        // of a detector its numbers, 8 or 16 bits
   exr,  // R G B A Z range N.X N.Y N.Z error.R error.G error.B float,
         // id.target id.node id.material uint
-  npy,  // (H, W, 3) float32 radiance
-  npz,  // radiance, coverage; depth, range, normal, target_id, node_id, material_id;
-        // standard_error; meta.json first
+  tiff,  // digital numbers, 8 or 16 bits
+  fits,  // digital numbers, 8 or 16 bits
+  npy,   // (H, W, 3) float32 radiance
+  npz,   // radiance, coverage; depth, range, normal, target_id, node_id, material_id;
+         // standard_error; dn, electrons, stages; meta.json first
 };
 
 // Returns the format of a file name's extension, in any letter case.
@@ -69,17 +80,21 @@ enum class FileLayer : std::uint8_t {
   node_id,
   material_id,
   standard_error,
+  dn,
+  electrons,
+  stages,
 };
 
 // Names of layers, by FileLayer: those of .npz files.
-inline constexpr std::string_view kLayerNames[] = {"radiance", "coverage",    "depth",
-                                                   "range",    "normal",      "target_id",
-                                                   "node_id",  "material_id", "standard_error"};
+inline constexpr std::string_view kLayerNames[] = {
+    "radiance", "coverage",    "depth",          "range", "normal",    "target_id",
+    "node_id",  "material_id", "standard_error", "dn",    "electrons", "stages"};
 
 // Choices for .exr and .npz files.
 struct FileOptions {
-  std::uint32_t layers = ~0u;  // 1 << FileLayer: those to write, where the image has them
-  bool compress = false;       // .npz: deflate the layers
+  // 1 << FileLayer: those to write, where the image has them. Stages are of interest alone.
+  std::uint32_t layers = ~(1u << static_cast<unsigned>(FileLayer::stages));
+  bool compress = false;  // .npz: deflate the layers
   bool has(FileLayer layer) const { return (layers >> static_cast<unsigned>(layer) & 1u) != 0; }
 };
 
@@ -102,7 +117,8 @@ struct PngExposure {
 //   exposure      of a PNG
 //   sync_seconds  the time spent in fsync is added to it when given
 //
-// Expects: radiance and coverage of the size; ground truth layers of the size, or empty.
+// Expects: radiance and coverage of the size; ground truth layers of the size, or empty; digital
+// numbers for .tif and .fits.
 // Fails: E0202 for another extension; E0103.
 bool write_image(const std::filesystem::path& path, const Image& image, const PngExposure& exposure,
                  DiagnosticLog& log, double* sync_seconds = nullptr,

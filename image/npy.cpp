@@ -62,6 +62,12 @@ bool write_npz(AtomicFile& file, const Image& image, const FileOptions& options,
   add(FileLayer::node_id, "<u4", 0, image.node_id);
   add(FileLayer::material_id, "<u4", 0, image.material_id);
   add(FileLayer::standard_error, "<f4", 3, image.standard_error);
+  add(FileLayer::dn, "<u2", 0, image.dn);
+  add(FileLayer::electrons, "<f4", 0, image.electrons);
+  for (const auto& [name, values] : image.stages)
+    if (good && options.has(FileLayer::stages))
+      good = zip.add("stage_" + name + ".npy", as_bytes(header_of("<f4", image, 0)),
+                     std::as_bytes(std::span(values)), log, options.compress);
   return good && zip.finish(log);
 }
 

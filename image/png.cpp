@@ -60,6 +60,11 @@ class PngWriter {
       png_set_text(png_, info_, &text, 1);
     }
     if (options_.says_srgb) png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (options_.bits > 0) {
+      png_color_8 bits{};
+      bits.gray = bits.red = bits.green = bits.blue = static_cast<png_byte>(options_.bits);
+      png_set_sBIT(png_, info_, &bits);
+    }
     png_write_info(png_, info_);
     const std::size_t step =
         static_cast<std::size_t>(options_.bytes * options_.channels) * std::size_t{width_};

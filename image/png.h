@@ -18,6 +18,7 @@ struct PngOptions {
   int channels = 4;               // of the pixels given: 1 (grey), 3 (RGB) or 4 (RGBA)
   int bytes = 1;                  // of a channel; 2: 16 bits, the high byte first
   bool drop_opaque_alpha = true;  // writes RGB where every alpha is 255
+  unsigned bits = 0;              // in use, stated by a chunk; 0: all
   bool says_srgb = false;         // a chunk states that the numbers are sRGB codes
   std::string comment;            // ASCII, a text chunk "Comment"; empty: none
 };

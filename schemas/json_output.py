@@ -59,6 +59,9 @@ IMAGES = {
     "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
     "images": ("written", [{
         "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
+        "exposure_s?": "number: exposure time of a detector, seconds",
+        "bits?": "integer: of its numbers",
+        "saturated?": "integer: number of pixels at the full well or the largest number",
         "moments?": "integer: number of moments whose mean is the image, of an exposure over time",
         "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
         "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
@@ -197,6 +200,22 @@ COMMANDS = {
             "poses?": "object: of targets by name: x y z qw qx qy qz, world_from_model", "joints?": "object: values by TARGET/JOINT: radians, metres, factors",
             "sun?": "vec3: direction, unit", "sun_distance?": "number: AU"}]),
     },
+    "camera": {
+        "size": "integer[]: pixels", "width_m?": "number: across the image of an orthographic camera",
+        "pixel_rad?": "number: on the axis", "range_of_1m?": "number: metres at which 1 m is one pixel",
+        "field_of_view_deg?": "number[]: full angles across the image",
+        "focal_length_mm?": "number", "aperture_mm?": "number", "f_number?": "number",
+        "airy_px?": "number: wavelength · f-number in pixels, at 550 nm",
+        "mtf_nyquist?": ("of the camera's parts that have one, at 0.5 cycles per pixel", {
+            "pixel": "number", "diffraction?": "number", "gaussian?": "number: aberrations, jitter, diffusion", "defocus?": "number", "system": "number"}),
+        "encircled_energy?": ("without the pixel", [{"radius_px": "number", "share": "number"}]),
+        "full_well_e?": "number: electrons", "saturation_e?": "number: electrons at which the well or the numbers end",
+        "dn_per_e?": "number: gain", "dark_e_per_s?": "number: at its temperature", "dynamic_range_db?": "number",
+        "noise?": ("standard deviations of a pixel, electrons", [{
+            "signal_e": "number", "shot": "number", "prnu": "number", "dark": "number", "dsnu": "number", "read": "number",
+            "rounding": "number", "total": "number", "snr": "number"}]),
+        "exposure?": ("of a Lambert plate in full sunlight at 1 AU", {
+            "albedo": "number", "e_per_s": "number", "seconds": "number: to 80 % of saturation"})},
     "stars": {"stars": ("from the brightest", [{
         "hip?": "integer: number in the Hipparcos catalogue", "name?": "string", "v": "number: magnitude V", "b_v?": "number: B - V, magnitudes",
         "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",

@@ -39,6 +39,7 @@ NAVIGATION = [
     ("Ephemerides", "ephemerides.md"),
     ("Exposures", "exposures.md"),
     ("Cameras", "cameras.md"),
+    ("Detectors", "detector.md"),
     ("Reference renderer", "reference-renderer.md"),
     ("Accuracy", "accuracy.md"),
     ("Conventions", "conventions.md"),

@@ -31,6 +31,10 @@ class TableReader : public ConfigTable {
     log_.report(Code::W0221, at.where, message);
   }
 
+  // Of what is reported already.
+  void refuse() { good_ = false; }
+  bool ok() const { return good_ && ConfigTable::ok(); }
+
   std::optional<Numbers> numbers(const Value* value, std::string_view name,
                                  std::initializer_list<std::size_t> counts) {
     const Value* data = value == nullptr ? nullptr : value->find("data");
@@ -49,6 +53,7 @@ class TableReader : public ConfigTable {
 
  private:
   DiagnosticLog& log_;
+  bool good_ = true;
 };
 
 template <std::size_t N>
@@ -288,7 +293,28 @@ void read_own_distortion(TableReader& reader, Lens& lens) {
   }
 }
 
-void read_own(TableReader& reader, CameraFile& camera) {
+// [detector] and [optics], of the lens before region and binning.
+void read_own_imager(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
+  const Value* detector = reader.find("detector");
+  const Value* optics = reader.find("optics");
+  if (detector == nullptr && optics == nullptr) return;
+  if (detector == nullptr) return reader.fail(*optics, "[optics] needs a [detector]");
+  if (camera.width_m > 0)
+    return reader.fail(*detector,
+                       "an orthographic camera has no aperture: expected a focal length");
+  if (reader.find("binning") != nullptr)
+    return reader.fail(*detector, "expected a [detector] without binning: state its large pixels");
+  ImagerLens lens{camera.lens.focal.x, {}};
+  if (const auto pitch = reader.numbers(reader.find("pixel_um"), "pixel_um", {1, 2}))
+    lens.pixel_um = Vec2(pitch->front(), pitch->back());
+  const auto imager = read_imager(*detector, optics, lens, log);
+  if (!imager) return reader.refuse();
+  camera.imager = *imager;
+  if (const std::string why = check_imager(*imager, camera.width, camera.height); !why.empty())
+    reader.fail(*detector, why);
+}
+
+void read_own(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
   camera.name = reader.text(reader.find("name"), "name").value_or("");
   read_own_size(reader, camera);
   camera.lens.principal = Vec2(camera.width, camera.height) / 2.0;
@@ -304,6 +330,7 @@ void read_own(TableReader& reader, CameraFile& camera) {
       camera.lens.principal = {(*c)[0], (*c)[1]};
     read_own_distortion(reader, camera.lens);
   }
+  read_own_imager(reader, camera, log);
   if (const Value* mount = reader.find("mount"); mount != nullptr) {
     const Numbers q = reader.numbers(mount, "mount", {4}).value_or(Numbers{1, 0, 0, 0});
     const Quat given(q[0], q[1], q[2], q[3]);
@@ -410,7 +437,7 @@ Result<CameraFile> read_camera(std::string_view text, const std::string& name, D
   if (!std::holds_alternative<Value::Map>(table.data))
     reader.fail(table, fmt::format("the text is {}, expected a camera", type_name(table)));
   else if (format == ConfigFormat::toml)
-    read_own(reader, camera);
+    read_own(reader, camera, log);
   else if (const CameraFormat kind = format_of(reader); kind == CameraFormat::speed)
     read_speed(reader, camera);
   else if (kind == CameraFormat::kalibr)

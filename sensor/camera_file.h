@@ -9,6 +9,7 @@
 
 #include "base/diagnostic.h"
 #include "base/result.h"
+#include "sensor/imager.h"
 #include "sensor/lens.h"
 
 namespace panwright::sensor {
@@ -32,6 +33,7 @@ struct CameraFile {
   // Orthographic, in place of a lens: metres across the image, whose pixels are square and whose
   // principal point is its middle; `lens.focal` is in pixels per metre. 0: perspective.
   double width_m = 0;
+  std::optional<Imager> imager{};      // of [detector] and [optics]
   Quat mount_from_camera{1, 0, 0, 0};  // unit: misalignment, from the attitude that views give
 };
 

@@ -78,6 +78,7 @@ std::string own_text(const CameraFile& camera) {
   }
   if (const Quat& q = camera.mount_from_camera; q != Quat(1, 0, 0, 0))
     out += fmt::format("mount = {}\n", joined(std::array{q.w, q.x, q.y, q.z}));
+  if (camera.imager) out += imager_text(*camera.imager);
   return out;
 }
 

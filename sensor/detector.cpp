@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -159,9 +160,10 @@ class ReadoutRun {
     const float* from = in_.values.data() + piece.begin * in_.bands;
     std::size_t invalid = 0;
     const auto valid = [&](float value) {
-      const bool good = value >= 0 && value <= 1e12f;
-      invalid += !good;
-      return good ? static_cast<double>(value) : 0.0;
+      constexpr float kMost = 1e12f;  // fills any well
+      const bool light = value >= 0;
+      invalid += !light || value > std::numeric_limits<float>::max();
+      return static_cast<double>(light ? (value < kMost ? value : kMost) : 0.0f);
     };
     if (in_.bands == 1) {
       for (std::size_t i = 0; i < now.size(); ++i) now[i] = valid(from[i]);

@@ -50,7 +50,7 @@ struct Detector {
   double hot_e_per_s = 0;                    // mean of an exponential law, at kDarkReference
   double telegraph_pixels = 0;               // share
   double telegraph_e_per_s = 0;              // likewise, while on
-  std::uint32_t telegraph_frames = 1;        // that a state lasts
+  std::uint32_t telegraph_frames = 1;        // length of a state
   double cosmic_per_cm2_s = 0;               // tracks
   double depth_um = 10;                      // of the slab that collects charge
   double full_well_e = 10000;                // >= 1
@@ -62,8 +62,8 @@ struct Detector {
   double dn_per_e = 1;                       // gain
   double bias_dn = 0;
   std::uint32_t bits = 12;                  // 2 to 16
-  std::uint32_t compressed_bits = 0;        // square root of numbers, in so many bits; 0: none
-  std::uint64_t serial = 0;                 // which of such detectors: its fixed patterns
+  std::uint32_t compressed_bits = 0;        // of the square root of numbers; 0: none
+  std::uint64_t serial = 0;                 // of the specimen: its fixed patterns
   std::array<bool, kDetectorStages> off{};  // stages that are left out; not the ADC
 
   bool operator==(const Detector&) const = default;
@@ -102,13 +102,14 @@ struct Readout {
   std::vector<std::uint16_t> dn;  // width*height, as stored
   // Charge before the read noise, electrons.
   std::vector<float> electrons;
-  // Where asked: the photoelectrons, and by stage what it added, electrons. Their sum is
+  // If asked for: the photoelectrons, and by stage what it added, electrons. Their sum is
   // (numbers − bias) / gain of the converter.
   std::vector<float> signal;
   std::array<std::vector<float>, kDetectorStages> added;
   double lost = 0;            // electrons beyond the well that no pixel took
   std::size_t saturated = 0;  // pixels at the full well or the largest number
-  std::size_t invalid = 0;    // values that are negative or not finite, taken as 0
+  // Values that are negative or not a number, taken as 0, or infinite, taken as 1e12.
+  std::size_t invalid = 0;
 };
 
 // Reads a detector out. The bytes depend on the arguments alone, not on threads or on the parts in

@@ -79,6 +79,12 @@ constexpr Example kExamples[] = {
     {"stars", "--camera-file rendezvous/camera.toml --look-at \"0 0 1\" --stars 9 --json",
      "Write the pixels of stars through a calibrated lens as JSON."},
 
+    {"camera", "cameras/narrow_rvd.toml", "Show its field of view, MTF, noise and exposure."},
+    {"camera", "cameras/star_tracker.toml --svg plots",
+     "Plot photon transfer, MTF and encircled energy."},
+    {"camera", "cameras/wide_docking.toml --albedo 0.1 --json",
+     "Print all numbers, with the exposure of a dark plate, as JSON."},
+
     {"view", "servicer/servicer.pxn",
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",

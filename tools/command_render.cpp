@@ -47,8 +47,7 @@ void declare_all(Arguments& arguments, Options& options) {
            "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name)")
       .type("[NAME=]FILE…");
   for (const SettingId id : workspace::kCommandOrder) {
-    if (id == SettingId::exposure || id == SettingId::line_time || id == SettingId::tdi)
-      continue;  // of scenarios
+    if (id == SettingId::line_time || id == SettingId::tdi) continue;  // of scenarios
     if (id == SettingId::quality) declare_files(arguments, options);
     if (id == SettingId::max_image_memory)
       arguments.flag("--explain", options.explain,

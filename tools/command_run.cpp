@@ -185,7 +185,7 @@ class SequenceRun {
     auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
     if (!view) return false;
     const workspace::Settings& settings = view->settings;
-    shutter_ = {*settings.exposure, *settings.line_time, 1,
+    shutter_ = {settings.exposure->number.value_or(0), *settings.line_time, 1,
                 static_cast<std::uint32_t>(*settings.tdi)};
     if (shutter_.instant()) return true;
     const auto made = workspace::FrameMaker(world).frame(*view, log_);

@@ -88,8 +88,11 @@ std::string line_of(const Written& image) {
         flux.y, flux.z, error.x, error.y, error.z, unit_of_flux(image),
         1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
   }
+  if (image.exposure_s > 0)
+    line += fmt::format(", {} bits, exposure {:.4g} s, {} saturated", image.dn_bits,
+                        image.exposure_s, counted(image.saturated, "pixel"));
   const bool png = std::any_of(image.outputs.begin(), image.outputs.end(), is_png);
-  if (png) line += fmt::format(", EV {}", image.ev);
+  if (png && image.exposure_s == 0) line += fmt::format(", EV {}", image.ev);
   return line + ", " + milliseconds(image.seconds);
 }
 
@@ -143,6 +146,11 @@ void describe_image(const Written& image, Json& entry) {
   entry["ev"] = image.ev;
   entry["ms"] = 1e3 * image.seconds;
   if (image.moments > 1) entry["moments"] = image.moments;
+  if (image.exposure_s > 0) {
+    entry["exposure_s"] = image.exposure_s;
+    entry["bits"] = image.dn_bits;
+    entry["saturated"] = image.saturated;
+  }
   if (image.sampling) entry["samples"] = image.sampling->samples;
   if (image.sampling && image.sampling->shadow_edge > 0)
     entry["shadow_edge"] = image.sampling->shadow_edge;

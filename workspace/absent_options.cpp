@@ -14,7 +14,7 @@ struct Absent {
 };
 
 constexpr std::string_view kSensor =
-    "images are radiance without noise: apply the detector to the .npz (docs/limits.md)";
+    "a table [detector] in the camera's file makes numbers with noise (docs/detector.md)";
 constexpr std::string_view kSky =
     "--planet NAME=\"X Y Z\" places the Earth, the Moon and others, --stars V draws stars "
     "(docs/sky.md, docs/stars.md)";
@@ -29,10 +29,9 @@ const Absent kAbsent[] = {
     {{"star-catalog", "magnitude", "background", "skybox", "earth", "moon", "planets",
       "environment", "hdri", "atmosphere"},
      kSky},
-    {{"exposure", "exposure-time", "gamma", "brightness", "tone-mapping"},
+    {{"exposure-time", "gamma", "brightness", "tone-mapping"},
      "--ev STOPS, or --ev auto, sets the exposure of a PNG, --tone photo its curve; the other "
-     "formats "
-     "hold radiance"},
+     "formats hold radiance; --exposure is that of a detector"},
     {{"labels", "label", "mask", "masks", "segmentation", "annotations", "boxes", "bbox",
       "keypoints", "depth", "normals", "ids", "ground-truth"},
      kLayers},
@@ -40,7 +39,7 @@ const Absent kAbsent[] = {
      "--camera-file FILE or --distortion \"MODEL K…\" sets the distortion of the lens "
      "(docs/cameras.md)"},
     {{"vignetting", "aperture", "dof", "motion-blur"},
-     "the camera has no aperture and no exposure: --psf blurs it (docs/limits.md)"},
+     "tables [optics] and [detector] in the camera's file have them (docs/detector.md)"},
     {{"light", "lights", "lamps", "spotlight", "ambient"},
      "--sun \"X Y Z\" places the Sun, --lamp adds a light (docs/lamps.md)"},
     {{"resolution", "width", "height", "res"}, "--size WxH sets the pixels"},

@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "sensor/camera_file.h"
 #include "workspace/exposure.h"
+#include "workspace/internal/detecting.h"
 #include "workspace/internal/exposure_sum.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
@@ -130,6 +131,7 @@ class CameraRun : public InstrumentRun {
     const DrawOptions& draw = drawing.draw;
     if (auto& wanted = drawers_.of(draw); !wanted || &*wanted != drawer_)
       if (!prepare(draw)) return false;
+    const world::Camera camera = detecting_.drawn_camera(frame, drawing.draw);
     drawer_->set_options(draw);
     const auto start = CameraClock::now();
     DiagnosticLog apart = scope_.log.apart();
@@ -137,7 +139,7 @@ class CameraRun : public InstrumentRun {
     warn_of_lens(frame);
     const bool good =
         frame.moments.empty()
-            ? drawer_->submit(shown, frame.camera(), stores_ground_truth(frame), apart, scope_.job)
+            ? drawer_->submit(shown, camera, stores_ground_truth(frame), apart, scope_.job)
             : expose(frame, draw, drawing.exposed, apart);
     tell(apart, frame.label);
     if (!good) return false;
@@ -180,6 +182,8 @@ class CameraRun : public InstrumentRun {
       note_imposters(frame, drawing.draw, *drawn.sampling);
     }
     image::Image& image = drawn.image;
+    Detected detected;
+    if (frame.imager != nullptr) detected = develop(frame, drawing, image);
     const double stops = frame.settings.ev->number.value_or(auto_stops(frame, image, -drawing.ev));
     Measurement out;
     Written& what = out.what;
@@ -193,6 +197,9 @@ class CameraRun : public InstrumentRun {
     what.seconds = drawing.seconds;
     what.moments = std::max<std::size_t>(frame.moments.size(), 1);
     what.measured = drawn.measured;
+    what.exposure_s = detected.exposure_s;
+    what.dn_bits = detected.bits;
+    what.saturated = detected.saturated;
     what.sampling = drawn.sampling;
     what.record = drawing.metadata.back().second;
     add_names(scope_.world, image, what.record);
@@ -217,6 +224,18 @@ class CameraRun : public InstrumentRun {
   }
 
  private:
+  Detected develop(const Frame& frame, Drawing& drawing, image::Image& image) {
+    const auto start = CameraClock::now();
+    DiagnosticLog apart = scope_.log.apart();
+    const bool stages = frame.settings.layers && drawing.draw.files.has(image::FileLayer::stages);
+    const Detected out = detecting_.develop(frame, stages, image, apart);
+    tell(apart, frame.label);
+    tell({"detector", seconds_since(start)});
+    drawing.metadata.insert(drawing.metadata.end() - 1,
+                            {"panwright.exposure_s", fmt::format("{}", out.exposure_s)});
+    return out;
+  }
+
   static double auto_stops(const Frame& frame, const image::Image& image, double stops_of_sun) {
     return frame.settings.ev->number ? 0 : auto_exposure(image, stops_of_sun);
   }
@@ -430,6 +449,7 @@ class CameraRun : public InstrumentRun {
     double flux_error = 0, asked = 0;  // of the worst
     std::string label, output;
   } uncertain_;
+  Detecting detecting_;
   std::deque<Drawing> drawing_;  // those begun and not taken
   Drawn drawn_;                  // of the first of them, once collected
 };
@@ -453,9 +473,11 @@ bool write(ImageProduct& product, const std::string& output, DiagnosticLog& log,
 
 void check_output(const CameraInstrument&, const std::string& output, DiagnosticLog& log) {
   if (!image::image_format(output))
-    log.report(Code::E0202, {},
-               fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
-                           in_quotes(output)));
+    log.report(
+        Code::E0202, {},
+        fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz; of a detector "
+                    "also .tif and .fits",
+                    in_quotes(output)));
 }
 
 std::unique_ptr<InstrumentRun> run_of(const CameraInstrument&, const RunScope& scope,

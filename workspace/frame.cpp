@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "light/light.h"
 #include "preview/lens_renderer.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/image_motion.h"
@@ -91,7 +92,17 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
 bool is_sound(const Settings& settings, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   if (check(settings, log) && check_sky(settings, log)) (void)check_lens(settings, log);
-  for (const std::string& output : *settings.outputs) check_output(CameraInstrument(), output, log);
+  for (const std::string& output : *settings.outputs) {
+    check_output(CameraInstrument(), output, log);
+    const auto format = image::image_format(output);
+    if ((format == image::ImageFormat::tiff || format == image::ImageFormat::fits) &&
+        !settings.detector && !settings.camera_file)
+      log.report(Code::E0202, {},
+                 fmt::format("{} holds numbers of a detector, and the camera has none; expected "
+                             ".png, .exr, .npy or .npz",
+                             in_quotes(output)),
+                 "docs/detector.md");
+  }
   return log.errors() == errors;
 }
 
@@ -292,6 +303,7 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
     settings.intrinsics = Vec4(lens.focal, lens.principal);
   if (const std::string text = sensor::distortion_text(lens.distortion); !text.empty())
     settings.distortion = text;
+  if (camera.imager) settings.detector = sensor::imager_text(*camera.imager);
   // once, not for each of many views
   if (DiagnosticLog apart; !check_lens(settings, apart)) {
     if (refused_.insert(path).second)
@@ -302,30 +314,82 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
   return true;
 }
 
+// The imager of the text, and the Sun's light in W/m² where none is given.
+bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& log) {
+  if (!settings.detector) return true;
+  auto& known = imagers_[*settings.detector];
+  if (known == nullptr) {
+    DiagnosticLog apart = log.apart();
+    const auto imager = sensor::parse_imager(*settings.detector, apart);
+    if (!imager) {
+      for (const Diagnostic& each : apart.entries())
+        log.report(Code::E0201, {}, "--detector: " + each.message, each.hint);
+      return false;
+    }
+    known = std::make_shared<const sensor::Imager>(*imager);
+  }
+  frame.imager = known;
+  sensor::Imager exposed = *known;
+  if (const auto seconds = settings.exposure->number; seconds && *seconds > 0)
+    exposed.detector.exposure_s = *seconds;
+  if (const std::string why =
+          sensor::check_imager(exposed, settings.size->width, settings.size->height);
+      !why.empty()) {
+    log.report(Code::E0201, {}, why, "docs/detector.md");
+    return false;
+  }
+  const double distance = *settings.sun_distance;
+  if (!settings.white) settings.white = light::kSolarIrradiance;
+  if (!settings.sun_irradiance)
+    settings.sun_irradiance = light::kSolarIrradiance / (distance * distance);
+  return true;
+}
+
 Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
   auto frame = at_once(view, log);
   if (!frame || !expose(view, *frame, log)) return failed;
   return frame;
 }
 
+namespace {
+
+// With a detector's own time, where the frame is one of a sequence.
+Shutter shutter_of(const View& view, const Frame& frame) {
+  const Settings& settings = frame.settings;
+  const bool own = frame.imager != nullptr && settings.exposure->number == 0.0 &&
+                   !frame.imager->auto_exposure && view.motion;
+  return {own ? frame.imager->detector.exposure_s : settings.exposure->number.value_or(0),
+          *settings.line_time, frame.camera().height, static_cast<std::uint32_t>(*settings.tdi)};
+}
+
+// Exposures of frames without a before and an after: those of detectors.
+bool stands_still(const Frame& frame, const Shutter& shutter, DiagnosticLog& log) {
+  if (frame.imager != nullptr && shutter.line_time == 0 && shutter.stages == 0) return true;
+  const SettingId id = shutter.exposure != 0 ? SettingId::exposure : SettingId::line_time;
+  log.report(Code::E0201, {},
+             fmt::format("--{} is {}, expected 0 where nothing is known of other times",
+                         info_of(id).name, in_quotes(setting_text(id, frame.settings))),
+             "scenarios with times have a before and an after (`panwright run`); a camera file "
+             "with a [detector] exposes what stands still");
+  return false;
+}
+
+}  // namespace
+
 // Adds the moments of an exposure over time, if the image moves in it.
 bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   const Settings& settings = frame.settings;
-  const Shutter shutter{*settings.exposure, *settings.line_time, frame.camera().height,
-                        static_cast<std::uint32_t>(*settings.tdi)};
+  const Shutter shutter = shutter_of(view, frame);
   if (shutter.stages > 0 && shutter.line_time == 0) {
     log.report(Code::E0201, {}, "--tdi needs --line-time: rows are exposed one after the other");
     return false;
   }
   if (shutter.instant()) return true;
-  if (!view.motion) {
-    const SettingId id = *settings.exposure != 0 ? SettingId::exposure : SettingId::line_time;
-    log.report(Code::E0201, {},
-               fmt::format("--{} is {}, expected 0 where nothing is known of other times",
-                           info_of(id).name, in_quotes(setting_text(id, settings))),
-               "scenarios with times have a before and an after (`panwright run`)");
-    return false;
-  }
+  if (!view.motion) return stands_still(frame, shutter, log);
+  if (DiagnosticLog ignored;
+      settings.exposure->number == 0.0 && *settings.line_time == 0 &&
+      !(view.motion(shutter.begin(), ignored) && view.motion(shutter.end(), ignored)))
+    return true;  // a detector's own time, at an end of the sequence
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
   const auto moment_at = [&](double seconds) -> std::optional<Moment> {
     DiagnosticLog apart = log.apart();
@@ -398,6 +462,7 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   Frame frame;
   frame.label = view.label;
+  if (!use_detector(settings, frame, log)) return failed;
   frame.settings = with_presets(settings);
   frame.outputs = *settings.outputs;
   world::World posed = world_;

@@ -61,6 +61,7 @@ struct Frame : WorldState {
   std::optional<ShutterMoments> shutter;         // of these
   Settings settings;                             // of drawing and files, and the seed
   std::vector<std::string> outputs;              // files of one product
+  std::shared_ptr<const sensor::Imager> imager;  // optics and detector; null: none
   std::shared_ptr<const FrameLabelling> labels;  // to write beside them; null: none
 
   // The camera. Expects: one.
@@ -95,11 +96,13 @@ class FrameMaker {
   Result<Frame> at_once(const View& view, DiagnosticLog& log);
   bool expose(const View& view, Frame& frame, DiagnosticLog& log);
   bool use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log);
+  bool use_detector(Settings& settings, Frame& frame, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
   SkyReader sky_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
   std::set<std::string> refused_;                      // of them, those that were reported
+  std::map<std::string, std::shared_ptr<const sensor::Imager>> imagers_;  // by text
 };
 
 }  // namespace panwright::workspace

@@ -36,6 +36,9 @@ struct Written {
   bool orthographic = false;         // the camera
   double seconds = 0;                // spent on drawing it
   std::size_t moments = 1;           // of its exposure, drawn one by one
+  double exposure_s = 0;             // of a detector; 0: there is none
+  unsigned dn_bits = 0;              // of its numbers
+  std::size_t saturated = 0;         // pixels
   std::string record;                // JSON of record_text()
   std::vector<std::string> targets;  // of the world, by name
 

@@ -93,6 +93,7 @@ Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std
   Settings own;
   if (!frame.name.empty()) own.name = frame.name;
   if (frame.seed) own.seed = *frame.seed;
+  own.frame_number = static_cast<std::uint32_t>(number);
   std::vector<PoseSetting> poses;
   std::vector<JointText> joints;
   for (const scenario::TargetState& target : frame.targets) {

@@ -87,6 +87,11 @@ bool write_exr(AtomicFile& file, const Image& image, const FileOptions& options,
     add(FileLayer::target_id, {"id.target"}, image.target_id);
     add(FileLayer::node_id, {"id.node"}, image.node_id);
     add(FileLayer::material_id, {"id.material"}, image.material_id);
+    const std::vector<std::uint32_t> numbers(image.dn.begin(), image.dn.end());
+    add(FileLayer::dn, {"dn"}, numbers);
+    add(FileLayer::electrons, {"electrons"}, image.electrons);
+    for (const auto& [name, values] : image.stages)
+      if (options.has(FileLayer::stages)) layers.add(("stage." + name).c_str(), values, 0, 1);
     Imf::OutputFile output(stream, header);
     output.setFrameBuffer(layers.buffer());
     output.writePixels(static_cast<int>(image.height));

@@ -71,7 +71,25 @@ bool write_png(AtomicFile& file, const Image& image, const PngExposure& exposure
   PngOptions options;
   options.channels = 3;
   options.says_srgb = true;
-  const std::string png = png_file(image.width, image.height, codes, options);
+  return write_with_record(file, image, png_file(image.width, image.height, codes, options), log);
+}
+
+bool write_numbers_png(AtomicFile& file, const Image& image, DiagnosticLog& log) {
+  PngOptions options;
+  options.channels = 1;
+  options.bytes = image.dn_bits > 8 ? 2 : 1;
+  options.bits = image.dn_bits;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.dn.size() * static_cast<std::size_t>(options.bytes));
+  for (const std::uint16_t number : image.dn) {
+    if (options.bytes == 2) bytes.push_back(static_cast<std::uint8_t>(number >> 8));
+    bytes.push_back(static_cast<std::uint8_t>(number));
+  }
+  return write_with_record(file, image, png_file(image.width, image.height, bytes, options), log);
+}
+
+bool write_with_record(AtomicFile& file, const Image& image, const std::string& png,
+                       DiagnosticLog& log) {
   // the signature and the first chunk, of fixed sizes; then what has no order
   constexpr std::size_t kHeader = 8 + 25;
   std::string head = png.substr(0, kHeader);

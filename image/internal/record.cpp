@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "image/internal/writers.h"
 #include "image/internal/zip.h"
 
 namespace panwright::image {
@@ -71,7 +72,7 @@ Result<std::string> read_image_record(const std::filesystem::path& path, Diagnos
   const auto format = image_format(path);
   if (!format) {
     log.report_file(Code::E0202, path.string(),
-                    fmt::format("records are read from .png, .exr and .npz, not {}",
+                    fmt::format("records are read from .png, .exr, .npz, .tif and .fits, not {}",
                                 in_quotes(path.extension().string())));
     return failed;
   }
@@ -81,6 +82,8 @@ Result<std::string> read_image_record(const std::filesystem::path& path, Diagnos
                                file->bytes().size());
   Found found;
   if (*format == ImageFormat::png) found = record_of_png(bytes);
+  if (*format == ImageFormat::tiff) found = record_of_tiff(bytes);
+  if (*format == ImageFormat::fits) found = record_of_fits(bytes);
   if (*format == ImageFormat::npz) found = record_of_npz(file->bytes());
   if (*format == ImageFormat::exr) found = record_of_exr(path);
   if (found) return *std::move(found);

@@ -156,10 +156,27 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
     return folder.write(name + ".toml", "[[source]]\nkernels = \"" + name +
                                             "\"\nbody = -99\nobserver = \"EARTH\"\n");
   };
+  const auto detector = [&](const char* name, const std::string& members,
+                            const std::string& aperture = "10") {
+    return folder.write(name, "size = 8\nfocal = 8\n[optics]\naperture_mm = " + aperture +
+                                  "\n[detector]\npixel_um = 5\n" + members);
+  };
   std::vector<Trigger> triggers = {
       {"E0220", {"render", pan, "-o", png, "--camera-file", camera_file}, {}},
       {"W0221",
        {"render", pan, "-o", png, "--camera-file", two_cameras, "--engine", "reference"},
+       {}},
+      {"W0222",
+       {"camera", detector("coarse.toml", "exposure_s = 1\nread_noise_e = 2\ndn_per_e = 0.1\n")},
+       {}},
+      {"W5017",
+       {"render", pan, "-o", png, "--camera-file",
+        detector("bright.toml", "exposure_s = 1e5\n", "1e6"), "--sun-irradiance", "1e20",
+        "--engine", "reference", "--samples", "1"},
+       {}},
+      {"W5018",
+       {"render", pan, "-o", png, "--camera-file", detector("auto.toml", "exposure_s = \"auto\"\n"),
+        "--camera", "0 -9 0", "--look-at", "0 -10 0", "--engine", "reference", "--samples", "1"},
        {}},
       {"E8001", {"scenario", table("word.csv", "0,one,0,0\n")}, {}},
       {"W8002", {"scenario", folder.write("more.csv", "time[s],camera.colour[1]\n0,1\n")}, {}},

@@ -521,10 +521,14 @@ TEST(Detector, FiltersChooseBandsAndWrongValuesAreCounted) {
   EXPECT_EQ(read_out(detector, means, 0, 0).dn[0], 600);
   values[0] = -1;
   values[4] = std::nanf("");
-  values[8] = INFINITY;
+  values[8] = -INFINITY;
   const Readout wrong = read_out(detector, means, 0, 0);
   EXPECT_EQ(wrong.invalid, 3u);
   EXPECT_EQ(wrong.dn[0], 500);
+  values[8] = INFINITY;
+  EXPECT_EQ(read_out(detector, means, 0, 0).invalid, 3u);
+  EXPECT_EQ(read_out(detector, means, 0, 0).dn[2], 4095);
+  values[8] = 0;
   // full wells and the converter's end
   detector.full_well_e = 550;
   const Readout full = read_out(detector, means, 0, 0);

@@ -29,6 +29,9 @@ enum class SettingId : std::uint8_t {
   camera_file,
   ortho,
   exposure,
+  detector,
+  noise_seed,
+  frame_number,
   line_time,
   tdi,
   pose,
@@ -72,6 +75,7 @@ enum class SettingId : std::uint8_t {
 struct Settings {
   enum class Ev : std::uint8_t { automatic };
   enum class Tone : std::uint8_t { linear, photo };
+  enum class Exposure : std::uint8_t { automatic };
   enum class Stars : std::uint8_t { off };
   enum class Engine : std::uint8_t { gl, reference };
   enum class Quality : std::uint8_t { draft, standard, exact };
@@ -99,7 +103,10 @@ struct Settings {
   Setting<std::string> distortion;
   Setting<std::string> camera_file;
   Setting<double> ortho;
-  Setting<double> exposure{0.0};
+  Setting<NumberOr<Exposure, double>> exposure{0.0};
+  Setting<std::string> detector;
+  Setting<std::uint64_t> noise_seed{std::uint64_t{0}};
+  Setting<std::uint32_t> frame_number{std::uint32_t{0}};
   Setting<double> line_time{0.0};
   Setting<std::uint32_t> tdi{std::uint32_t{0}};
   Setting<std::vector<PoseSetting>> pose;

@@ -12,6 +12,7 @@ namespace panwright::workspace {
 // Words of choices and in place of numbers, by value.
 inline constexpr std::string_view kEvWords[] = {"auto"};
 inline constexpr std::string_view kToneWords[] = {"linear", "photo"};
+inline constexpr std::string_view kExposureWords[] = {"auto"};
 inline constexpr std::string_view kStarsWords[] = {"off"};
 inline constexpr std::string_view kEngineWords[] = {"gl", "reference"};
 inline constexpr std::string_view kQualityWords[] = {"draft", "standard", "exact"};
@@ -28,7 +29,7 @@ inline constexpr SettingInfo kSettings[] = {
      "", "", "", ""},
     {"output", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
      "a file name", "a file name",
-     "-o,--output", "", "FILE", "Image to write: .png, .exr, .npy (radiance) or .npz (radiance and ground truth)"},
+     "-o,--output", "", "FILE", "Image to write: .png, .exr, .npy (radiance) or .npz (radiance and ground truth); of a detector also .tif and .fits"},
     {"outputs", kFormTexts, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
      "a list of file names, as [\"a.png\", \"a.npz\"]", "a list of file names, as [\"a.png\", \"a.npz\"]",
      "", "", "", ""},
@@ -43,7 +44,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--tone", "Camera and Sun", "linear|photo", "Tone curve of PNG output: linear (default), clipped at white; photo: compressed highlights that keep their hue"},
     {"layers", kFormTexts | kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "names of layers, as [\"depth\", \"node_id\"]", "the name of one layer or more",
-     "--layers", "", "\"NAMES\"", "Layers of .exr and .npz (default: all): radiance, coverage, depth, range, normal, target_id, node_id, material_id, standard_error; blanks or commas between names"},
+     "--layers", "", "\"NAMES\"", "Layers of .exr and .npz (default: all): radiance, coverage, depth, range, normal, target_id, node_id, material_id, standard_error, dn, electrons, stages (only if named); blanks or commas between names"},
     {"compress", kFormFlag, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::changed,
      "true or false", "true or false",
      "--compress", "", "", "Compress the layers of .npz"},
@@ -80,9 +81,18 @@ inline constexpr SettingInfo kSettings[] = {
     {"ortho", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, kUnbounded, kAbove, EngineSet::both, Recorded::given,
      "a number of metres", "a width in metres above 0",
      "--ortho", "Camera and Sun", "METRES", "Width of an orthographic image"},
-    {"exposure", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1000000.0, 0, EngineSet::both, Recorded::changed,
-     "seconds, 0 to 1e6", "seconds, 0 to 1e6",
-     "--exposure", "Camera and Sun", "SECONDS", "Exposure time, around the time of the frame: what moves is blurred (default 0: an instant)"},
+    {"exposure", kFormNumber | kFormText, 0, 0, SettingUnit::none, kExposureWords, 0.0, 1000000.0, 0, EngineSet::both, Recorded::changed,
+     "seconds, 0 to 1e6, or \"auto\"", "seconds, 0 to 1e6, or auto",
+     "--exposure", "Camera and Sun", "SECONDS|auto", "Exposure time, around the time of the frame: what moves is blurred (default 0: an instant; of a detector its own; auto: by the image)"},
+    {"detector", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "tables [optics] and [detector] as text", "tables [optics] and [detector] as text",
+     "", "", "", ""},
+    {"noise-seed", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1.8446744073709552e+19, 0, EngineSet::both, Recorded::changed,
+     "a whole number from 0 on", "a whole number from 0 to 18446744073709551615",
+     "--noise-seed", "Camera and Sun", "N", "Seed of the noise of a detector (default 0)"},
+    {"frame-number", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 4294967295.0, 0, EngineSet::both, Recorded::changed,
+     "a whole number from 0 to 4294967295", "a whole number from 0 to 4294967295",
+     "--frame-number", "Camera and Sun", "N", "Number of the frame, which has a noise of its own (default 0; of scenarios that of each frame)"},
     {"line-time", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, -1000.0, 1000.0, 0, EngineSet::both, Recorded::changed,
      "seconds, -1000 to 1000", "seconds, -1000 to 1000",
      "--line-time", "Camera and Sun", "SECONDS", "Rolling shutter: time from the exposure of a row to that of the row below it; negative: above it (default 0: all at once)"},
@@ -197,8 +207,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -224,6 +234,9 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::camera_file: return f(id, settings.camera_file...);
     case SettingId::ortho: return f(id, settings.ortho...);
     case SettingId::exposure: return f(id, settings.exposure...);
+    case SettingId::detector: return f(id, settings.detector...);
+    case SettingId::noise_seed: return f(id, settings.noise_seed...);
+    case SettingId::frame_number: return f(id, settings.frame_number...);
     case SettingId::line_time: return f(id, settings.line_time...);
     case SettingId::tdi: return f(id, settings.tdi...);
     case SettingId::pose: return f(id, settings.pose...);
@@ -287,6 +300,9 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::camera_file, settings.camera_file...);
   f(SettingId::ortho, settings.ortho...);
   f(SettingId::exposure, settings.exposure...);
+  f(SettingId::detector, settings.detector...);
+  f(SettingId::noise_seed, settings.noise_seed...);
+  f(SettingId::frame_number, settings.frame_number...);
   f(SettingId::line_time, settings.line_time...);
   f(SettingId::tdi, settings.tdi...);
   f(SettingId::pose, settings.pose...);
@@ -329,7 +345,8 @@ void visit_settings(F&& f, S&... settings) {
 inline constexpr Exclusion kExclusions[] = {
     {bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), "--fov, --ifov, --intrinsics and --ortho cannot be combined"},
     {bit(SettingId::distortion), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::ortho), "--distortion requires --intrinsics, and no other lens"},
-    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion), "--camera-file cannot be combined with --size or another lens"},
+    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion) | bit(SettingId::detector), "--camera-file cannot be combined with --size or another lens"},
+    {bit(SettingId::detector), bit(SettingId::ortho), "a detector needs a perspective lens, not --ortho"},
     {bit(SettingId::quat), bit(SettingId::look_at), "--quat cannot be combined with --look-at"},
     {bit(SettingId::camera_frame), bit(SettingId::camera) | bit(SettingId::quat) | bit(SettingId::look_at), "--camera-frame cannot be combined with --camera, --quat or --look-at"},
     {bit(SettingId::samples) | bit(SettingId::pixel_error), bit(SettingId::samples) | bit(SettingId::pixel_error), ""},
@@ -363,6 +380,8 @@ inline constexpr Preset kPresets[] = {
 
 // Settings without effect beside others.
 inline constexpr Idle kIdle[] = {
+    {SettingId::noise_seed, [](const Settings& s) { return bool(!s.detector); }},
+    {SettingId::frame_number, [](const Settings& s) { return bool(!s.detector); }},
     {SettingId::flux_error, [](const Settings& s) { return bool(*s.imposters == Settings::Imposters::off); }},
     {SettingId::max_samples, [](const Settings& s) { return bool(!s.until_error); }},
 };

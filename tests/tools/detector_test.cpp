@@ -1,0 +1,209 @@
+// Numbers of detectors in files, from the command line.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "image/arrays.h"
+#include "tests/support/process.h"
+
+namespace panwright::detector_test {
+namespace {
+
+using support::contents;
+using support::Outcome;
+using support::panwright;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+
+constexpr const char* kBall = "<pangu_model ver=\"1\"><sphere radius=\"1\"/></pangu_model>";
+// f = 64 mm, 10 µm: 6400 pixels, of which the image has 40
+constexpr const char* kCamera =
+    "size = [40, 30]\nfocal_length_mm = 64\npixel_um = 10\n[optics]\naperture_mm = 16\n";
+constexpr const char* kDetector =
+    "[detector]\nexposure_s = 1e-4\nread_noise_e = 8\nbias_dn = 50\nfull_well_e = 20000\nprnu = "
+    "0.02\n";
+
+std::vector<std::string> render(const TemporaryFolder& folder, const std::string& output,
+                                std::vector<std::string> more = {}) {
+  std::vector<std::string> words = {
+      "render",   folder / "ball.pxn", "-o",        folder / output, "--camera",
+      "0 -400 0", "--engine",          "reference", "--sun",         "0 -1 0"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+template <class T>
+std::vector<T> layer(const std::string& file, const char* name) {
+  DiagnosticLog log;
+  const std::string_view names[] = {name};
+  const auto arrays = image::read_arrays(file, names, 1 << 24, log);
+  if (!arrays || arrays->size() != 1) return {};
+  std::vector<T> out((*arrays)[0].data.size() / sizeof(T));
+  std::memcpy(out.data(), (*arrays)[0].data.data(), out.size() * sizeof(T));
+  return out;
+}
+
+// The same numbers in each file, which make the same image again.
+TEST(DetectorFiles, HoldTheSameNumbers) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string camera = folder.write("camera.toml", std::string(kCamera) + kDetector);
+  const std::vector<std::string> options = {"--camera-file", camera, "--layers",
+                                            "dn electrons stages"};
+  for (const char* name : {"a.npz", "a.fits", "a.tif", "a.png"}) {
+    const Outcome done = panwright(render(folder, name, options));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_THAT(done.out, HasSubstr("12 bits, exposure 0.0001 s"));
+  }
+  const auto dn = layer<std::uint16_t>(folder / "a.npz", "dn");
+  ASSERT_EQ(dn.size(), 1200u);
+  EXPECT_GT(*std::max_element(dn.begin(), dn.end()), 200);
+  const std::string fits = contents(folder / "a.fits"), tiff = contents(folder / "a.tif");
+  const auto byte = [](const std::string& text, std::size_t at) {
+    return static_cast<unsigned>(static_cast<unsigned char>(text.at(at)));
+  };
+  const std::size_t end = fits.find("END" + std::string(77, ' '));
+  ASSERT_NE(end, fits.npos);
+  const std::size_t data = (end + 80 + 2879) / 2880 * 2880;
+  ASSERT_EQ(fits.size() % 2880, 0u);
+  const std::size_t samples = tiff.size() - 2400;
+  for (std::size_t i = 0; i < dn.size(); ++i) {
+    const std::size_t row = 29 - i / 40, at = data + 2 * (row * 40 + i % 40);
+    ASSERT_EQ((byte(fits, at) << 8 | byte(fits, at + 1)) ^ 0x8000u, dn[i]);
+    ASSERT_EQ(byte(tiff, samples + 2 * i) | byte(tiff, samples + 2 * i + 1) << 8, dn[i]);
+  }
+  for (const char* name : {"a.fits", "a.tif", "a.png", "a.npz"}) {
+    const std::string again = folder / (std::string("again") + std::string(name).substr(1));
+    const Outcome done = panwright({"render", "--again", folder / name, "-o", again});
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(contents(again), contents(folder / name)) << name;
+  }
+  // the layers of stages add up to the numbers
+  const auto signal = layer<float>(folder / "a.npz", "stage_signal");
+  const auto shot = layer<float>(folder / "a.npz", "stage_shot");
+  ASSERT_EQ(signal.size(), 1200u);
+  ASSERT_EQ(shot.size(), 1200u);
+  EXPECT_TRUE(layer<float>(folder / "a.npz", "radiance").empty());
+}
+
+// A white plate facing the Sun: the electrons of the lens equation.
+TEST(DetectorFiles, AreInElectronsOfTheSun) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string camera =
+      folder.write("camera.toml",
+                   std::string(kCamera) +
+                       "[detector]\nexposure_s = 1e-4\nqe = [0.4, 0.5, 0.3]\nfull_well_e = 1e6\n");
+  ASSERT_EQ(panwright(render(folder, "d.npz", {"--camera-file", camera})).code, 0);
+  ASSERT_EQ(panwright(render(folder, "r.npz",
+                             {"--intrinsics", "6400 6400 20 15", "--size", "40x30",
+                              "--sun-irradiance", "158.6 186.2 191.4"}))
+                .code,
+            0);
+  const auto radiance = layer<float>(folder / "r.npz", "radiance");
+  EXPECT_EQ(layer<float>(folder / "d.npz", "radiance"), radiance);
+  double expected = 0, electrons = 0;
+  const double nm[] = {650, 550, 450}, qe[] = {0.4, 0.5, 0.3};
+  for (std::size_t i = 0; i < radiance.size(); ++i)
+    expected += radiance[i] * qe[i % 3] * nm[i % 3] * 1e-9 / 1.98644586e-25;  // h c
+  expected *= 1e-4 * 3.14159265 * 0.008 * 0.008 / (6400.0 * 6400);
+  for (const float each : layer<float>(folder / "d.npz", "electrons")) electrons += each;
+  EXPECT_NEAR(electrons, expected, 5 * std::sqrt(expected) + 1e-5 * expected);
+  // at 2 AU a quarter
+  ASSERT_EQ(
+      panwright(render(folder, "f.npz", {"--camera-file", camera, "--sun-distance", "2"})).code, 0);
+  double far = 0;
+  for (const float each : layer<float>(folder / "f.npz", "electrons")) far += each;
+  EXPECT_NEAR(far / electrons, 0.25, 0.005);
+}
+
+TEST(DetectorFiles, HaveTheirExposureAndNoise) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string camera = folder.write("camera.toml", std::string(kCamera) + kDetector);
+  const auto numbers = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--camera-file", camera});
+    const Outcome done = panwright(render(folder, "n.npz", more));
+    EXPECT_EQ(done.code, 0) << done.err;
+    return layer<std::uint16_t>(folder / "n.npz", "dn");
+  };
+  const auto first = numbers({});
+  EXPECT_EQ(numbers({"--threads", "1"}), first);
+  EXPECT_NE(numbers({"--noise-seed", "1"}), first);
+  EXPECT_NE(numbers({"--frame-number", "1"}), first);
+  const auto brightest = [](const auto& dn) { return *std::max_element(dn.begin(), dn.end()); };
+  EXPECT_GT(brightest(numbers({"--exposure", "2e-4"})), 1.5 * brightest(first));
+  // 80 % of the full well: 50 + 0.8 · 4045
+  EXPECT_NEAR(brightest(numbers({"--exposure", "auto"})), 3286, 250);
+}
+
+// Optics in thirds of pixels keep the light, and the truth of the pixel's centre.
+TEST(DetectorFiles, AreBlurredByTheirOptics) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string sharp =
+      folder.write("sharp.toml", std::string(kCamera) +
+                                     "[detector]\nexposure_s = 1e-4\noff = [\"shot\"]\n"
+                                     "full_well_e = 1e6\n");
+  const std::string airy =
+      folder.write("airy.toml", std::string(kCamera) +
+                                    "diffraction = true\ndefocus_px = 3\n[detector]\n"
+                                    "exposure_s = 1e-4\noff = [\"shot\"]\nfull_well_e = 1e6\n");
+  ASSERT_EQ(panwright(render(folder, "s.npz", {"--camera-file", sharp})).code, 0);
+  ASSERT_EQ(panwright(render(folder, "b.npz", {"--camera-file", airy})).code, 0);
+  const auto a = layer<float>(folder / "s.npz", "electrons"),
+             b = layer<float>(folder / "b.npz", "electrons");
+  double sum_a = 0, sum_b = 0;
+  for (const float each : a) sum_a += each;
+  for (const float each : b) sum_b += each;
+  EXPECT_NEAR(sum_b / sum_a, 1, 0.01);  // with the noise of sampling
+  // across the edge
+  const std::size_t row = 15 * 40;
+  EXPECT_LT(b[row + 20], a[row + 20] * 1.02);
+  EXPECT_EQ(layer<std::uint32_t>(folder / "b.npz", "target_id"),
+            layer<std::uint32_t>(folder / "s.npz", "target_id"));
+}
+
+TEST(DetectorFiles, NeedADetector) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  Outcome done = panwright(render(folder, "a.fits"));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("holds numbers of a detector"));
+  const std::string plain = folder.write("plain.toml", "size = 40\nfocal = 640\n");
+  EXPECT_THAT(panwright(render(folder, "a.tif", {"--camera-file", plain})).err,
+              HasSubstr("holds numbers of a detector"));
+  done = panwright(render(folder, "a.png", {"--exposure", "0.1"}));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("--exposure is '0.1'"));
+}
+
+TEST(CameraCommand, SaysWhatAFileMakes) {
+  const TemporaryFolder folder;
+  const std::string camera = folder.write(
+      "camera.toml", std::string(kCamera) + "diffraction = true\npsf_px = 0.3\n" + kDetector);
+  const Outcome done = panwright({"camera", camera, "--json", "--svg", folder / "plots"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto json = nlohmann::json::parse(done.out);
+  EXPECT_NEAR(json["range_of_1m"].get<double>(), 6400, 1e-6);
+  EXPECT_NEAR(json["field_of_view_deg"][0].get<double>(), 2 * std::atan(20 / 6400.0) * 57.29578,
+              1e-6);
+  EXPECT_NEAR(json["f_number"].get<double>(), 4, 1e-9);
+  EXPECT_NEAR(json["airy_px"].get<double>(), 0.55 * 4 / 10, 1e-9);
+  EXPECT_NEAR(json["mtf_nyquist"]["pixel"].get<double>(), 0.6366, 1e-4);
+  EXPECT_NEAR(json["noise"][4]["shot"].get<double>(), std::sqrt(20000), 0.1);
+  EXPECT_NEAR(json["noise"][4]["prnu"].get<double>(), 400, 0.1);
+  for (const char* name : {"transfer", "mtf", "energy"})
+    EXPECT_THAT(contents(folder / ("plots/camera-" + std::string(name) + ".svg")),
+                HasSubstr("</svg>"));
+}
+
+}  // namespace
+}  // namespace panwright::detector_test
