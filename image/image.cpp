@@ -58,6 +58,13 @@ bool write_image(const std::filesystem::path& path, const Image& image, const Pn
                     in_quotes(path.extension().string())));
     return false;
   }
+  if ((*format == ImageFormat::tiff || *format == ImageFormat::fits) && image.dn.empty()) {
+    log.report_file(Code::E0202, path.string(),
+                    "the file holds numbers of a detector, and the camera has none; expected .png, "
+                    ".exr, .npy or .npz",
+                    "docs/detector.md");
+    return false;
+  }
   auto file = AtomicFile::create(path, log);
   if (!file) return false;
   bool written = false;

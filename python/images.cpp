@@ -47,6 +47,12 @@ py::object layer_of(py::object self, std::size_t layer) {
       return made(image.material_id, 1);
     case FileLayer::standard_error:
       return made(image.standard_error, 3);
+    case FileLayer::dn:
+      return made(image.dn, 1);
+    case FileLayer::electrons:
+      return made(image.electrons, 1);
+    case FileLayer::stages:
+      break;
   }
   return py::none();
 }
