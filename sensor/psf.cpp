@@ -92,7 +92,7 @@ double encircled_energy(const Optics& optics, double airy_px, double radius_px) 
   if (optics.diffraction) end = std::min(end, 1 / airy_px);
   if (optics.defocus_px > 0) end = std::min(end, 60 / optics.defocus_px);
   if (end == 1e9) return 1;
-  const int steps = 2000 + static_cast<int>(std::min(40 * end * radius_px, 1e5));
+  const int steps = 500 + static_cast<int>(std::min(20 * end * radius_px, 1e5));
   const double step = end / steps;
   double sum = 0;
   for (int k = 0; k < steps; ++k) {

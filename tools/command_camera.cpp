@@ -296,8 +296,8 @@ class CameraReport {
     constexpr const char* kColors[] = {"#d62728", "#2ca02c", "#1f77b4"};
     for (std::size_t band = 0; band < sensor::kBands; ++band) {
       PlotCurve curve{{}, kColors[band], fmt::format("{} nm", sensor::kBandNm[band]), {}};
-      for (int k = 0; k <= 80; ++k)
-        curve.points.emplace_back(0.1 * k, sensor::encircled_energy(o, airy_[band], 0.1 * k));
+      for (int k = 0; k <= 40; ++k)
+        curve.points.emplace_back(0.2 * k, sensor::encircled_energy(o, airy_[band], 0.2 * k));
       plot.curves.push_back(std::move(curve));
     }
     return plot;

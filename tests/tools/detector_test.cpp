@@ -27,7 +27,7 @@ constexpr const char* kBall = "<pangu_model ver=\"1\"><sphere radius=\"1\"/></pa
 constexpr const char* kCamera =
     "size = [40, 30]\nfocal_length_mm = 64\npixel_um = 10\n[optics]\naperture_mm = 16\n";
 constexpr const char* kDetector =
-    "[detector]\nexposure_s = 1e-4\nread_noise_e = 8\nbias_dn = 50\nfull_well_e = 20000\nprnu = "
+    "[detector]\nexposure_s = 2e-5\nread_noise_e = 8\nbias_dn = 50\nfull_well_e = 20000\nprnu = "
     "0.02\n";
 
 std::vector<std::string> render(const TemporaryFolder& folder, const std::string& output,
@@ -60,7 +60,7 @@ TEST(DetectorFiles, HoldTheSameNumbers) {
   for (const char* name : {"a.npz", "a.fits", "a.tif", "a.png"}) {
     const Outcome done = panwright(render(folder, name, options));
     ASSERT_EQ(done.code, 0) << done.err;
-    EXPECT_THAT(done.out, HasSubstr("12 bits, exposure 0.0001 s"));
+    EXPECT_THAT(done.out, HasSubstr("12 bits, exposure 2e-05 s"));
   }
   const auto dn = layer<std::uint16_t>(folder / "a.npz", "dn");
   ASSERT_EQ(dn.size(), 1200u);
@@ -139,7 +139,7 @@ TEST(DetectorFiles, HaveTheirExposureAndNoise) {
   EXPECT_NE(numbers({"--noise-seed", "1"}), first);
   EXPECT_NE(numbers({"--frame-number", "1"}), first);
   const auto brightest = [](const auto& dn) { return *std::max_element(dn.begin(), dn.end()); };
-  EXPECT_GT(brightest(numbers({"--exposure", "2e-4"})), 1.5 * brightest(first));
+  EXPECT_LT(brightest(numbers({"--exposure", "1e-5"})), 0.6 * brightest(first));
   // 80 % of the full well: 50 + 0.8 · 4045
   EXPECT_NEAR(brightest(numbers({"--exposure", "auto"})), 3286, 250);
 }
