@@ -360,7 +360,7 @@ class ScenarioReader {
       return scenario::clohessy_wiltshire_source(target, orbit_state(part), *rate);
     }
     if (*formula == "two_body") {
-      const double mu = part.number("mu").value_or(3.986004418e14);
+      const double mu = part.number("mu").value_or(scenario::kEarthGravity);
       const auto span = part.number("span");
       const scenario::OrbitState state = orbit_state(part);
       if (!(mu > 0)) part.fail(table, "mu is not above 0 m³/s²");
