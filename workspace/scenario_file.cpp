@@ -474,6 +474,7 @@ class ScenarioReader {
     const auto* map = std::get_if<Table::Map>(&table->data);
     if (map == nullptr) return reader.fail(*table, "view is not a table of settings");
     for (const auto& [name, value] : *map) read_setting_of(reader, name, value, settings);
+    place_sky_files(folder_, settings);
     if (!settings.camera_file) return;
     settings.camera_file = (folder_ / *settings.camera_file).string();
     good_ = require_file(*settings.camera_file, log_) && good_;

@@ -229,6 +229,17 @@ scenario::Epoch date_of(const Settings& settings) {
 
 }  // namespace
 
+void place_sky_files(const std::filesystem::path& folder, Settings& settings) {
+  if (settings.star_catalogue)
+    settings.star_catalogue = (folder / *settings.star_catalogue).string();
+  if (!settings.planet) return;
+  auto planets = *settings.planet;
+  for (auto& [name, text] : planets)
+    if (const std::size_t at = text.find("map="); at != text.npos && at + 4 < text.size())
+      text = text.substr(0, at + 4) + (folder / text.substr(at + 4)).string();
+  settings.planet = std::move(planets);
+}
+
 bool shows_sky(const Settings& settings) {
   return !settings.planet->empty() || !settings.sky->empty() || settings.stars->number;
 }

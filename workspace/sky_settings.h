@@ -1,6 +1,7 @@
 // Bodies of the sky, from settings (docs/sky.md, docs/sky-by-date.md).
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -39,6 +40,9 @@ bool needs_orbit(const Settings& settings);
 // outside 1972 to 2050.
 Result<std::optional<scenario::DatedSky>> dated_sky_of(const Settings& settings,
                                                        DiagnosticLog& log);
+
+// Makes the paths of maps and of a star catalogue those of files in a folder.
+void place_sky_files(const std::filesystem::path& folder, Settings& settings);
 
 // Returns whether there is a sky: an image of it needs no target.
 bool shows_sky(const Settings& settings);
