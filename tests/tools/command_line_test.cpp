@@ -94,7 +94,7 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"render", "a", "--size", "640", "480"}, "--size \"640 480\""},
       {{"render", "a", "--intrinsics", "9", "9", "4", "4"}, "--intrinsics \"9 9 4 4\""},
       {{"render", "a", "--noise", "3"}, "apply the detector to the .npz (docs/limits.md)"},
-      {{"render", "a", "--skybox", "1"}, "--stars V draws stars (docs/sky.md, docs/stars.md)"},
+      {{"render", "a", "--skybox", "1"}, "--stars V draws stars (docs/sky-by-date.md, docs/sky.md, docs/stars.md)"},
       {{"render", "a", "--exposure", "1"}, "--ev STOPS, or --ev auto, sets the exposure of a PNG"},
       {{"render", "a", "--labels"}, "meta.json names the ids"},
       {{"render", "a", "--light", "1"}, "--lamp adds a light"},

@@ -57,10 +57,10 @@ constexpr const char* kDate = "2026-03-20T12:00:00";
 
 TEST(OrbitText, ElementsStatesAndCentres) {
   scenario::Orbit orbit;
-  EXPECT_EQ(read_orbit("a=7000km e=0.1 i=90deg raan=0 aop=0 nu=0", orbit), "");
-  EXPECT_LT(glm::length(orbit.start.position - Vec3(6300e3, 0, 0)), 1e-6);
+  EXPECT_EQ(read_orbit("a=8000km e=0.1 i=90deg raan=0 aop=0 nu=0", orbit), "");
+  EXPECT_LT(glm::length(orbit.start.position - Vec3(7200e3, 0, 0)), 1e-6);
   EXPECT_NEAR(orbit.start.velocity.y, 0, 1e-9);
-  EXPECT_GT(orbit.start.velocity.z, 8000);
+  EXPECT_NEAR(orbit.start.velocity.z, std::sqrt(scenario::kEarthGravity / 7.2e6 * 1.1), 1e-6);
   EXPECT_EQ(read_orbit("r=7000km 0 0 v=0 7.5km/s 100 axes=rtn epoch=2026-01-01T00:00:00", orbit),
             "");
   EXPECT_EQ(orbit.start.position, Vec3(7e6, 0, 0));
