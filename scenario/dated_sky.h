@@ -41,7 +41,7 @@ struct OrbitElements {
 // beyond the asymptotes.
 std::optional<OrbitState> state_of(const OrbitElements& elements, double mu);
 
-// Where the origin of a world is.
+// Place of the origin of a world.
 struct Orbit {
   Centre about = Centre::earth;
   bool at_centre = false;      // the origin is that centre, at rest; `start` has no meaning

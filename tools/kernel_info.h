@@ -1,4 +1,4 @@
-// What SPICE kernels hold, as `panwright info` shows it.
+// Contents of SPICE kernels, as `panwright info` shows them.
 #pragma once
 
 #include <filesystem>

@@ -237,7 +237,7 @@ void set_sun(const Settings& settings, const std::optional<scenario::DatedSky>& 
   sun.limb_darkening = *settings.limb_darkening;
   if (settings.sun_irradiance) {
     // by date it is given at 1 AU
-    const double square = dated ? sun.distance * sun.distance : 1;
+    const double square = settings.orbit ? sun.distance * sun.distance : 1;
     sun.irradiance = *settings.sun_irradiance / square;
   }
   if (settings.white) frame.white = *settings.white;

@@ -122,6 +122,9 @@ bool set_date(const Scenario& scenario, const scenario::Frame& frame, Settings& 
                     in_quotes(axes)),
         "docs/sky-by-date.md");
   if (!settings.orbit) {
+    if (rotating && !frame.sun_direction && shows_dated_sun(settings))
+      return fail("the Sun of the date needs the orbit whose axes clohessy_wiltshire has",
+                  "orbit in [view], or sun");
     if (centred && needs_orbit(settings)) own.orbit = centre == "EARTH" ? "earth" : "moon";
     return true;
   }

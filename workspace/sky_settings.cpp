@@ -1,6 +1,6 @@
 #include "workspace/sky_settings.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -245,7 +245,12 @@ bool shows_sky(const Settings& settings) {
 }
 
 bool uses_date(const Settings& settings) {
-  return faintest_of(settings) || settings.orbit || needs_orbit(settings);
+  return faintest_of(settings) || settings.orbit || needs_orbit(settings) ||
+         shows_dated_sun(settings);
+}
+
+bool shows_dated_sun(const Settings& settings) {
+  return has_name(settings, "sun") && !settings.sun;
 }
 
 bool needs_orbit(const Settings& settings) { return !first_dated(settings).empty(); }
@@ -281,7 +286,12 @@ Result<std::optional<scenario::DatedSky>> dated_sky_of(const Settings& settings,
     return failed;
   };
   if (!settings.orbit) {
-    if (dated.empty()) return std::optional<scenario::DatedSky>();
+    scenario::Orbit centre;
+    centre.at_centre = true;
+    if (dated.empty())
+      return settings.date && shows_dated_sun(settings)
+                 ? scenario::dated_sky(centre, date_of(settings))
+                 : std::nullopt;
     return fail(
         fmt::format("the place of the {} is not known, expected --date and --orbit, or "
                     "--planet {}=\"X Y Z\"",

@@ -31,10 +31,13 @@ bool check_sky(const Settings& settings, DiagnosticLog& log);
 // Returns whether a date changes the image: stars, an orbit, or bodies without a place of their
 // own.
 bool uses_date(const Settings& settings);
+// Returns whether the Sun's disc is drawn, and nothing but the date may say where.
+bool shows_dated_sun(const Settings& settings);
 // Returns whether bodies have no place of their own: an orbit and a date must give it.
 bool needs_orbit(const Settings& settings);
 
-// Returns the bodies about the origin of the world by `date` and `orbit`; nothing without an orbit.
+// Returns the bodies about the origin of the world by `date` and `orbit`. Without an orbit: those
+// about the Earth's centre if shows_dated_sun(), else nothing.
 //
 // Expects: check_sky(). Fails: E0201 for an orbit without a date, bodies without an orbit, dates
 // outside 1972 to 2050.

@@ -143,7 +143,13 @@ TEST(SkyByDate, WhatIsGivenWins) {
   EXPECT_EQ(frame.sun->direction, Vec3(0, 0, 1));
   EXPECT_EQ(frame.sun->distance, 2);
   EXPECT_EQ(frame.sun->irradiance->x, 25);
-  // without an orbit the irradiance stays that at the target
+  // without an orbit the Sun of --sky is that of the Earth's centre
+  const Frame sun = frame_of(settings_of(
+      {{SettingId::date, kDate}, {SettingId::sky, "sun"}, {SettingId::sun_irradiance, "100"}}));
+  EXPECT_GT(sun.sun->direction.x, 0.9999);
+  EXPECT_NEAR(sun.sun->distance, 0.9960, 1e-3);
+  EXPECT_EQ(sun.sun->irradiance->x, 100);
+  // and the irradiance stays that at the target
   const Frame plain = frame_of(settings_of({{SettingId::date, kDate},
                                             {SettingId::sun_distance, "2"},
                                             {SettingId::sun_irradiance, "100"},
@@ -309,7 +315,8 @@ TEST_F(ScenarioByDate, RelativeOrbitsHaveTheAxesOfTheirOrbit) {
   const Frame frame = at(relative + "orbit = \"a=7000km i=50 raan=20\"\n", 1000);
   EXPECT_LT(glm::length(frame.sky->bodies[0].centre - Vec3(-7e6, 0, 0)), 1e-2);
   at(relative + "orbit = \"a=7000km axes=j2000\"\n", 0, "axes that turn with its orbit");
-  at(relative, 0, "place of the earth is not known");
+  at(relative, 0, "needs the orbit whose axes");
+  at(relative + "sun = [1, 0, 0]\n", 0, "place of the earth is not known");
 }
 
 TEST_F(ScenarioByDate, FilesAreThoseOfTheScenariosFolder) {
