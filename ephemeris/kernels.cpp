@@ -271,6 +271,14 @@ std::string Kernels::body_name(int id) const {
   return known.empty() ? std::to_string(id) : std::string(known);
 }
 
+std::string Kernels::frame_name(int id) const { return data_->frame_text(id); }
+
+std::vector<std::string> Kernels::variables() const {
+  std::vector<std::string> out;
+  for (const auto& [name, values] : data_->pool.all()) out.push_back(name);
+  return out;
+}
+
 std::optional<Apparent> Kernels::state(int target, int observer, int frame, double et,
                                        Aberration aberration, std::string& problem) const {
   problem.clear();

@@ -79,6 +79,7 @@ class Kernels {
   std::optional<int> frame(std::string_view name) const;
   // Name of a body; its number where it has none.
   std::string body_name(int id) const;
+  std::string frame_name(int id) const;
 
   // State of a target relative to an observer, in axes of a frame. With aberration the frame is
   // that of the time at which light left its centre.
@@ -102,6 +103,8 @@ class Kernels {
   std::vector<Interval> attitude_coverage(int frame) const;
   // All segments, in the order of files.
   std::vector<SegmentInfo> segments() const;
+  // Names of the variables of text kernels, ascending.
+  std::vector<std::string> variables() const;
   // State or angles of one segment of segments(), in its own axes, whatever wins. For tests.
   std::optional<State> segment_state(std::size_t segment, double et) const;
   std::optional<Attitude> segment_pointing(std::size_t segment, double ticks) const;

@@ -19,6 +19,9 @@ struct FormatInfo {
   std::string_view name;    // "coco"
   std::string_view files;   // files that it writes, and their content
   bool one_target = false;  // it holds no second one
+  bool png = false;         // it has the images of frames, as PNG files
+  bool depth = false;       // it has their depth, of .npz or .exr files
+  bool flow = false;        // it has the motion to the next frame
 };
 // All formats, in the order of formats.def.
 std::span<const FormatInfo> formats();

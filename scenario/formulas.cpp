@@ -224,7 +224,9 @@ SourcePtr fixed_source(std::string name, const Frame& frame) {
 
 SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState& start,
                                     double rate) {
-  return placement_source(named("Clohessy-Wiltshire motion"), target, Quantity::position,
+  SourceInfo info = named("Clohessy-Wiltshire motion");
+  info.frame = kRtnFrame;
+  return placement_source(std::move(info), target, Quantity::position,
                           [start, rate](double time, Placement& placement) {
                             placement.position = clohessy_wiltshire(start, rate, time).position;
                             return kFilled;
@@ -235,6 +237,7 @@ Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& s
                                   const TimeSpan& span, DiagnosticLog& log) {
   SourceInfo info = named("two-body motion");
   info.spans = {span};
+  if (mu == kEarthGravity) info.centre = "EARTH";
   // a straight line meets the centre, sooner or later
   const double momentum = glm::length(cross(start.position, start.velocity));
   const bool straight =

@@ -6,12 +6,15 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
 #include "scenario/source.h"
 
 namespace panwright::scenario {
+
+inline constexpr double kEarthGravity = 3.986004418e14;  // m³/s²
 
 struct OrbitState {
   Vec3 position{0};  // metres
@@ -35,9 +38,13 @@ std::optional<OrbitState> two_body(const OrbitState& start, double mu, double se
 // The members that a frame has, at all times. Its name, seed and time are left out.
 SourcePtr fixed_source(std::string name, const Frame& frame);
 
-// Position of a target (empty: of the camera) that starts at time 0, at all times.
+// Name of the axes of clohessy_wiltshire(), as CCSDS has it.
+inline constexpr std::string_view kRtnFrame = "RTN";
+
+// Position of a target (empty: of the camera) that starts at time 0, at all times; axes kRtnFrame.
 SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState& start,
                                     double rate);
+// With kEarthGravity its centre is the Earth.
 // Fails: E8003 for a straight line, and for a start that is no state of an orbit.
 Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& start, double mu,
                                   const TimeSpan& span, DiagnosticLog& log);

@@ -26,12 +26,6 @@ std::vector<TimeSpan> intersection(const std::vector<TimeSpan>& a, const std::ve
   return out;
 }
 
-// Axes that differ by less than 0.1 arcseconds: the mean equator of J2000, and the ICRF.
-bool is_inertial_j2000(std::string_view frame) {
-  return frame.starts_with("ICRF") || frame.starts_with("GCRF") || frame == "EME2000" ||
-         frame == "J2000";
-}
-
 bool same_axes(const std::string& a, const std::string& b) {
   return a == b || (is_inertial_j2000(a) && is_inertial_j2000(b));
 }

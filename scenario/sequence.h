@@ -46,6 +46,9 @@ class Sequence {
 
   const std::optional<Epoch>& epoch() const { return info_.epoch; }
   TimeSystem system() const { return info_.system; }
+  // Axes and origin of its positions, of the sources that state them; empty: none does.
+  const std::string& axes() const { return info_.frame; }
+  const std::string& centre() const { return info_.centre; }
   // Members of its frames.
   const std::vector<Channel>& channels() const { return info_.channels; }
   // Times that all sources cover, ascending.

@@ -33,6 +33,11 @@ std::string span_text(const SourceInfo& info, const TimeSpan& span) {
 
 }  // namespace
 
+bool is_inertial_j2000(std::string_view frame) {
+  return frame.starts_with("ICRF") || frame.starts_with("GCRF") || frame == "EME2000" ||
+         frame == "J2000";
+}
+
 std::string channel_text(const Channel& channel) {
   const std::string whose =
       channel.target.empty() ? "the camera" : "target " + in_quotes(channel.target);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,9 @@ enum class Quantity : std::uint8_t {
   name,
   seed,
 };
+
+// Returns whether axes are those of J2000 within 0.1": the mean equator of J2000, and the ICRF.
+bool is_inertial_j2000(std::string_view frame);
 
 // One member of a frame.
 struct Channel {

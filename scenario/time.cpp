@@ -272,6 +272,13 @@ std::string epoch_text(const Epoch& given, TimeSystem system) {
   return out;
 }
 
+double utc_seconds(const Epoch& epoch) {
+  std::int64_t offset = kLeapSeconds[0].offset;
+  for (const LeapSecond& leap : kLeapSeconds)
+    if (epoch.seconds >= leap.day * kDay + leap.offset) offset = leap.offset;
+  return seconds_between({kDay / 2 + offset, 0}, epoch);
+}
+
 bool leap_seconds_known(const Epoch& epoch) {
   return epoch.seconds < kKnownUntil * kDay + std::end(kLeapSeconds)[-1].offset;
 }

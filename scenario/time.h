@@ -42,6 +42,9 @@ std::optional<Epoch> parse_epoch(std::string_view text, TimeSystem system, std::
 // UTC is written with an offset of 10 s.
 std::string epoch_text(const Epoch& epoch, TimeSystem system);
 
+// Returns seconds of UTC after 2000-01-01T12:00:00, without leap seconds: UT1 within 0.9 s.
+double utc_seconds(const Epoch& epoch);
+
 // Returns whether the leap seconds of an epoch are known; after 2026-06-30 the last offset, 37 s,
 // is assumed.
 bool leap_seconds_known(const Epoch& epoch);

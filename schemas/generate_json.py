@@ -86,6 +86,8 @@ def command_schema(command, fields):
     always = [name for name in fields if not name.endswith("?")]
     if always:
         schema["if"] = {"properties": {"exit_code": {"const": 0}}}
+        if command in json_output.OTHER:
+            schema["if"]["properties"][json_output.OTHER[command]] = {"const": False}
         schema["then"] = {"required": always}
     return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
 

@@ -152,6 +152,11 @@ COMMANDS = {
             "format?": "string: of a pan file, as 1.1", "compressed?": "boolean: of a pan file"}]),
     },
     "info": {
+        "kernel?": "boolean: true for a SPICE kernel, which has `file`, `segments` and `variables` alone",
+        "segments?": ("of a SPICE kernel", [{"kind": "string: as SPK type 2", "name": "string: its own", "file": "string: its kernel", "id": "integer: of a body, instrument or frame",
+                                             "of": "string: its name", "relative": "integer: its centre or reference frame", "relative_to": "string: its name",
+                                             "begin": "string: TDB, or ticks of a clock", "end": "string: the same", "read": "boolean: whether its type is read", "frame?": "string: of an SPK"}]),
+        "variables?": "string[]: names in a text kernel",
         "file": "string: as typed", "bytes": "integer: of the pan file (compiled in memory for other files)", "format": "string: of the pan file", "compressed": "boolean: whether it is compressed", "storage?": "string: of meshes stored as streams: form and largest error",
         "build_id": "string: 32 hexadecimal digits; equal for equal models and inputs", "version": "string: of the program that made it",
         "options": "string: options that it was made with", "triangles": "integer: as drawn", "vertices": "integer: as drawn", "unique_triangles": "integer: as stored",
@@ -292,3 +297,6 @@ COMMANDS = {
         "renderer?": "string: by the driver, for the images", "render?": "string: command line of the last image",
     },
 }
+
+# A member that is true in a result of another kind, which has none of the members without `?`.
+OTHER = {"info": "kernel"}

@@ -31,6 +31,7 @@ NAVIGATION = [
     ("Samples", "sampling.md"),
     ("Shadows", "shadows.md"),
     ("Sky", "sky.md"),
+    ("The sky of a date", "sky-by-date.md"),
     ("Imposters", "imposters.md"),
     ("Many views", "views.md"),
     ("Scenarios", "scenarios.md"),

@@ -105,6 +105,7 @@ class StarReader {
   bool read_header(std::string_view line) {
     split(line);
     columns_.fill(kNone);
+    count_ = parts_.size();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const auto found = std::ranges::find(kColumns, parts_[i]);
       if (found != kColumns.end()) columns_[static_cast<std::size_t>(found - kColumns.begin())] = i;
@@ -147,6 +148,9 @@ class StarReader {
   void read_star(std::string_view line) {
     line_ = line;
     split(line);
+    if (parts_.size() != count_)
+      return leave_out({}, fmt::format("expected {}, as the line of names has, found {}",
+                                       counted(count_, "column"), parts_.size()));
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     const auto right = number(ra, -360, 360, kNan);
     if (!right) return;
@@ -182,6 +186,7 @@ class StarReader {
   std::string_view line_;
   std::vector<std::string_view> parts_;
   std::array<std::size_t, kFields> columns_{};
+  std::size_t count_ = 0;  // of all columns
   std::size_t left_out_ = 0;
   StarCatalogue catalogue_;
 };

@@ -25,8 +25,8 @@ std::shared_ptr<const StarCatalogue> hipparcos_stars();
 //
 //   name  of the text in diagnostics
 //
-// Reports: W5020 for lines left out, each of the first ten at its place. Fails: E5019 without the
-// three columns, a star, or a year.
+// Reports: W5041 for lines left out, those of another number of columns too, each of the first ten
+// at its place. Fails: E5040 without the three columns, a star, or a year.
 Result<StarCatalogue> parse_stars(std::string text, std::string name, DiagnosticLog& log);
 
 // The same of a file. Fails: also E0101, E0102; E0104 beyond 1 GB.

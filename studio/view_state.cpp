@@ -47,6 +47,13 @@ void add_moment(const Moment& moment, workspace::Settings& out) {
   out.sun = moment.frame.sun->direction;
   if (const double distance = moment.frame.sun->distance; distance != 1)
     out.sun_distance = distance;
+  if (settings.sun_irradiance) out.sun_irradiance = *settings.sun_irradiance;
+  if (settings.planet) out.planet = *settings.planet;
+  if (settings.sky) out.sky = *settings.sky;
+  if (settings.stars) out.stars = *settings.stars;
+  if (settings.star_catalogue) out.star_catalogue = *settings.star_catalogue;
+  if (settings.date) out.date = *settings.date;
+  if (settings.orbit) out.orbit = *settings.orbit;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/joint_list.h"
+#include "tools/kernel_info.h"
 #include "tools/model_json.h"
 #include "tools/model_words.h"
 #include "tools/node_list.h"
@@ -40,7 +41,11 @@ struct Options {
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments.add("input", options.input, "Model: a .pan, .pxn or CAD file").required().type("FILE");
+  arguments
+      .add("input", options.input,
+           "Model: a .pan, .pxn or CAD file; or a SPICE kernel, for its segments")
+      .required()
+      .type("FILE");
   arguments.flag("--meshes", options.meshes,
                  "List all meshes (default: those with the most triangles)");
   arguments.flag("--nodes", options.nodes,
@@ -420,6 +425,10 @@ void print_text(const std::string& path, const world::Instance& target, const To
 
 int run(const Options& options, const Host& host) {
   CommandContext context("info", options.common, host);
+  if (is_kernel_file(options.input)) {
+    (void)show_kernel(options.input, !options.common.json, context.result(), context.log());
+    return context.finish();
+  }
   const auto read = options.read.opening(context.log());
   if (!read) return context.finish();
   if (workspace::extension_of(options.input) == ".pxn") context.summarise_imports();
@@ -469,8 +478,8 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_info
 
 Command info_command() {
-  return command("info", "Show the contents of a model", command_info::declare_all,
-                 command_info::run);
+  return command("info", "Show the contents of a model or of a SPICE kernel",
+                 command_info::declare_all, command_info::run);
 }
 
 }  // namespace panwright::tools

@@ -111,7 +111,7 @@ class SequenceRun {
     RunFolder folder(options_.folder, types_, labelling_);
     folder_ = &folder;
     std::string manifest, settings;
-    if (!describe(*world, manifest) || !describe_settings(*world, settings)) return false;
+    if (!describe(*world, session, manifest) || !describe_settings(*world, settings)) return false;
     if (!folder.take(log_) || !claim_files(options_.album, log_) ||
         !folder.begin(stems_, manifest, settings, options_.resume, log_))
       return false;
@@ -181,14 +181,14 @@ class SequenceRun {
   }
 
   // Makes the first frame for its mistakes, and for the rows of its image.
-  bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world) {
+  bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world,
+                    workspace::ViewSession& session) {
     auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
     if (!view) return false;
     const workspace::Settings& settings = view->settings;
     shutter_ = {settings.exposure->number.value_or(0), *settings.line_time, 1,
                 static_cast<std::uint32_t>(*settings.tdi)};
-    if (shutter_.instant()) return true;
-    const auto made = workspace::FrameMaker(world).frame(*view, log_);
+    const auto made = session.frame(*view, log_);
     if (made) shutter_.rows = made->camera().height;
     return bool(made);
   }
@@ -217,7 +217,30 @@ class SequenceRun {
                                      options_.folder, info.name));
         return false;
       }
-    return bool(labels::named_things(world, labelling_->options.parts, log_));
+    return check_formats() && bool(labels::named_things(world, labelling_->options.parts, log_));
+  }
+
+  // What the formats of labels need of a run.
+  bool check_formats() {
+    const auto has = [&](const char* type) {
+      return std::ranges::find(types_, type) != types_.end();
+    };
+    const auto need = [&](std::string_view format, const char* what, const char* hint) {
+      log_.report_file(Code::E9003, options_.input.file,
+                       fmt::format("the format {} has {}, which this run does not write",
+                                   in_quotes(format), what),
+                       fmt::format("{}; or without, after the run: panwright labels {} --format {}",
+                                   hint, options_.folder, format));
+    };
+    const std::size_t errors = log_.errors();
+    for (const labels::FormatInfo& info : labels::formats()) {
+      if (std::ranges::find(labelling_->formats, info.name) == labelling_->formats.end()) continue;
+      if (info.png && !has("png")) need(info.name, "PNG images", "--type png as well");
+      if (info.depth && !has("npz") && !has("exr"))
+        need(info.name, "depth", "--type png --type npz");
+      if (info.flow && !labelling_->flow) need(info.name, "flow", "flow = true in [labels]");
+    }
+    return log_.errors() == errors;
   }
 
   // Returns true if the sources cover the exposure of a frame.
@@ -239,7 +262,7 @@ class SequenceRun {
   }
 
   // All frames, a line each, before any is drawn: errors of the scenario come first.
-  bool describe(const world::World& world, std::string& manifest) {
+  bool describe(const world::World& world, workspace::ViewSession& session, std::string& manifest) {
     for (std::size_t k = 0; k < opened_->times.size(); ++k) {
       if (k % kChunk == 0) context_.job().poll();
       const std::uint64_t number = opened_->first + k;
@@ -253,7 +276,8 @@ class SequenceRun {
       }
       if (options_.album.any())
         images_.push_back(std::filesystem::path(options_.folder) / (stem + ".png"));
-      if (k == 0 && !(find_shutter(*frame, number, world) && check_labels(world))) return false;
+      if (k == 0 && !(find_shutter(*frame, number, world, session) && check_labels(world)))
+        return false;
       if (!is_covered(opened_->times[k])) return false;
       Json line = frame_json(*frame, number);
       line["outputs"] = folder_->outputs_of(stem);

@@ -26,8 +26,8 @@ void declare_all(Arguments& arguments, Options& options) {
   for (const SettingId id :
        {SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::fov,
         SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file,
-        SettingId::size, SettingId::planet, SettingId::stars, SettingId::star_catalogue,
-        SettingId::date})
+        SettingId::size, SettingId::planet, SettingId::sky, SettingId::stars,
+        SettingId::star_catalogue, SettingId::date, SettingId::orbit})
     declare(arguments, options.view, id);
   declare(arguments, options.common);
 }

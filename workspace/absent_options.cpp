@@ -16,8 +16,9 @@ struct Absent {
 constexpr std::string_view kSensor =
     "a table [detector] in the camera's file makes numbers with noise (docs/detector.md)";
 constexpr std::string_view kSky =
-    "--planet NAME=\"X Y Z\" places the Earth, the Moon and others, --stars V draws stars "
-    "(docs/sky.md, docs/stars.md)";
+    "--sky stars,earth,moon,sun with --date and --orbit draws the sky of a date, --planet NAME=\"X "
+    "Y "
+    "Z\" places bodies, --stars V draws stars (docs/sky-by-date.md, docs/sky.md, docs/stars.md)";
 constexpr std::string_view kLayers =
     ".npz and .exr hold depth, range, normals and ids; meta.json names the ids and has the "
     "keypoints in pixels (docs/image-files.md)";
@@ -47,9 +48,10 @@ const Absent kAbsent[] = {
     {{"attitude", "quaternion", "orientation", "rotation"},
      "--quat \"QW QX QY QZ\" turns the camera, --pose a target"},
     {{"focal-length", "focal"}, "--intrinsics \"FX FY CX CY\", --fov or --ifov sets the lens"},
-    {{"time", "epoch", "orbit", "tle", "trajectory"},
-     "there is no ephemeris: `panwright run` takes trajectories (docs/scenarios.md), --views the "
-     "camera, poses and Sun of each image (docs/views.md)"},
+    {{"time", "epoch", "datetime", "utc", "orbital-elements", "kepler", "tle", "trajectory"},
+     "--date UTC and --orbit place the Earth, the Moon and the Sun (docs/sky-by-date.md); "
+     "`panwright "
+     "run` takes trajectories (docs/scenarios.md)"},
 };
 
 }  // namespace

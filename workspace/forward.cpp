@@ -22,12 +22,35 @@ std::string without_dashes(const std::string& message) {
 
 }  // namespace
 
+namespace {
+
+// The text of an entry in the log it goes to, so that its line is known there.
+SourceSpan moved_place(const SourceSpan& where, const SourceMap& from, SourceMap& to) {
+  const SourceFile& file = from.file(where.file);
+  if (!file.bytes || file.included_at.file != kNoFile) return {};
+  for (FileId id = 0; id < to.size(); ++id)
+    if (to.file(id).name == file.name && to.file(id).bytes &&
+        to.file(id).bytes->data() == file.bytes->data())
+      return {id, where.begin, where.end};
+  return {to.add(file), where.begin, where.end};
+}
+
+}  // namespace
+
 void forward(const DiagnosticLog& from, const std::string& label, std::string_view file,
              DiagnosticLog& to, std::optional<Code> except) {
   for (const Diagnostic& each : from.entries()) {
     if (each.code == except) continue;
     std::string name =
         each.where.file == kNoFile ? std::string() : from.sources().file(each.where.file).name;
+    if (each.where.file != kNoFile) {
+      const SourceSpan place = moved_place(each.where, from.sources(), to.sources());
+      if (place.file != kNoFile && each.code != Code::E0201) {
+        to.report(each.code, place, label.empty() ? each.message : label + ": " + each.message,
+                  each.hint, each.object);
+        continue;
+      }
+    }
     if (label.empty()) {
       to.report_file(each.code, name, each.message, each.hint);
       continue;

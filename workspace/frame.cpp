@@ -237,14 +237,20 @@ bool place_in_frame(const std::string& text, const world::World& world, world::C
   return false;
 }
 
-void set_sun(const Settings& settings, const Quat& world_from_camera, Frame& frame) {
+void set_sun(const Settings& settings, const std::optional<scenario::DatedSky>& dated,
+             const Quat& world_from_camera, Frame& frame) {
   world::Sun sun;
   // behind the camera, over its left shoulder: camera axes are x right, y down
   const Vec3 shoulder = world_from_camera * glm::normalize(Vec3(-0.6, -0.6, -1));
-  sun.direction = *scaled_direction(settings.sun ? *settings.sun : shoulder);
-  sun.distance = *settings.sun_distance;
+  const Vec3 otherwise = dated ? dated->sun_direction : shoulder;
+  sun.direction = *scaled_direction(settings.sun ? *settings.sun : otherwise);
+  sun.distance = dated && !settings.sun_distance ? dated->sun_distance : *settings.sun_distance;
   sun.limb_darkening = *settings.limb_darkening;
-  if (settings.sun_irradiance) sun.irradiance = *settings.sun_irradiance;
+  if (settings.sun_irradiance) {
+    // by date it is given at 1 AU
+    const double square = settings.orbit ? sun.distance * sun.distance : 1;
+    sun.irradiance = *settings.sun_irradiance / square;
+  }
   if (settings.white) frame.white = *settings.white;
   frame.sun = sun;
 }
@@ -495,9 +501,11 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
     fit_lens(sphere(), camera);
   if (mount != Quat(1, 0, 0, 0))
     camera.world_from_camera = glm::normalize(camera.world_from_camera * mount);
-  set_sun(settings, camera.world_from_camera, frame);
+  const auto dated = dated_sky_of(settings, log);
+  if (!dated) return failed;
+  set_sun(settings, *dated, camera.world_from_camera, frame);
   posed.set_sun(*frame.sun);
-  auto sky = sky_.read(settings, log);
+  auto sky = sky_.read(settings, *dated, log);
   if (!sky) return failed;
   frame.sky = *std::move(sky);
   set_lamps(settings, posed, frame, log);

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/text.h"
+#include "workspace/orbit_text.h"
+#include "workspace/sky_settings.h"
 
 namespace panwright::workspace {
 
@@ -88,6 +91,61 @@ Result<scenario::Frame> frame_at(const Scenario& scenario, double time, Diagnost
   return scenario.sequence.at(time, log);
 }
 
+namespace {
+
+// The date of a frame and the orbit of its origin, where its sky depends on them.
+bool set_date(const Scenario& scenario, const scenario::Frame& frame, Settings& own,
+              DiagnosticLog& log) {
+  const Settings& settings = scenario.settings;
+  if (!uses_date(settings)) return true;
+  std::optional<scenario::Epoch> begin = frame.epoch;
+  std::string problem;
+  if (!begin && settings.date)
+    begin = scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem);
+  if (!begin) return true;
+  if (frame.time)
+    own.date =
+        scenario::epoch_text(scenario::later(*begin, *frame.time), scenario::TimeSystem::utc);
+  const std::string& axes = scenario.sequence.axes();
+  const std::string& centre = scenario.sequence.centre();
+  const bool rotating = axes == scenario::kRtnFrame;
+  const bool centred = centre == "EARTH" || centre == "MOON";
+  const auto fail = [&](std::string message, const char* hint) {
+    log.report_file(Code::E8009, scenario.files.front(), std::move(message), hint);
+    return false;
+  };
+  if (!rotating && !axes.empty() && !scenario::is_inertial_j2000(axes) &&
+      (settings.orbit || needs_orbit(settings)))
+    return fail(
+        fmt::format("the sources have the axes {}; bodies by their date need those of J2000 "
+                    "or ICRF",
+                    in_quotes(axes)),
+        "docs/sky-by-date.md");
+  if (!settings.orbit) {
+    if (rotating && !frame.sun_direction && shows_dated_sun(settings))
+      return fail("the Sun of the date needs the orbit whose axes clohessy_wiltshire has",
+                  "orbit in [view], or sun");
+    if (centred && needs_orbit(settings)) own.orbit = centre == "EARTH" ? "earth" : "moon";
+    return true;
+  }
+  scenario::Orbit orbit;
+  if (!read_orbit(*settings.orbit, orbit).empty()) return true;  // check() reports it
+  if (!centre.empty() && !(centred && orbit.at_centre &&
+                           (orbit.about == scenario::Centre::earth) == (centre == "EARTH")))
+    return fail(fmt::format("the sources have their origin in {}, and orbit gives it another place",
+                            in_quotes(centre)),
+                "leave out orbit, or give positions relative to it");
+  const bool says_j2000 = settings.orbit->find("axes=j2000") != std::string::npos;
+  if (rotating && (says_j2000 || orbit.at_centre))
+    return fail("clohessy_wiltshire has axes that turn with its orbit",
+                "orbit = \"a=… e=… i=… raan=… aop=… nu=… axes=rtn\"");
+  if (!orbit.at_centre)
+    own.orbit = completed_orbit(*settings.orbit, *begin, rotating ? "rtn" : "j2000");
+  return true;
+}
+
+}  // namespace
+
 Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
                      const world::World& world, DiagnosticLog& log) {
   Settings own;
@@ -120,9 +178,7 @@ Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std
     own.intrinsics = Vec4(*frame.lens.focal, centre);
   }
   if (frame.sun_direction) own.sun = *frame.sun_direction;
-  if (scenario.settings.stars->number && frame.epoch && frame.time)
-    own.date =
-        scenario::epoch_text(scenario::later(*frame.epoch, *frame.time), scenario::TimeSystem::utc);
+  if (!set_date(scenario, frame, own, log)) return failed;
   if (frame.sun_distance) own.sun_distance = *frame.sun_distance;
   View view(with_defaults(std::move(own), scenario.settings));
   view.label = frame.name.empty() ? fmt::format("frame {}", number)

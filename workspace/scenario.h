@@ -60,12 +60,13 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
 // Returns a frame at one of these times. Fails: as scenario::Sequence::at().
 Result<scenario::Frame> frame_at(const Scenario& scenario, double time, DiagnosticLog& log);
 
-// Returns the view of a frame: the settings of the scenario, with the frame's own in their place.
+// Returns the view of a frame: the settings of the scenario, with the frame's own in their place:
+// also its date, and the orbit of the origin.
 //
 //   number  of the frame, for its label
 //   world   of the scenario's targets, which knows the kinds of their joints
 // Expects: scenario and world outlive the view.
-// Fails: E5013.
+// Fails: E5013; E8009 for an orbit that contradicts the sources' origin or axes.
 Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
                      const world::World& world, DiagnosticLog& log);
 

@@ -360,7 +360,7 @@ class ScenarioReader {
       return scenario::clohessy_wiltshire_source(target, orbit_state(part), *rate);
     }
     if (*formula == "two_body") {
-      const double mu = part.number("mu").value_or(3.986004418e14);
+      const double mu = part.number("mu").value_or(scenario::kEarthGravity);
       const auto span = part.number("span");
       const scenario::OrbitState state = orbit_state(part);
       if (!(mu > 0)) part.fail(table, "mu is not above 0 m³/s²");
@@ -474,6 +474,7 @@ class ScenarioReader {
     const auto* map = std::get_if<Table::Map>(&table->data);
     if (map == nullptr) return reader.fail(*table, "view is not a table of settings");
     for (const auto& [name, value] : *map) read_setting_of(reader, name, value, settings);
+    place_sky_files(folder_, settings);
     if (!settings.camera_file) return;
     settings.camera_file = (folder_ / *settings.camera_file).string();
     good_ = require_file(*settings.camera_file, log_) && good_;

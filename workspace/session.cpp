@@ -71,6 +71,12 @@ const world::World* ViewSession::world(const View& view, const RunListener& list
   return found == nullptr ? nullptr : &found->world;
 }
 
+Result<Frame> ViewSession::frame(const View& view, DiagnosticLog& log) {
+  Opened* const open = opened(view, {}, log, {});
+  if (open == nullptr) return failed;
+  return open->maker->frame(view, log);
+}
+
 Result<std::size_t> ViewSession::run(std::span<const View> views, const RunListener& listener,
                                      DiagnosticLog& log, const Job& job) {
   bool good = true;

@@ -39,6 +39,10 @@ class ViewSession {
   const world::World* world(const View& view, const RunListener& listener, DiagnosticLog& log,
                             const Job& job = {});
 
+  // Makes the frame of a view without drawing it, for its mistakes; maps and catalogues that it
+  // reads are kept for run(). Fails: as FrameMaker.
+  Result<Frame> frame(const View& view, DiagnosticLog& log);
+
  private:
   struct Opened {
     std::string key;

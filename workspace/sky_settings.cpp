@@ -1,6 +1,6 @@
 #include "workspace/sky_settings.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,13 @@
 #include <span>
 #include <string_view>
 
+#include "base/diagnostic.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "image/decode.h"
 #include "scenario/time.h"
 #include "sky/star_catalogue.h"
+#include "workspace/orbit_text.h"
 #include "workspace/quantities.h"
 
 namespace panwright::workspace {
@@ -23,9 +25,13 @@ constexpr std::string_view kExpected =
     "a position x y z, with or without units, then if need be a quaternion w x y z and radius=, "
     "albedo=, law= or map=";
 
+constexpr std::string_view kSkyNames[] = {"stars", "earth", "moon", "sun"};
+constexpr double kFaintestOfHipparcos = 8;
+
 struct PlanetText {
   light::Body body;
-  std::string map;  // path; empty: none
+  std::string map;      // path; empty: none
+  bool placed = false;  // by its own text
 };
 
 struct Word {
@@ -66,6 +72,18 @@ std::optional<std::vector<double>> numbers(std::span<const std::string_view> wor
   }
   out.resize(count, out[0]);
   return out;
+}
+
+bool has_name(const Settings& settings, std::string_view name) {
+  const auto names = words_of(*settings.sky);
+  return std::ranges::find(names, name) != names.end();
+}
+
+// Magnitude of the faintest stars that are drawn; none: no stars.
+std::optional<double> faintest_of(const Settings& settings) {
+  if (settings.stars) return settings.stars->number;
+  if (has_name(settings, "stars")) return kFaintestOfHipparcos;
+  return std::nullopt;
 }
 
 std::string set_place(std::span<const std::string_view> words, light::Body& body) {
@@ -125,17 +143,24 @@ std::string set_member(const Word& word, light::Body& body, bool& sized) {
 
 // Returns what is expected instead; empty: it is read.
 std::string read_planet(const std::string& name, std::string_view text, PlanetText& out) {
-  if (name.empty()) return "NAME=\"X Y Z\", with the name of a body";
+  if (name.empty()) return "NAME=\"X Y Z\" with the name of a body, as earth=\"0 0 -6778km\"";
   const auto preset = light::body_preset(name);
   if (preset) out.body = *preset;
   out.body.name = name;
   bool sized = preset.has_value();
   const std::vector<Word> words = words_by_key(text, out.map);
-  if (std::string wrong = set_place(words[0].values, out.body); !wrong.empty()) return wrong;
+  // the place of the Earth and Moon may be that of the date
+  out.placed = !preset || !words[0].values.empty();
+  if (out.placed)
+    if (std::string wrong = set_place(words[0].values, out.body); !wrong.empty()) return wrong;
   for (std::size_t i = 1; i < words.size(); ++i)
     if (std::string wrong = set_member(words[i], out.body, sized); !wrong.empty()) return wrong;
   if (text.find("map=") != text.npos && out.map.empty()) return "map= with a file";
-  if (!sized) return "radius=, since only earth and moon have one of their own";
+  if (!sized) {
+    const auto near = nearest_name(name, light::kBodyPresets);
+    return fmt::format("radius=, since only earth and moon have one of their own{}",
+                       near ? fmt::format("; did you mean '{}'?", *near) : "");
+  }
   if (!light::is_sound(out.body))
     return "finite numbers, semi-axes within 1:100, parameters of a law within their range";
   return {};
@@ -144,45 +169,145 @@ std::string read_planet(const std::string& name, std::string_view text, PlanetTe
 bool check_words(const Settings& settings, DiagnosticLog& log) {
   bool good = true;
   for (const std::string_view word : words_of(*settings.sky)) {
-    if (word == "sun") continue;
-    log.report(
-        Code::E0201, {},
-        fmt::format("--sky is {}, expected sun; bodies are placed by --planet NAME=\"X Y Z\"",
-                    in_quotes(word)),
-        "docs/sky.md");
+    if (std::ranges::find(kSkyNames, word) != std::end(kSkyNames)) continue;
+    const auto near = nearest_name(word, kSkyNames);
+    log.report(Code::E0201, {},
+               fmt::format("--sky is {}, expected any of {}; others are placed by --planet "
+                           "NAME=\"X Y Z\"{}",
+                           in_quotes(word), fmt::join(kSkyNames, ", "),
+                           near ? fmt::format("; did you mean '{}'?", *near) : ""),
+               "docs/sky-by-date.md");
     good = false;
   }
   return good;
 }
 
+// Returns whether a text of `planet` leaves the place to the date.
+bool is_dated(const std::string& name, std::string_view text) {
+  std::string map;
+  return light::body_preset(name) && words_by_key(text, map)[0].values.empty();
+}
+
+// A body of `sky` that `planet` does not name; or one of `planet` without a place; empty: none.
+std::string first_dated(const Settings& settings) {
+  for (const auto& [name, text] : *settings.planet)
+    if (is_dated(name, text)) return name;
+  for (const std::string_view name : light::kBodyPresets)
+    if (has_name(settings, name) &&
+        std::ranges::find(*settings.planet, name, &std::pair<std::string, std::string>::first) ==
+            settings.planet->end())
+      return std::string(name);
+  return {};
+}
+
+bool check_date(const Settings& settings, DiagnosticLog& log) {
+  if (!settings.date) return true;
+  std::string problem;
+  if (scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem)) return true;
+  log.report(Code::E0201, {},
+             fmt::format("--date is {}, expected a date in UTC, as 2026-01-01T12:00:00",
+                         in_quotes(*settings.date)),
+             problem);
+  return false;
+}
+
+bool check_orbit(const Settings& settings, DiagnosticLog& log) {
+  if (!settings.orbit) return true;
+  scenario::Orbit orbit;
+  const std::string wrong = read_orbit(*settings.orbit, orbit);
+  if (wrong.empty()) return true;
+  log.report(Code::E0201, {},
+             fmt::format("--orbit is {}, expected {}", in_quotes(*settings.orbit), wrong),
+             "docs/sky-by-date.md");
+  return false;
+}
+
+scenario::Epoch date_of(const Settings& settings) {
+  std::string problem;
+  return *scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem);
+}
+
 }  // namespace
+
+void place_sky_files(const std::filesystem::path& folder, Settings& settings) {
+  if (settings.star_catalogue)
+    settings.star_catalogue = (folder / *settings.star_catalogue).string();
+  if (!settings.planet) return;
+  auto planets = *settings.planet;
+  for (auto& [name, text] : planets)
+    if (const std::size_t at = text.find("map="); at != text.npos && at + 4 < text.size())
+      text = text.substr(0, at + 4) + (folder / text.substr(at + 4)).string();
+  settings.planet = std::move(planets);
+}
 
 bool shows_sky(const Settings& settings) {
   return !settings.planet->empty() || !settings.sky->empty() || settings.stars->number;
 }
 
+bool uses_date(const Settings& settings) {
+  return faintest_of(settings) || settings.orbit || needs_orbit(settings) ||
+         shows_dated_sun(settings);
+}
+
+bool shows_dated_sun(const Settings& settings) {
+  return has_name(settings, "sun") && !settings.sun;
+}
+
+bool needs_orbit(const Settings& settings) { return !first_dated(settings).empty(); }
+
 bool check_sky(const Settings& settings, DiagnosticLog& log) {
   bool good = check_words(settings, log);
-  if (settings.date) {
-    std::string problem;
-    if (!scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem)) {
-      log.report(Code::E0201, {},
-                 fmt::format("--date is {}, expected a date in UTC, as 2026-01-01T12:00:00",
-                             in_quotes(*settings.date)),
-                 problem);
-      good = false;
-    }
+  good = check_date(settings, log) && good;
+  good = check_orbit(settings, log) && good;
+  if (settings.star_catalogue && !faintest_of(settings)) {
+    log.report(Code::E0201, {}, "--star-catalogue requires --stars V or --sky stars");
+    good = false;
   }
+  std::set<std::string_view> names;
   for (const auto& [name, text] : *settings.planet) {
     PlanetText planet;
-    const std::string wrong = read_planet(name, text, planet);
+    std::string wrong = read_planet(name, text, planet);
+    if (!names.insert(name).second) wrong = "each body once";
     if (wrong.empty()) continue;
     log.report(Code::E0201, {},
-               fmt::format("--planet {} is {}, expected {}", name, in_quotes(text), wrong),
+               fmt::format("--planet {} is {}, expected {}", name.empty() ? "''" : name,
+                           in_quotes(text), wrong),
                "docs/sky.md");
     good = false;
   }
   return good;
+}
+
+Result<std::optional<scenario::DatedSky>> dated_sky_of(const Settings& settings,
+                                                       DiagnosticLog& log) {
+  const std::string dated = first_dated(settings);
+  const auto fail = [&](std::string message) {
+    log.report(Code::E0201, {}, std::move(message), "docs/sky-by-date.md");
+    return failed;
+  };
+  if (!settings.orbit) {
+    scenario::Orbit centre;
+    centre.at_centre = true;
+    if (dated.empty())
+      return settings.date && shows_dated_sun(settings)
+                 ? scenario::dated_sky(centre, date_of(settings))
+                 : std::nullopt;
+    return fail(
+        fmt::format("the place of the {} is not known, expected --date and --orbit, or "
+                    "--planet {}=\"X Y Z\"",
+                    dated, dated));
+  }
+  if (!settings.date)
+    return fail("--orbit needs a date, expected --date UTC, as 2026-01-01T12:00:00");
+  scenario::Orbit orbit;
+  if (!read_orbit(*settings.orbit, orbit).empty()) return failed;
+  const auto sky = scenario::dated_sky(orbit, date_of(settings));
+  if (!sky)
+    return fail(
+        fmt::format("--date is {}, expected one from 1972 to 2050 at which the orbit has a "
+                    "place",
+                    in_quotes(*settings.date)));
+  return sky;
 }
 
 namespace {
@@ -209,18 +334,38 @@ std::shared_ptr<const light::BodyMap> map_of(const std::string& path, Diagnostic
 
 }  // namespace
 
-bool SkyReader::read_stars(const Settings& settings, light::Stars& stars, DiagnosticLog& log) {
-  stars.faintest = *settings.stars->number;
+std::shared_ptr<const light::BodyMap> SkyReader::map(const std::string& path, DiagnosticLog& log) {
+  auto& known = maps_[path];
+  if (known != nullptr || refused_.contains(path)) return known;
+  known = map_of(path, log);
+  if (known == nullptr) refused_.insert(path);
+  return known;
+}
+
+bool SkyReader::read_stars(const Settings& settings, const std::optional<scenario::DatedSky>& dated,
+                           light::Stars& stars, DiagnosticLog& log) {
+  stars.faintest = *faintest_of(settings);
   if (settings.star_catalogue) {
-    auto& own = catalogues_[*settings.star_catalogue];
+    const std::string& path = *settings.star_catalogue;
+    auto& own = catalogues_[path];
     if (own == nullptr) {
-      auto read = sky::read_stars(*settings.star_catalogue, log);
-      if (!read) return false;
+      if (refused_.contains(path)) return false;
+      auto read = sky::read_stars(path, log);
+      if (!read) {
+        refused_.insert(path);
+        return false;
+      }
       own = std::make_shared<const light::StarCatalogue>(*std::move(read));
     }
     stars.catalogue = own;
   } else {
     stars.catalogue = sky::hipparcos_stars();
+    if (stars.faintest > kFaintestOfHipparcos && refused_.insert(std::string()).second)
+      log.report(Code::W5041, {},
+                 fmt::format("--stars is {}; the catalogue of Hipparcos ends at magnitude {}, "
+                             "fainter stars are not drawn",
+                             stars.faintest, kFaintestOfHipparcos),
+                 "--star-catalogue FILE.csv has your own stars");
   }
   if (!settings.date) return true;
   std::string problem;
@@ -228,30 +373,42 @@ bool SkyReader::read_stars(const Settings& settings, light::Stars& stars, Diagno
   // noon of 2000-01-01, TT
   const auto begin =
       scenario::parse_epoch("2000-01-01T12:00:00", scenario::TimeSystem::tt, problem);
-  const auto date = scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem);
-  stars.year = 2000 + scenario::seconds_between(*begin, *date) / kJulianYear;
+  const scenario::Epoch date = date_of(settings);
+  stars.year = 2000 + scenario::seconds_between(*begin, date) / kJulianYear;
+  stars.velocity = dated ? dated->velocity : scenario::earth_velocity(date);
+  if (dated) stars.world_from_icrs = dated->world_from_icrf;
   return true;
 }
 
-Result<std::shared_ptr<const SkyState>> SkyReader::read(const Settings& settings,
-                                                        DiagnosticLog& log) {
+Result<std::shared_ptr<const SkyState>> SkyReader::read(
+    const Settings& settings, const std::optional<scenario::DatedSky>& dated, DiagnosticLog& log) {
   if (!shows_sky(settings)) return {nullptr};
   auto sky = std::make_shared<SkyState>();
-  if (settings.stars->number && !read_stars(settings, sky->stars, log)) return failed;
-  for (const std::string_view word : words_of(*settings.sky)) sky->sun_visible |= word == "sun";
+  if (faintest_of(settings) && !read_stars(settings, dated, sky->stars, log)) return failed;
+  sky->sun_visible = has_name(settings, "sun");
+  const auto add = [&](light::Body body, bool placed) {
+    if (!placed) {
+      const scenario::DatedBody& place = body.name == "moon" ? dated->moon : dated->earth;
+      body.centre = place.centre;
+      body.world_from_body = place.world_from_body;
+    }
+    sky->bodies.push_back(std::move(body));
+  };
   for (const auto& [name, text] : *settings.planet) {
     PlanetText planet;
-    if (!read_planet(name, text, planet).empty()) return failed;
+    if (!read_planet(name, text, planet).empty() || (!planet.placed && !dated)) return failed;
     if (!planet.map.empty()) {
-      auto& map = maps_[planet.map];
-      if (map == nullptr) map = map_of(planet.map, log);
-      if (map == nullptr) return failed;
-      planet.body.map = map;
+      planet.body.map = map(planet.map, log);
+      if (planet.body.map == nullptr) return failed;
     }
-    std::erase_if(sky->bodies,
-                  [&](const light::Body& body) { return body.name == planet.body.name; });
-    sky->bodies.push_back(std::move(planet.body));
+    add(std::move(planet.body), planet.placed);
   }
+  for (const std::string_view name : light::kBodyPresets)
+    if (has_name(settings, name) &&
+        std::ranges::none_of(sky->bodies, [&](const auto& body) { return body.name == name; })) {
+      if (!dated) return failed;
+      add(*light::body_preset(name), false);
+    }
   return std::shared_ptr<const SkyState>(std::move(sky));
 }
 

@@ -254,7 +254,10 @@ class BopWriter final : public LabelWriter {
 
 std::span<const Format> bop_formats() {
   static const Format kFormats[] = {
-      {{"bop", "train/000000/, models/ of BOP: poses, masks, depth, models"},
+      {{.name = "bop",
+        .files = "train/000000/, models/ of BOP: poses, masks, depth, models",
+        .png = true,
+        .depth = true},
        {true, false},
        make_writer<BopWriter>}};
   return kFormats;

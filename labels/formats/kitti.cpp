@@ -11,24 +11,34 @@ namespace panwright::labels {
 namespace {
 
 constexpr double kMostMotion = 512;  // pixels
+constexpr const char* kWithoutFlow = "it has no flow to the next frame, and is left out";
 
 class KittiWriter final : public LabelWriter {
  public:
   explicit KittiWriter(Output& output) : output_(output) {}
 
-  // Frame N is N_10 beside its flow, and the one after it N_11.
+  // Frame N is N_10 beside its flow, and the one after it N_11. The last frame of a run has no flow
+  // and is no loss.
   bool add(const FrameLabels& frame) override {
     const auto image = [&](std::uint64_t number, int time) {
       return output_.place_png(
           frame, std::filesystem::path("image_2") / fmt::format("{:06}_{}.png", number, time));
     };
-    if (before_ && *before_ + 1 == frame.number && !image(*before_, 11)) return false;
-    if (before_ && *before_ + 1 != frame.number)
+    const bool follows = before_ && *before_ + 1 == frame.number;
+    if (follows && !image(*before_, 11)) return false;
+    if (before_ && !follows)
       output_.lost(frame, fmt::format("it does not follow frame {}, whose second image is left out",
                                       *before_));
     before_.reset();
+    if (without_flow_) output_.lost(*without_flow_, kWithoutFlow);
+    without_flow_.reset();
     if (!frame.forward) {
-      output_.lost(frame, "it has no flow to the next frame, and is left out");
+      if (follows) {
+        without_flow_.emplace();
+        without_flow_->name = frame.name;
+      } else {
+        output_.lost(frame, kWithoutFlow);
+      }
       return true;
     }
     before_ = frame.number;
@@ -37,7 +47,12 @@ class KittiWriter final : public LabelWriter {
                                                     image_of(frame));
   }
 
-  bool finish() override { return true; }
+  bool finish() override {
+    if (before_)
+      output_.lost(
+          {}, fmt::format("no frame follows frame {}, whose second image is left out", *before_));
+    return true;
+  }
 
  private:
   std::string image_of(const FrameLabels& frame) {
@@ -75,13 +90,17 @@ class KittiWriter final : public LabelWriter {
 
   Output& output_;
   std::optional<std::uint64_t> before_;  // number of the frame whose second image is the next one
+  std::optional<FrameLabels> without_flow_;  // the frame before, if a loss unless it is the last
 };
 
 }  // namespace
 
 std::span<const Format> kitti_formats() {
   static const Format kFormats[] = {
-      {{"kitti", "flow_occ/, image_2/ of KITTI: flow to the next frame, in 1/64 pixel"},
+      {{.name = "kitti",
+        .files = "flow_occ/, image_2/ of KITTI: flow to the next frame, in 1/64 pixel",
+        .png = true,
+        .flow = true},
        {false, true},
        make_writer<KittiWriter>}};
   return kFormats;

@@ -73,10 +73,10 @@ struct SpeedPlus final : SpeedWriter {
 
 std::span<const Format> speed_formats() {
   static const Format kFormats[] = {
-      {{"speed", "images/, train.json, camera.json of SPEED: the pose of one target", true},
+      {{"speed", "images/, train.json, camera.json of SPEED: the pose of one target", true, true},
        {false, false},
        make_writer<Speed2019>},
-      {{"speedplus", "the same for SPEED+", true}, {false, false}, make_writer<SpeedPlus>}};
+      {{"speedplus", "the same for SPEED+", true, true}, {false, false}, make_writer<SpeedPlus>}};
   return kFormats;
 }
 

@@ -71,11 +71,11 @@ class UrsoWriter final : public LabelWriter {
 
 std::span<const Format> tables_formats() {
   static const Format kFormats[] = {
-      {{"spark", "images/, train.csv of SPARK: the pose of one target", true},
+      {{"spark", "images/, train.csv of SPARK: the pose of one target", true, true},
        {false, false},
        make_writer<SparkWriter>},
       {{"urso", "images/, train_images.csv, train_poses_gt.csv of URSO: the pose of one target",
-        true},
+        true, true},
        {false, false},
        make_writer<UrsoWriter>}};
   return kFormats;

@@ -129,13 +129,15 @@ struct YoloOf final : YoloWriter {
 
 std::span<const Format> yolo_formats() {
   static const Format kFormats[] = {
-      {{"yolo", "images/train/, labels/train/, data.yaml of YOLO: boxes"},
+      {{.name = "yolo",
+        .files = "images/train/, labels/train/, data.yaml of YOLO: boxes",
+        .png = true},
        {true, false},
        make_writer<YoloOf<YoloKind::boxes>>},
-      {{"yolo-pose", "the same with keypoints, of targets"},
+      {{.name = "yolo-pose", .files = "the same with keypoints, of targets", .png = true},
        {true, false},
        make_writer<YoloOf<YoloKind::poses>>},
-      {{"yolo-seg", "the same with outlines in place of boxes"},
+      {{.name = "yolo-seg", .files = "the same with outlines in place of boxes", .png = true},
        {true, false},
        make_writer<YoloOf<YoloKind::segments>>}};
   return kFormats;

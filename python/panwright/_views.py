@@ -12,7 +12,7 @@ class View(TypedDict, total=False):
     size: str | float | Sequence[float]  # Pixels: `"640x480"`, `[640, 480]`, or one number for a square (1024).
     ev: float | str  # Exposure of a PNG, stops (0); `"auto"`: from the image.
     tone: Literal["linear", "photo"]  # Tone curve of a PNG: linear, clipped at white; or compressed highlights that keep their hue, as in a photograph.
-    layers: Sequence[str] | str  # Layers of `.exr` and `.npz` (all): radiance, coverage, depth, range, normal, target_id, node_id, material_id, standard_error.
+    layers: Sequence[str] | str  # Layers of `.exr` and `.npz` (all): radiance, coverage, depth, range, normal, target_id, node_id, material_id, standard_error; of a detector dn, electrons and, only if named, stages.
     compress: bool  # Compress the layers of `.npz`.
     camera: Sequence[float] | str  # Camera position: metres, world axes.
     look_at: Sequence[float] | str  # Point on the boresight (the origin).
@@ -25,7 +25,10 @@ class View(TypedDict, total=False):
     distortion: str  # Distortion with `intrinsics`, a model and its numbers ([cameras](cameras.md)).
     camera_file: str  # File of the camera's size and lens ([cameras](cameras.md)).
     ortho: float | str  # An orthographic image of this width, metres.
-    exposure: float | str  # Of scenarios: exposure time in seconds, around the time of the frame (0: an instant) ([exposures](exposures.md)).
+    exposure: float | str  # Exposure time in seconds: of scenarios, around the time of the frame (0: an instant) ([exposures](exposures.md)); of detectors (0: their own; `auto`: by the image).
+    detector: str  # Optics and detector: the tables of a camera file as text ([detectors](detector.md)).
+    noise_seed: float | str  # Seed of the noise of a detector (0).
+    frame_number: float | str  # Number of the frame, which has a noise of its own (0; of scenarios that of each frame).
     line_time: float | str  # Of scenarios: rolling shutter, seconds from the exposure of a row to that of the row below it; negative: above it (0: all at once).
     tdi: float | str  # Of scenarios: line scanner of N stages, which expose each row of the image, `line-time` apart (1: push-broom; 0: none).
     pose: Sequence[float] | str | Mapping[str, Sequence[float] | str]  # world_from_model: metres and a unit quaternion, `x y z qw qx qy qz`; of several targets an object by name.
@@ -33,15 +36,16 @@ class View(TypedDict, total=False):
     define: Mapping[str, str | float]  # Values of `<param>`s of the model, as `-D` gives them. The model is compiled for each set of values; the last four sets are kept.
     sun: Sequence[float] | str  # Direction to the Sun, world axes (from behind the camera's left shoulder).
     sun_distance: float | str  # Distance to the Sun, AU (1).
-    sun_irradiance: float | Sequence[float] | str  # In-band irradiance at the target, W/m²: radiance is then W/(m² sr).
+    sun_irradiance: float | Sequence[float] | str  # In-band irradiance at the target, with `orbit` at 1 AU, W/m²: radiance is then W/(m² sr).
     lamp: Sequence[str]  # Lights beside the Sun, each as `spot on camera at 0.3 0 0 intensity 100 half-angle 20deg`. docs/lamps.md.
     white: float | Sequence[float] | str  # Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (1; with `sun-irradiance` 158.6 186.2 191.4).
     limb_darkening: float | str  # Coefficient u of I = 1 − u (1 − cos) over the Sun's disc (0).
-    planet: Mapping[str, str | Sequence[float]]  # Bodies of the sky by name: `earth`, `moon`, or others with `radius=`. Their centre, then if need be a quaternion, `radius=`, `albedo=`, `law=` and last `map=FILE`. docs/sky.md.
-    sky: str  # What else stands in the background: `sun`, its disc.
-    stars: float | str  # Stars in the background, down to this magnitude V (off; Hipparcos reaches 8). World axes are those of J2000. docs/stars.md.
+    planet: Mapping[str, str | Sequence[float]]  # Bodies of the sky by name: `earth`, `moon`, or others with `radius=`. Their centre (of `earth` and `moon` by `date` and `orbit`), then if need be a quaternion, `radius=`, `albedo=`, `law=` and last `map=FILE`. docs/sky.md.
+    sky: str  # What stands in the background: any of `stars` (to V 8), `sun` (its disc), and by `date` and `orbit` `earth` and `moon`. docs/sky-by-date.md.
+    stars: float | str  # Stars in the background, down to this magnitude V (off; Hipparcos reaches 8). World axes are those of J2000, or of `orbit`. docs/stars.md.
     star_catalogue: str  # Star catalogue in place of Hipparcos ([columns](stars.md)).
-    date: str  # Date of the image, UTC: stars move (the year 2000; frames of scenarios with an epoch have their own).
+    date: str  # Date of the image, UTC: stars move, and with `orbit` the Earth, the Moon and the Sun (frames of scenarios with an epoch have their own).
+    orbit: str  # Orbit of the origin at `date`: elements (degrees) or a state `r=X Y Z v=VX VY VZ`, then any of `about=moon`, `epoch=UTC`, `axes=rtn`; or `earth` or `moon`, whose centre is the origin. docs/sky-by-date.md.
     engine: Literal["gl", "reference"]  # OpenGL (`gl`), or path tracing with error bars (`reference`).
     quality: Literal["draft", "standard", "exact"]  # gl: preset of samples, shadows and imposters; options that are given replace its parts (docs/sampling.md).
     samples: float | str  # N × N samples in each pixel, or `"auto"` (gl; the default). Reference: 8.

@@ -63,7 +63,7 @@ LINES = [
     "joints servicer/servicer.pxn --joint arm/elbow=90 --sweep-joint wing_left/fold --steps 5",
     "compile cubesat/cubesat.pxn -o c.pan --timings", "compile none.pxn", "compile wrong.pxn -o w.pan",
     "import cad/relay.wrl --units mm", "import cad/relay.wrl --units mm -o r.pan", "import cad/relay.wrl --units mm -o cad/r.pxn",
-    "export paper/figure8.pxn -o f.glb", "check cubesat/cubesat.pxn c.pan wrong.pxn", "info c.pan", "info client/client.pxn", "info none.pan",
+    "export paper/figure8.pxn -o f.glb", "check cubesat/cubesat.pxn c.pan wrong.pxn", "info c.pan", "info client/client.pxn", "info none.pan", "info ephemerides/client.xsp",
     "material copper", "material mli_gold_kapton white_z93", "material --list", "material --fit table.txt", "material golld",
     "mli crinkled", "mli quilted --cells 40 --fit slope_rms=0.1", "mli blankets/blankets.pxn", "mli crinkld",
     "diff paper/figure8.pxn paper/figure5a.pxn", "diff c.pan c.pan", "fmt --check cubesat/cubesat.pxn wrong.pxn", "upgrade paper/figure7.pxn -o u.pxn",

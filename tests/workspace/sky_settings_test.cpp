@@ -25,7 +25,7 @@ Settings with(const std::string& planet) {
 std::shared_ptr<const SkyState> sky_of(const Settings& settings) {
   DiagnosticLog log;
   EXPECT_TRUE(check_sky(settings, log)) << first_error(log);
-  auto sky = SkyReader().read(settings, log);
+  auto sky = SkyReader().read(settings, {}, log);
   EXPECT_TRUE(sky);
   return sky ? *sky : nullptr;
 }
@@ -45,22 +45,22 @@ TEST(SkySettings, BodiesByText) {
   EXPECT_EQ(body.photometry.law, light::Law::hapke);
   EXPECT_EQ(body.photometry.surge_width, 0.1);
   EXPECT_TRUE(sky_of(with("moon=1e8 0 0"))->bodies[0].photometry.rolo);
-  Settings twice = with("moon=1e8 0 0");
+  Settings two = with("moon=1e8 0 0");
   DiagnosticLog log;
-  EXPECT_TRUE(read_setting(SettingId::planet, "moon=2e8 0 0", twice, log));
-  EXPECT_TRUE(read_setting(SettingId::sky, "sun", twice, log));
-  ASSERT_EQ(sky_of(twice)->bodies.size(), 1u);
-  EXPECT_EQ(sky_of(twice)->bodies[0].centre.x, 2e8);
-  EXPECT_TRUE(sky_of(twice)->sun_visible);
+  EXPECT_TRUE(read_setting(SettingId::planet, "earth=2e8 0 0", two, log));
+  EXPECT_TRUE(read_setting(SettingId::sky, "sun", two, log));
+  ASSERT_EQ(sky_of(two)->bodies.size(), 2u);
+  EXPECT_EQ(sky_of(two)->bodies[1].centre.x, 2e8);
+  EXPECT_TRUE(sky_of(two)->sun_visible);
   EXPECT_EQ(sky_of(Settings()), nullptr);
   // read back from what is written
-  for (const std::string& text : setting_texts(SettingId::planet, twice))
-    EXPECT_TRUE(text == "moon=1e8 0 0" || text == "moon=2e8 0 0") << text;
+  for (const std::string& text : setting_texts(SettingId::planet, two))
+    EXPECT_TRUE(text == "moon=1e8 0 0" || text == "earth=2e8 0 0") << text;
 }
 
 TEST(SkySettings, RefusesWhatCannotBe) {
   for (const char* wrong :
-       {"earth", "=0 0 1", "earth=0 0", "earth=0 0 x", "earth=0 0 1 2 0 0 0", "earth=0 0 1 1 0 0",
+       {"=0 0 1", "earth=0 0", "earth=0 0 x", "earth=0 0 1 2 0 0 0", "earth=0 0 1 1 0 0",
         "mars=0 0 1e7", "mars=0 0 1e7 radius=0", "mars=0 0 1e7 radius=-1",
         "mars=0 0 1e7 radius=1 2", "mars=0 0 1e7 radius=1 1 1000", "earth=0 0 1e7 albedo=-1",
         "earth=0 0 1e7 albedo=", "earth=0 0 1e7 law=phong", "earth=0 0 1e7 law=hapke 2 0 0 0.1",
@@ -86,7 +86,7 @@ TEST(SkySettings, RefusesMaps) {
   std::filesystem::create_directories(folder);
   const auto code_of = [&](const std::string& name) {
     DiagnosticLog log;
-    EXPECT_FALSE(SkyReader().read(with("earth=0 0 1e7 map=" + (folder / name).string()), log));
+    EXPECT_FALSE(SkyReader().read(with("earth=0 0 1e7 map=" + (folder / name).string()), {}, log));
     return log.entries().empty() ? Code::E0001 : log.entries()[0].code;
   };
   EXPECT_EQ(code_of("missing.png"), Code::E0101);

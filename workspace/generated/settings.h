@@ -49,6 +49,7 @@ enum class SettingId : std::uint8_t {
   stars,
   star_catalogue,
   date,
+  orbit,
   engine,
   quality,
   samples,
@@ -124,6 +125,7 @@ struct Settings {
   Setting<NumberOr<Stars, double>> stars{Stars::off};
   Setting<std::string> star_catalogue;
   Setting<std::string> date;
+  Setting<std::string> orbit;
   Setting<Engine> engine{Engine::gl};
   Setting<Quality> quality{Quality::standard};
   Setting<NumberOr<Samples, std::uint32_t>> samples{Samples::automatic};

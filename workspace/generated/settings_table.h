@@ -119,7 +119,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--sun-distance", "Camera and Sun", "AU", "Distance to the Sun (default 1)"},
     {"sun-irradiance", kFormNumber | kFormNumbers | kFormText, 0, 3, SettingUnit::none, {}, 0.0, 1e+20, kSeveral, EngineSet::both, Recorded::given,
      "one number or three, W/m²", "one number or three, W/m², 0 to 1e20",
-     "--sun-irradiance", "Camera and Sun", "E|\"R G B\"", "In-band irradiance at the target, W/m²: radiance in W/(m² sr) (default: per unit irradiance, 1/sr)"},
+     "--sun-irradiance", "Camera and Sun", "E|\"R G B\"", "In-band irradiance at the target, with --orbit at 1 AU, W/m²: radiance in W/(m² sr) (default: per unit irradiance, 1/sr)"},
     {"lamp", kFormTexts, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "a list of lamps, as [\"spot on camera intensity 100\"]", "a list of lamps, as [\"spot on camera intensity 100\"]",
      "--lamp", "Camera and Sun", "\"KIND ...\"", "A light beside the Sun: spot, point, disc or led, then any of \"on camera\" (or TARGET/FRAME), \"at X Y Z\", \"toward X Y Z\", \"intensity I\" or \"power P\", \"radius R\", \"half-angle A\", \"exponent N\"; may be repeated"},
@@ -131,10 +131,10 @@ inline constexpr SettingInfo kSettings[] = {
      "--limb-darkening", "Reference engine (--engine reference)", "U", "Coefficient u of I = 1 - u (1 - cos) over the Sun's disc (default 0); gl applies it to glints only"},
     {"planet", kFormMap, kFormText | kFormNumbers, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "an object of bodies, as {\"earth\": \"0 0 -6778km\"}", "an object of bodies, as {\"earth\": \"0 0 -6778km\"}",
-     "--planet", "Camera and Sun", "NAME=\"X Y Z\"", "Body of the sky: earth, moon, or another name with radius=; after its centre a quaternion, albedo=, law= and map=FILE; may be repeated"},
+     "--planet", "Camera and Sun", "NAME=\"X Y Z\"", "Body of the sky: earth, moon, or another name with radius=; after its centre a quaternion, albedo=, law= and map=FILE; may be repeated. With --date and --orbit earth and moon need no centre"},
     {"sky", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
-     "names, as \"sun\"", "names, as \"sun\"",
-     "--sky", "Camera and Sun", "\"NAMES\"", "What else stands in the background: sun, its disc"},
+     "names, as \"stars,earth,moon,sun\"", "names, as \"stars,earth,moon,sun\"",
+     "--sky", "Camera and Sun", "\"NAMES\"", "What stands in the background: any of stars (to V 8), sun (its disc), and by --date and --orbit earth and moon"},
     {"stars", kFormNumber | kFormText, 0, 0, SettingUnit::none, kStarsWords, -30.0, 40.0, 0, EngineSet::both, Recorded::changed,
      "a magnitude, or \"off\"", "off or a magnitude, as 6.5",
      "--stars", "Camera and Sun", "off|V", "Stars in the background, down to this magnitude V (default off; Hipparcos reaches 8); world axes are those of J2000"},
@@ -143,7 +143,10 @@ inline constexpr SettingInfo kSettings[] = {
      "--star-catalogue", "Camera and Sun", "FILE.csv", "Star catalogue, in place of Hipparcos: ra[deg],dec[deg],v[mag] and others by name"},
     {"date", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "a date, as \"2026-01-01T12:00:00\"", "a date, as \"2026-01-01T12:00:00\"",
-     "--date", "Camera and Sun", "UTC", "Date of the image, UTC, as 2026-01-01T12:00:00: stars move (default: the year 2000; scenarios with an epoch have their own)"},
+     "--date", "Camera and Sun", "UTC", "Date of the image, UTC, as 2026-01-01T12:00:00: stars move, and with --orbit the Earth, the Moon and the Sun (scenarios with an epoch have their own)"},
+    {"orbit", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
+     "an orbit, as \"a=6778km e=0 i=51.6 raan=30 aop=0 nu=90\"", "an orbit, as \"a=6778km e=0 i=51.6 raan=30 aop=0 nu=90\"",
+     "--orbit", "Camera and Sun", "\"ELEMENTS\"", "Orbit of the origin at --date: \"a=6778km e=0 i=51.6 raan=30 aop=0 nu=90\" (degrees) or \"r=X Y Z v=VX VY VZ\" (m, m/s; km, km/s) in axes of J2000, then any of about=moon, epoch=UTC, axes=rtn; or earth or moon, whose centre is the origin"},
     {"engine", kFormText, 0, 0, SettingUnit::none, kEngineWords, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::always,
      "\"gl\" or \"reference\"", "gl or reference",
      "--engine", "", "NAME", "Engine: gl (OpenGL, default) or reference (path tracing on the CPU, slow, with error bars)"},
@@ -207,8 +210,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -254,6 +257,7 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::stars: return f(id, settings.stars...);
     case SettingId::star_catalogue: return f(id, settings.star_catalogue...);
     case SettingId::date: return f(id, settings.date...);
+    case SettingId::orbit: return f(id, settings.orbit...);
     case SettingId::engine: return f(id, settings.engine...);
     case SettingId::quality: return f(id, settings.quality...);
     case SettingId::samples: return f(id, settings.samples...);
@@ -320,6 +324,7 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::stars, settings.stars...);
   f(SettingId::star_catalogue, settings.star_catalogue...);
   f(SettingId::date, settings.date...);
+  f(SettingId::orbit, settings.orbit...);
   f(SettingId::engine, settings.engine...);
   f(SettingId::quality, settings.quality...);
   f(SettingId::samples, settings.samples...);
@@ -355,8 +360,6 @@ inline constexpr Exclusion kExclusions[] = {
 inline constexpr Requirement kRequirements[] = {
     {SettingId::samples, SettingId::engine, false, [](const Settings& s) { return bool(s.samples && *s.samples == Settings::Samples::automatic); },
      [](const Settings& s) { return bool(*s.engine == Settings::Engine::gl); }, "--samples is 'auto', expected a whole number from 1 to 64"},
-    {SettingId::star_catalogue, SettingId::stars, true, [](const Settings& s) { return bool(s.star_catalogue); },
-     [](const Settings& s) { return bool(s.stars->number.has_value()); }, "--star-catalogue requires --stars V"},
     {SettingId::pixel_error, SettingId::samples, true, [](const Settings& s) { return bool(s.pixel_error); },
      [](const Settings& s) { return bool(*s.samples == Settings::Samples::automatic); }, "--pixel-error requires --samples auto"},
     {SettingId::adaptive, SettingId::samples, true, [](const Settings& s) { return bool(s.adaptive && *s.adaptive); },
