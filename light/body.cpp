@@ -120,6 +120,10 @@ std::optional<Body> body_preset(std::string_view name) {
   body.name = name;
   if (name == "earth") {
     body.radii = Vec3(6378137, 6378137, 6356752.314245);  // WGS 84
+    // geometric albedos of the whole disc in R, V and B relative to V: A. Mallama et al.,
+    // "Comprehensive wide-band magnitudes and albedos for the planets", 2017
+    body.albedo = 0.3 / 0.434 * Vec3(0.392, 0.434, 0.512);
+    body.air = true;
     return body;
   }
   if (name == "moon") {
@@ -143,7 +147,8 @@ bool is_sound(const Body& body) {
          is_finite(albedo) && albedo.x >= 0 && albedo.y >= 0 && albedo.z >= 0 &&
          law.single_scattering >= 0 && law.single_scattering <= 1 && law.asymmetry > -1 &&
          law.asymmetry < 1 && law.surge >= 0 && std::isfinite(law.surge) && law.surge_width > 0 &&
-         std::isfinite(law.surge_width);
+         std::isfinite(law.surge_width) &&
+         (!body.air || (law.law == Law::lambert && !law.rolo && least >= Air::kLeastRadius));
 }
 
 Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
@@ -157,6 +162,26 @@ Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3
   if (law.rolo) result *= phase_factor(law, phase);
   if (body.map) result *= body.map->at(place, footprint);
   return result;
+}
+
+std::shared_ptr<const Air> air_of(const Body& body) {
+  const Vec3& r = body.radii;
+  return body.air ? earth_air(det::pow(r.x * r.y * r.z, 1.0 / 3)) : nullptr;
+}
+
+Vec3 ground_albedo(const Body& body, const Air& air) {
+  return glm::max((body.albedo - air.albedo()) / air.ground_factor(), Vec3(0));
+}
+
+Vec3 reflected_through(const Body& body, const Air& air, const Vec3& place, double footprint,
+                       double mu_sun, double mu, const AirLight& between, const Vec3& irradiance) {
+  const Vec3 whole = air.transmittance(1, mu);
+  // of light that the air scatters upwards, the share below the viewer
+  const Vec3 below = (Vec3(1) - between.through) / glm::max(Vec3(1) - whole, Vec3(1e-9));
+  const Vec3 up = between.through + (air.upward(mu) - whole) * glm::min(below, Vec3(1));
+  Vec3 ground = ground_albedo(body, air) * air.ground(mu_sun) * up / kPi;
+  if (body.map) ground *= body.map->at(place, footprint);
+  return irradiance * (between.light + ground);
 }
 
 }  // namespace panwright::light

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "light/air.h"
 #include "light/photometry.h"
 
 namespace panwright::light {
@@ -53,10 +54,13 @@ struct Body {
   Vec3 albedo{0.3};  // per band, ≥ 0: factors of the law, for Lambert's the Bond albedo; with
                      // Photometry::rolo 1 is the Moon's
   std::shared_ptr<const BodyMap> map;  // factors of the albedo; null: none
+  // The Earth's air above the ellipsoid; the albedo is that of both. Expects: Lambert's law.
+  bool air = false;
   bool operator==(const Body&) const = default;
 };
 
-// Returns a body of kBodyPresets at the origin: `earth` (WGS 84, albedo 0.3), `moon` (ROLO).
+// Returns a body of kBodyPresets at the origin: `earth` (WGS 84, with air; albedo 0.3 and its
+// colour), `moon` (ROLO).
 std::optional<Body> body_preset(std::string_view name);
 inline constexpr std::string_view kBodyPresets[] = {"earth", "moon"};
 
@@ -72,5 +76,21 @@ inline constexpr std::string_view kBodyPresets[] = {"earth", "moon"};
 //   footprint   angle from the centre that the albedo is averaged over, radians
 Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
                const Vec3& to_sun, const Vec3& to_viewer, const Vec3& irradiance);
+
+// Air of a body; null: none.
+std::shared_ptr<const Air> air_of(const Body& body);
+
+// Returns the albedo of the ground that makes the albedo of a body with its air; 0 where the air
+// alone has more.
+Vec3 ground_albedo(const Body& body, const Air& air);
+
+// Radiance of a body with air along a ray that meets its ground.
+//
+//   place    direction from the centre in the body's axes; footprint as above
+//   mu_sun   cosine of the Sun's zenith angle in the space where the body is a unit sphere
+//   mu       that of the ray's, towards the viewer
+//   between  light of the air before the ground
+Vec3 reflected_through(const Body& body, const Air& air, const Vec3& place, double footprint,
+                       double mu_sun, double mu, const AirLight& between, const Vec3& irradiance);
 
 }  // namespace panwright::light

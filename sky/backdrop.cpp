@@ -82,12 +82,14 @@ double covered(double value, const Vec2& gradient) {
 // Colour of a part of a pixel, times the share that is covered.
 struct Shade {
   Vec3 light{0};
-  double cover = 0;
-  void add(const Shade& other, double weight) {
+  Vec3 cover{0};  // per band, since air dims
+  void add(const Shade& other, const Vec3& weight) {
     light += weight * other.light;
     cover += weight * other.cover;
   }
 };
+
+bool is_open(const Vec3& cover) { return cover.x < 1 || cover.y < 1 || cover.z < 1; }
 
 // A body, or the Sun as a unit sphere so far away that it is a disc of its size.
 class Disc {
@@ -97,6 +99,7 @@ class Disc {
     if (index) {
       const Ellipsoid& shape = sky.shape(*index);
       unit_from_world_ = shape.unit_from_world;
+      air_ = sky.air(*index);
       from_ = shape.from(viewer);
     } else {
       from_ = -sky.to_sun() / sky.sun_sine();
@@ -108,7 +111,9 @@ class Disc {
     const double units = std::sqrt(glm::dot(from_, from_));
     return index_ ? (units - 1) * sky_->shape(*index_).radius : HUGE_VAL;
   }
-  bool outside() const { return glm::dot(from_, from_) >= 1; }
+  // on the surface too, whatever was rounded
+  bool outside() const { return glm::dot(from_, from_) >= 1 - 1e-9; }
+  const light::Air* air() const { return air_; }
   const Vec3& from() const { return from_; }
   std::optional<std::size_t> index() const { return index_; }
   // towards the centre, world axes
@@ -117,23 +122,33 @@ class Disc {
   // Of the square of side `size` pixels about an offset from a pixel's centre.
   Shade shade(const PixelRays& rays, const Vec2& offset, double size) const {
     Local at(*this, rays, offset);
-    if (!(at.ahead > 0)) return {};
+    const bool in_air = air_ && glm::dot(at.from, at.from) < air_->top() * air_->top();
+    if (!(at.ahead > 0)) return in_air ? air_shade(at) : Shade{};
     Vec2 gradient = -size * at.gradient();
     const double slope = std::sqrt(glm::dot(gradient, gradient));
     // distance to the limb in sides of the square, > 0 within
     const double inside = slope > 0 ? (1 - at.impact) / slope : (at.impact < 1 ? 1e9 : -1e9);
-    if (inside < -0.75) return {};
-    if (inside > 0.75) return {radiance(at, size), 1};
-    gradient /= slope;
+    if (inside > 0.75) return {radiance(at, size), Vec3(1)};
+    if (slope > 0) gradient /= slope;
+    Shade air;
+    if (air_) air = beside_limb(at.impact, inside, slope, gradient, rays, offset, size);
+    if (inside < -0.75) return air;
     const double cover = covered(inside, gradient);
-    if (!(cover > 0)) return {};
+    if (!(cover > 0)) return air;
     // where a root of the distance to the limb has its mean
     const double place = 4.0 / 9 * cover;
     if (inside < 0.5 + place) {
       const Vec2 moved = offset + gradient * ((place - inside) * size);
       at = Local(*this, rays, moved);
     }
-    return {cover * radiance(at, size), cover};
+    air.add({radiance(at, size), Vec3(1)}, Vec3(cover));
+    return air;
+  }
+
+  // Of a direction of the ellipsoid's space that misses the ground.
+  Shade air_shade_of(const Vec3& from, const Vec3& ray) const {
+    const light::AirLight light = sky_->air_light(*index_, from, ray);
+    return {light.light, Vec3(1) - light.through};
   }
 
   // Radius in pixels, about.
@@ -148,10 +163,40 @@ class Disc {
 
   // Radiance of a place of the ellipsoid's space along a ray of the world.
   Vec3 radiance_at(const Vec3& place, const Vec3& ray, double footprint) const {
-    return sky_->radiance(*index_, place, -glm::normalize(ray), footprint);
+    const bool in_air = air_ && glm::dot(from_, from_) < air_->top() * air_->top();
+    return sky_->radiance(*index_, place, -glm::normalize(ray), footprint,
+                          in_air ? &from_ : nullptr);
   }
 
  private:
+  struct Local;
+  Shade air_shade(const Local& at) const { return air_shade_of(at.from, at.world_ray); }
+
+  // Air in the part of a square that lies beyond the limb: strips along it, by their areas. Names
+  // are those of shade().
+  Shade beside_limb(double impact, double inside, double slope, const Vec2& gradient,
+                    const PixelRays& rays, const Vec2& offset, double size) const {
+    if (!(slope > 0)) return impact < air_->top() ? air_shade(Local(*this, rays, offset)) : Shade{};
+    constexpr double kReach = 0.7072;  // half of the square's diagonal
+    const double low = std::max((impact - air_->top()) / slope, -kReach);
+    const double high = std::min(-inside, kReach);
+    Shade sum;
+    if (!(high > low)) return sum;
+    constexpr double kStrip = 0.04;  // of the air's height: half of its scale
+    const int strips = static_cast<int>(
+        std::clamp(std::ceil((high - low) * slope / (kStrip * (air_->top() - 1))), 1.0, 64.0));
+    double before = covered(-low, gradient);
+    for (int i = 0; i < strips; ++i) {
+      const double width = (high - low) / strips, middle = low + (i + 0.5) * width;
+      const double after = covered(-(low + (i + 1) * width), gradient);
+      if (before > after)
+        sum.add(air_shade(Local(*this, rays, offset + gradient * (middle * size))),
+                Vec3(before - after));
+      before = after;
+    }
+    return sum;
+  }
+
   Vec3 unit(const Vec3& v) const { return index_ ? unit_from_world_ * v : v; }
   Vec3 from_at(const PixelRays& rays, const Vec2& offset) const {
     // the Sun is as far from everywhere
@@ -210,6 +255,7 @@ class Disc {
 
   const Sky* sky_;
   std::optional<std::size_t> index_;  // none: the Sun
+  const light::Air* air_ = nullptr;   // null: none
   Mat3 unit_from_world_{1};
   Vec3 from_, viewer_;
 };
@@ -240,7 +286,7 @@ class Painter {
   Vec3 pixel(std::uint32_t column, std::uint32_t row) const {
     Shade sum;
     std::optional<PixelRays> rays;
-    for (std::size_t i = 0; i < discs_.size() && sum.cover < 1; ++i) {
+    for (std::size_t i = 0; i < discs_.size() && is_open(sum.cover); ++i) {
       Shade shade;
       if (small_[i]) {
         if (const Shade* found = small_[i]->at(column, row)) shade = *found;
@@ -249,7 +295,7 @@ class Painter {
         if (!rays) return Vec3(0);
         shade = shade_of(i, *rays);
       }
-      sum.add(shade, 1 - sum.cover);
+      sum.add(shade, Vec3(1) - sum.cover);
     }
     return sum.light;
   }
@@ -282,12 +328,16 @@ class Painter {
     const double size = 1.0 / steps;
     for (int y = 0; y < steps; ++y)
       for (int x = 0; x < steps; ++x)
-        sum.add(discs_[i].shade(rays, Vec2(x + 0.5, y + 0.5) * size - 0.5, size), size * size);
+        sum.add(discs_[i].shade(rays, Vec2(x + 0.5, y + 0.5) * size - 0.5, size),
+                Vec3(size * size));
     return sum;
   }
 
   // Adds the parts of a disc to their pixels: flux by flux, so that none is lost.
   SmallDisc splat(const Disc& disc, const Vec2& middle, double radius) const;
+  void splat_air(const Disc& disc, SmallDisc& result) const;
+  // A part of a disc, by its direction and solid angle.
+  void splat_part(const Vec3& toward, double solid, const Shade& part, SmallDisc& result) const;
 
   const Sky& sky_;
   const world::Camera& camera_;
@@ -338,20 +388,53 @@ SmallDisc Painter::splat(const Disc& disc, const Vec2& middle, double radius) co
       } else {
         light = sky_.sun_radiance(square);
       }
-      const auto place = world::project(camera_, camera_.position + glm::normalize(toward));
-      if (!place) continue;
-      const Vec2 pixel = glm::floor(*place);
-      if (!(pixel.x >= low.x && pixel.y >= low.y && pixel.x < high.x && pixel.y < high.y)) continue;
-      const auto column = static_cast<std::uint32_t>(pixel.x);
-      const auto row = static_cast<std::uint32_t>(pixel.y);
-      const double all = world::pixel_solid_angle(camera_, column, row);
-      if (!(all > 0)) continue;
-      Shade& shade = result.shades[std::size_t{row - result.y} * result.width + column - result.x];
-      shade.add({light, 1}, solid / all);
+      splat_part(toward, solid, {light, Vec3(1)}, result);
     }
   }
-  for (Shade& shade : result.shades) shade.cover = std::min(shade.cover, 1.0);
+  if (disc.air()) splat_air(disc, result);
+  for (Shade& shade : result.shades) shade.cover = glm::min(shade.cover, Vec3(1));
   return result;
+}
+
+void Painter::splat_part(const Vec3& toward, double solid, const Shade& part,
+                         SmallDisc& result) const {
+  const auto place = world::project(camera_, camera_.position + glm::normalize(toward));
+  if (!place) return;
+  const Vec2 pixel = glm::floor(*place) - Vec2(result.x, result.y);
+  if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < result.width && pixel.y < result.height)) return;
+  const auto column = static_cast<std::uint32_t>(pixel.x);
+  const auto row = static_cast<std::uint32_t>(pixel.y);
+  const double all = world::pixel_solid_angle(camera_, result.x + column, result.y + row);
+  if (!(all > 0)) return;
+  result.shades[std::size_t{row} * result.width + column].add(part, Vec3(solid / all));
+}
+
+// The ring of air about a small disc.
+void Painter::splat_air(const Disc& disc, SmallDisc& result) const {
+  constexpr int kRings = 32, kSectors = 64;
+  const Vec3 from = disc.from();
+  const double distance = std::sqrt(glm::dot(from, from)), top = disc.air()->top();
+  const Vec3 axis = -from / distance;
+  const Vec3 x =
+      glm::normalize(glm::cross(axis, std::fabs(axis.z) < 0.6 ? Vec3(0, 0, 1) : Vec3(1, 0, 0)));
+  const Vec3 y = glm::cross(axis, x);
+  const Ellipsoid& shape = sky_.shape(*disc.index());
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double t = (ring + 0.5) / kRings, beside = 1 + (top - 1) * t * t;
+    const double across = beside / distance;
+    const double along = std::sqrt((1 - across) * (1 + across));
+    // 2·pi·sin·d(sin)/cos
+    const double annulus =
+        2 * kPi * across / along * ((top - 1) * 2 * t / kRings) / distance / kSectors;
+    for (int sector = 0; sector < kSectors; ++sector) {
+      const det::SinCos turn = det::sincos(2 * kPi * (sector + 0.5) / kSectors);
+      const Vec3 toward =
+          shape.world_from_unit * (along * axis + across * (turn.cos * x + turn.sin * y));
+      const double stretch = std::sqrt(glm::dot(toward, toward));
+      splat_part(toward, annulus * shape.volume / (stretch * stretch * stretch),
+                 disc.air_shade_of(from, toward), result);
+    }
+  }
 }
 
 // Discrete Gaussian of a variance t, exp(−t)·I_n(t): the mean of exp(t·(cos a − 1))·cos(n·a), exact

@@ -14,7 +14,8 @@ namespace panwright::sky {
 // Returns the radiance of the bodies and, if visible, the Sun's disc in the pixels of a camera:
 // means over pixels, 3·height·width, row 0 the top row. Nearer bodies hide others. Limbs have the
 // covered area of their pixels. Discs below two pixels have their exact flux. Bodies that the
-// camera is in are not drawn. Any lens.
+// camera is in are not drawn. Air about bodies shines beside their limbs and dims what is behind.
+// Any lens.
 //
 //   psf_sigma  RMS width of a Gaussian PSF, pixels; 0: none
 // Error: limbs 0.02 px, flux of a disc 1e-3. Lets Cancelled pass. Cost: O(pixels).

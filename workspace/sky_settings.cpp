@@ -21,11 +21,12 @@ namespace {
 constexpr std::uint64_t kMostMapBytes = 1ull << 30;
 constexpr std::string_view kExpected =
     "a position x y z, with or without units, then if need be a quaternion w x y z and radius=, "
-    "albedo=, law= or map=";
+    "albedo=, law=, air= or map=";
 
 struct PlanetText {
   light::Body body;
   std::string map;  // path; empty: none
+  std::optional<bool> air;
 };
 
 struct Word {
@@ -103,10 +104,19 @@ std::string set_law(std::span<const std::string_view> words, light::Body& body) 
   return {};
 }
 
-std::string set_member(const Word& word, light::Body& body, bool& sized) {
+std::string set_air(std::span<const std::string_view> words, std::optional<bool>& air) {
+  const std::string_view name = words.size() == 1 ? words[0] : std::string_view();
+  if (name != "earth" && name != "none") return "air=earth or none";
+  air = name == "earth";
+  return {};
+}
+
+std::string set_member(const Word& word, PlanetText& out, bool& sized) {
+  light::Body& body = out.body;
   if (word.key == "law") return set_law(word.values, body);
+  if (word.key == "air") return set_air(word.values, out.air);
   if (word.key != "radius" && word.key != "albedo")
-    return fmt::format("radius=, albedo=, law= or map= instead of {}",
+    return fmt::format("radius=, albedo=, law=, air= or map= instead of {}",
                        in_quotes(std::string(word.key) + "="));
   const auto values = numbers(word.values, 3, word.key == "radius");
   if (!values) return fmt::format("{}= with one number or three", word.key);
@@ -133,9 +143,14 @@ std::string read_planet(const std::string& name, std::string_view text, PlanetTe
   const std::vector<Word> words = words_by_key(text, out.map);
   if (std::string wrong = set_place(words[0].values, out.body); !wrong.empty()) return wrong;
   for (std::size_t i = 1; i < words.size(); ++i)
-    if (std::string wrong = set_member(words[i], out.body, sized); !wrong.empty()) return wrong;
+    if (std::string wrong = set_member(words[i], out, sized); !wrong.empty()) return wrong;
   if (text.find("map=") != text.npos && out.map.empty()) return "map= with a file";
   if (!sized) return "radius=, since only earth and moon have one of their own";
+  const Vec3& radii = out.body.radii;
+  const bool suits = out.body.photometry == light::Photometry() &&
+                     std::min({radii.x, radii.y, radii.z}) >= light::Air::kLeastRadius;
+  out.body.air = out.air.value_or(out.body.air && suits);
+  if (out.body.air && !suits) return "air=earth with law=lambert and a radius= of 1,000 km or more";
   if (!light::is_sound(out.body))
     return "finite numbers, semi-axes within 1:100, parameters of a law within their range";
   return {};

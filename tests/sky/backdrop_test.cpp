@@ -23,6 +23,8 @@ world::Camera camera_of(std::uint32_t side, double degrees, const Vec3& toward) 
 world::World world_of(const Vec3& centre, const Vec3& sun) {
   world::World world;
   light::Body body = *light::body_preset("earth");
+  body.air = false;  // closed forms are of rough ground alone
+  body.albedo = Vec3(0.3);
   body.radii = Vec3(kRadius);
   body.centre = centre;
   world.set_sky({body}, false);
