@@ -51,7 +51,7 @@ class Air {
 
   // Returns the light of a ray that begins outside, from tables; it ends at the ground or at the
   // other side. `through` is that of the direct ray. Vectors of unit length.
-  // Error: 2 % of the light of the integral, or 1e-4.
+  // Error: 4 % of the light of the integral, or 1e-4.
   AirLight from_outside(const Vec3& origin, const Vec3& ray, const Vec3& to_sun) const;
   // Returns the same by steps along the ray, from anywhere at the ground or above.
   AirLight along(const Vec3& origin, const Vec3& ray, const Vec3& to_sun) const;

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 
 #include "base/parallel.h"
+#include "sky/internal/blur.h"
+#include "sky/internal/layer.h"
 
 namespace panwright::sky {
 namespace {
@@ -128,10 +129,14 @@ class Disc {
     const double slope = std::sqrt(glm::dot(gradient, gradient));
     // distance to the limb in sides of the square, > 0 within
     const double inside = slope > 0 ? (1 - at.impact) / slope : (at.impact < 1 ? 1e9 : -1e9);
-    if (inside > 0.75) return {radiance(at, size), Vec3(1)};
+    if (inside > (air_ ? kHazy : 0.75)) return {radiance(at, size), Vec3(1)};
     if (slope > 0) gradient /= slope;
     Shade air;
-    if (air_) air = beside_limb(at.impact, inside, slope, gradient, rays, offset, size);
+    if (air_) {
+      air = beside_limb(at.impact, inside, slope, gradient, rays, offset, size);
+      add_hazy_ground(inside, gradient, rays, offset, size, air);
+      return air;
+    }
     if (inside < -0.75) return air;
     const double cover = covered(inside, gradient);
     if (!(cover > 0)) return air;
@@ -149,6 +154,19 @@ class Disc {
   Shade air_shade_of(const Vec3& from, const Vec3& ray) const {
     const light::AirLight light = sky_->air_light(*index_, from, ray);
     return {light.light, Vec3(1) - light.through};
+  }
+
+  // Depth along a boresight of the nearest place that a ray meets, or passes.
+  double depth(const PixelRays& rays, const Vec3& boresight) const {
+    if (!index_) return HUGE_VAL;
+    const Local at(*this, rays, Vec2(0));
+    const double square = glm::dot(at.ray, at.ray);
+    const double impact = std::min(at.impact, 1.0);
+    const double half = std::sqrt((1 - impact) * (1 + impact) * square);
+    const double distance = std::sqrt(glm::dot(at.from, at.from));
+    const double way =
+        at.impact < 1 ? (distance - 1) * (distance + 1) / (at.ahead + half) : at.ahead / square;
+    return glm::dot(rays.origin - viewer_ + way * at.world_ray, boresight);
   }
 
   // Radius in pixels, about.
@@ -169,15 +187,35 @@ class Disc {
   }
 
  private:
+  static constexpr double kReach = 0.7072;  // half of the diagonal of a unit square
+  static constexpr double kHazy = 4;        // pixels within the limb
+
   struct Local;
   Shade air_shade(const Local& at) const { return air_shade_of(at.from, at.world_ray); }
+
+  // Ground below much air, which changes within a pixel: strips along the limb, as below.
+  void add_hazy_ground(double inside, const Vec2& gradient, const PixelRays& rays,
+                       const Vec2& offset, double size, Shade& sum) const {
+    constexpr int kStrips = 6;
+    const double low = std::max(-inside, -kReach), range = kReach - low;
+    if (!(range > 0)) return;
+    double before = covered(-low, gradient);
+    for (int i = 0; i < kStrips; ++i) {
+      // close to each other at the limb
+      const auto place = [&](double t) { return low + range * t * t; };
+      const double after = covered(-place((i + 1.0) / kStrips), gradient);
+      const Vec2 moved = offset + gradient * (place((i + 0.5) / kStrips) * size);
+      if (before > after)
+        sum.add({radiance(Local(*this, rays, moved), size), Vec3(1)}, Vec3(before - after));
+      before = after;
+    }
+  }
 
   // Air in the part of a square that lies beyond the limb: strips along it, by their areas. Names
   // are those of shade().
   Shade beside_limb(double impact, double inside, double slope, const Vec2& gradient,
                     const PixelRays& rays, const Vec2& offset, double size) const {
     if (!(slope > 0)) return impact < air_->top() ? air_shade(Local(*this, rays, offset)) : Shade{};
-    constexpr double kReach = 0.7072;  // half of the square's diagonal
     const double low = std::max((impact - air_->top()) / slope, -kReach);
     const double high = std::min(-inside, kReach);
     Shade sum;
@@ -283,21 +321,29 @@ class Painter {
 
   bool empty() const { return discs_.empty(); }
 
-  Vec3 pixel(std::uint32_t column, std::uint32_t row) const {
+  // What stands before a depth, or behind it.
+  struct Part {
+    bool before = false;
+    double depth = -HUGE_VAL;
+  };
+
+  Shade pixel(std::uint32_t column, std::uint32_t row, const Part& part) const {
+    const Vec3 boresight = glm::mat3_cast(camera_.world_from_camera)[2];
     Shade sum;
     std::optional<PixelRays> rays;
     for (std::size_t i = 0; i < discs_.size() && is_open(sum.cover); ++i) {
       Shade shade;
-      if (small_[i]) {
-        if (const Shade* found = small_[i]->at(column, row)) shade = *found;
-      } else {
-        if (!rays) rays = rays_.at(column + 0.5, row + 0.5);
-        if (!rays) return Vec3(0);
-        shade = shade_of(i, *rays);
-      }
+      const Shade* small = small_[i] ? small_[i]->at(column, row) : nullptr;
+      if (small_[i] && small == nullptr) continue;
+      const bool sided = part.before || part.depth > -HUGE_VAL;
+      if (!rays && (sided || !small)) rays = rays_.at(column + 0.5, row + 0.5);
+      if (!rays && !small) return {};
+      if (sided && rays && (discs_[i].depth(*rays, boresight) < part.depth) != part.before)
+        continue;
+      shade = small ? *small : shade_of(i, *rays);
       sum.add(shade, Vec3(1) - sum.cover);
     }
-    return sum.light;
+    return sum;
   }
 
  private:
@@ -437,76 +483,55 @@ void Painter::splat_air(const Disc& disc, SmallDisc& result) const {
   }
 }
 
-// Discrete Gaussian of a variance t, exp(−t)·I_n(t): the mean of exp(t·(cos a − 1))·cos(n·a), exact
-// with more angles than terms. T. Lindeberg, "Scale-space for discrete signals", 1990.
-std::vector<double> kernel_of_psf(double sigma, std::uint32_t reach) {
-  const int angles = 64 + 2 * static_cast<int>(reach);
-  const double t = sigma * sigma;
-  std::vector<double> kernel;
-  for (std::uint32_t n = 0; n <= reach; ++n) {
-    double sum = 0;
-    for (int i = 0; i < angles; ++i) {
-      const double angle = kPi * (i + 0.5) / angles;
-      sum += det::exp(t * (det::cos(angle) - 1)) * det::cos(n * angle);
-    }
-    kernel.push_back(sum / angles);
-  }
-  return kernel;
-}
-
-// Convolves rows or columns and keeps what lies within the margin.
-void convolve(std::span<const float> in, std::size_t lines, std::size_t length, std::size_t step,
-              std::size_t next, std::span<const double> kernel, std::vector<float>& out,
-              std::size_t out_step, std::size_t out_next) {
-  const std::size_t reach = kernel.size() - 1;
-  for (std::size_t line = 0; line < lines; ++line)
-    for (std::size_t i = reach; i + reach < length; ++i)
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        const float* at = &in[line * next + i * step + channel];
-        double sum = kernel[0] * *at;
-        for (std::size_t k = 1; k <= reach; ++k)
-          sum += kernel[k] * (static_cast<double>(at[k * step]) + *(at - k * step));
-        out[line * out_next + (i - reach) * out_step + channel] = static_cast<float>(sum);
-      }
-}
-
 }  // namespace
 
-std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
-                            const Job& job) {
+Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
+            const std::vector<float>* depths, bool before, const Job& job) {
   const auto margin = psf_sigma > 0 ? static_cast<std::uint32_t>(std::ceil(5 * psf_sigma)) + 1 : 0u;
   world::Camera wide = camera;
   wide.width += 2 * margin;
   wide.height += 2 * margin;
   wide.principal += static_cast<double>(margin);
   const Painter painter(sky, wide);
-  std::vector<float> pixels(std::size_t{3} * wide.width * wide.height);
+  Layer result;
+  result.light.resize(std::size_t{3} * wide.width * wide.height);
+  if (depths) result.cover.resize(result.light.size());
+  const auto part_of = [&](std::uint32_t column, std::uint32_t row) {
+    if (!depths) return Painter::Part{};
+    const std::uint32_t x = column - margin, y = row - margin;
+    // beyond the image there are no targets
+    const bool within = x < camera.width && y < camera.height;
+    return Painter::Part{before, within ? (*depths)[std::size_t{y} * camera.width + x] : 0};
+  };
   const auto paint = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < wide.width; ++column) {
-      const Vec3 light = painter.pixel(column, static_cast<std::uint32_t>(row));
-      for (std::size_t k = 0; k < 3; ++k)
-        pixels[3 * (row * wide.width + column) + k] =
-            static_cast<float>(light[static_cast<int>(k)]);
+      const auto line = static_cast<std::uint32_t>(row);
+      const Shade shade = painter.pixel(column, line, part_of(column, line));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t at = 3 * (row * wide.width + column) + k;
+        result.light[at] = static_cast<float>(shade.light[static_cast<int>(k)]);
+        if (depths) result.cover[at] = static_cast<float>(shade.cover[static_cast<int>(k)]);
+      }
     }
   };
   if (!painter.empty()) parallel_for(wide.height, paint, job);
-  if (margin == 0) return pixels;
+  if (margin == 0) return result;
   const std::vector<double> kernel = kernel_of_psf(psf_sigma, margin);
   const std::size_t width = wide.width, height = wide.height;
   std::vector<float> rows(3 * std::size_t{camera.width} * height);
-  convolve(pixels, height, width, 3, 3 * width, kernel, rows, 3, std::size_t{3} * camera.width);
-  pixels.assign(3 * std::size_t{camera.width} * camera.height, 0);
-  convolve(rows, camera.width, height, std::size_t{3} * camera.width, 3, kernel, pixels,
-           std::size_t{3} * camera.width, 3);
-  return pixels;
+  for (std::vector<float>* pixels : {&result.light, &result.cover}) {
+    if (pixels->empty()) continue;
+    convolve(*pixels, height, width, 3, 3 * width, kernel, rows, 3, std::size_t{3} * camera.width);
+    pixels->assign(3 * std::size_t{camera.width} * camera.height, 0);
+    convolve(rows, camera.width, height, std::size_t{3} * camera.width, 3, kernel, *pixels,
+             std::size_t{3} * camera.width, 3);
+  }
+  return result;
 }
 
-void add_behind(const std::vector<float>& backdrop, image::Image& image) {
-  for (std::size_t i = 0; i < image.pixels(); ++i) {
-    const float open = 1 - image.coverage[i];
-    if (!(open > 0)) continue;
-    for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] += open * backdrop[3 * i + k];
-  }
+std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
+                            const Job& job) {
+  return layer(sky, camera, psf_sigma, nullptr, false, job).light;
 }
 
 }  // namespace panwright::sky

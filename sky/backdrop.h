@@ -26,4 +26,16 @@ std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double 
 // the truth layers stay those of the targets.
 void add_behind(const std::vector<float>& backdrop, image::Image& image);
 
+// Returns whether a body may stand before something at a distance from a point, metres. Bodies that
+// the point is in do not.
+bool may_hide(const Sky& sky, const Vec3& point, double distance);
+
+// Adds the bodies to an image of targets as above, those before a target over it, by the depth of
+// its pixel; pixels without have that of their neighbours. Where a body covers more than half of a
+// pixel, the truth layers are those of the background.
+//
+// Expects: truth layers. Lets Cancelled pass. Cost: twice that of backdrop().
+void add_around(const Sky& sky, const world::Camera& camera, double psf_sigma, image::Image& image,
+                const Job& job = {});
+
 }  // namespace panwright::sky

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/light.h"
+
 namespace panwright::sky {
 
 Ellipsoid::Ellipsoid(const light::Body& body)
@@ -27,6 +29,7 @@ Sky::Sky(const world::World& world)
   across_[0] = glm::normalize(glm::cross(to_sun_, other));
   across_[1] = glm::cross(to_sun_, across_[0]);
   irradiance_ = sun.irradiance.value_or(Vec3(1));
+  if (!sun.irradiance) unit_ = light::kSolarIrradiance;
   sun_sine_ = std::min(world::kSunSineAtOneAu / sun.distance, 0.999);
   limb_ = sun.limb_darkening;
   for (std::size_t i = 0; i < size(); ++i) {
@@ -38,24 +41,28 @@ Sky::Sky(const world::World& world)
 Vec3 Sky::radiance(std::size_t index, const Vec3& place, const Vec3& to_viewer, double footprint,
                    const Vec3* viewer) const {
   const Ellipsoid& shape = shapes_[index];
+  const light::Body& body = bodies_[index];
+  Vec3 through(1), result(0);
+  double mu_sun = 0;
   if (const light::Air* air = airs_[index].get()) {
     const Vec3 ray = glm::normalize(shape.unit_from_world * -to_viewer);
     const Vec3& sun = suns_[index];
     const Vec3 from = viewer ? *viewer : place - 2 * air->top() * ray;
     const light::AirLight between = air->light(from, ray, sun);
-    const light::Body& body = bodies_[index];
-    Vec3 result =
-        light::reflected_through(body, *air, body.radii * place, footprint, glm::dot(place, sun),
-                                 -glm::dot(place, ray), between, irradiance_);
-    if (size() > 1) result *= sun_share(shape.world(place), index);
-    return result;
+    through = between.through;
+    mu_sun = glm::dot(place, sun);
+    result = light::reflected_through(body, *air, body.radii * place, footprint, mu_sun,
+                                      -glm::dot(place, ray), between, irradiance_);
+  } else {
+    const Vec3 normal = glm::normalize(shape.world_from_normal * place);
+    mu_sun = glm::dot(normal, to_sun_);
+    if (mu_sun > 0)
+      result = light::reflected(body, body.radii * place, footprint, normal, to_sun_, to_viewer,
+                                irradiance_);
   }
-  const Vec3 normal = glm::normalize(shape.world_from_normal * place);
-  if (!(glm::dot(normal, to_sun_) > 0)) return Vec3(0);
-  const light::Body& body = bodies_[index];
-  Vec3 result = light::reflected(body, body.radii * place, footprint, normal, to_sun_, to_viewer,
-                                 irradiance_);
-  if (size() > 1) result *= sun_share(shape.world(place), index);
+  if (size() > 1 && result != Vec3(0)) result *= sun_share(shape.world(place), index);
+  if (body.night)
+    result += through * light::night_light(body, body.radii * place, footprint, mu_sun) / unit_;
   return result;
 }
 

@@ -96,6 +96,7 @@ class Sky {
   std::vector<Vec3> suns_;  // directions in the ellipsoids' spaces, unit
   Vec3 to_sun_, across_[2];
   Vec3 irradiance_;
+  Vec3 unit_{1};  // of radiance, W/m²/sr
   double sun_sine_ = 0, limb_ = 0;
   bool sun_visible_ = false;
 };

@@ -31,7 +31,7 @@ class Backdrop {
         options_(options),
         frame_(scene.rays().observer()),
         sun_(world.sun(), frame_.world_from, true),
-        bodies_(world.bodies(), frame_, sun_),
+        bodies_(world.bodies(), frame_, sun_, radiance_unit(world)),
         sun_visible_(world.sun_visible()) {
     while ((side_ + 1) * (side_ + 1) <= options.samples) ++side_;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/light.h"
 #include "preview/reference/internal/sampling.h"
 
 namespace panwright::preview::reference {
@@ -29,8 +30,9 @@ double disc_height(double distance) {
 
 }  // namespace
 
-Bodies::Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun)
-    : sun_(sun) {
+Bodies::Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun,
+               const Vec3& unit)
+    : sun_(sun), unit_(unit) {
   for (const light::Body& body : bodies) {
     const trace::RigidFrame own = trace::frame_of({body.centre, body.world_from_body});
     Placed placed{&body, (own.position - frame.position) * frame.world_from,
@@ -74,19 +76,27 @@ Vec3 Bodies::radiance(const Vec3& origin, const Vec3& direction, const Hit& hit,
                       const Vec2& u) const {
   const Placed& one = bodies_[hit.body];
   const Vec3 to_sun = sun_.centre(), at = one.centre + one.from_unit(hit.place);
+  const light::Body& body = *one.body;
+  const Vec3 place = hit.place * body.radii;
+  Vec3 through(1), result(0);
+  double mu_sun = 0;
   if (one.air) {
-    if (eclipsed(hit.body, at, u)) return Vec3(0);
     const Vec3 ray = glm::normalize(one.to_unit(direction));
     const Vec3 sun = glm::normalize(one.to_unit(to_sun));
     const light::AirLight between = one.air->light(one.to_unit(origin - one.centre), ray, sun);
-    return light::reflected_through(*one.body, *one.air, hit.place * one.body->radii, 0,
-                                    glm::dot(hit.place, sun), -glm::dot(hit.place, ray), between,
-                                    sun_.irradiance());
+    through = between.through;
+    mu_sun = glm::dot(hit.place, sun);
+    result = light::reflected_through(body, *one.air, place, 0, mu_sun, -glm::dot(hit.place, ray),
+                                      between, sun_.irradiance());
+  } else {
+    const Vec3 normal = glm::normalize(one.turn * (hit.place / body.radii));
+    mu_sun = glm::dot(normal, to_sun);
+    if (mu_sun > 0)
+      result = light::reflected(body, place, 0, normal, to_sun, -direction, sun_.irradiance());
   }
-  const Vec3 normal = glm::normalize(one.turn * (hit.place / one.body->radii));
-  if (!(glm::dot(normal, to_sun) > 0) || eclipsed(hit.body, at, u)) return Vec3(0);
-  return light::reflected(*one.body, hit.place * one.body->radii, 0, normal, to_sun, -direction,
-                          sun_.irradiance());
+  if (!(result == Vec3(0)) && eclipsed(hit.body, at, u)) result = Vec3(0);
+  if (body.night) result += through * light::night_light(body, place, 0, mu_sun) / unit_;
+  return result;
 }
 
 Vec3 Bodies::light(const Vec3& origin, const Vec3& direction, const Vec2& u,
@@ -162,6 +172,10 @@ double Bodies::pdf_of(const Placed& one, const Vec3& origin, const Vec3& directi
   if (!way_to_sphere(from, along)) return 0;
   const double length = glm::length(along);
   return 1 / (length * length * length * one.volume);
+}
+
+Vec3 radiance_unit(const world::World& world) {
+  return world.sun().irradiance ? Vec3(1) : light::kSolarIrradiance;
 }
 
 double Bodies::pdf(const Vec3& origin, const Vec3& direction) const {

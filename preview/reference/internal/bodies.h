@@ -11,6 +11,7 @@
 #include "light/body.h"
 #include "preview/reference/internal/sun.h"
 #include "trace/placement.h"
+#include "world/world.h"
 
 namespace panwright::preview::reference {
 
@@ -18,8 +19,10 @@ namespace panwright::preview::reference {
 // frame, metres and unit.
 class Bodies {
  public:
+  //   unit  of radiance, W/m²/sr
   // Expects: the bodies outlive this; the Sun in the same frame.
-  Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun);
+  Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun,
+         const Vec3& unit);
 
   bool empty() const { return bodies_.empty(); }
 
@@ -70,6 +73,10 @@ class Bodies {
 
   std::vector<Placed> bodies_;
   Sun sun_;
+  Vec3 unit_;
 };
+
+// Returns the unit of an image's radiance, W/m²/sr.
+Vec3 radiance_unit(const world::World& world);
 
 }  // namespace panwright::preview::reference
