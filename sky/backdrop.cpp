@@ -187,8 +187,11 @@ class Disc {
   }
 
  private:
-  static constexpr double kReach = 0.7072;  // half of the diagonal of a unit square
-  static constexpr double kHazy = 4;        // pixels within the limb
+  // Half of the width of a unit square along a unit vector.
+  static double reach_of(const Vec2& gradient) {
+    return 0.5 * (std::fabs(gradient.x) + std::fabs(gradient.y));
+  }
+  static constexpr double kHazy = 4;  // pixels within the limb
 
   struct Local;
   Shade air_shade(const Local& at) const { return air_shade_of(at.from, at.world_ray); }
@@ -197,7 +200,7 @@ class Disc {
   void add_hazy_ground(double inside, const Vec2& gradient, const PixelRays& rays,
                        const Vec2& offset, double size, Shade& sum) const {
     constexpr int kStrips = 6;
-    const double low = std::max(-inside, -kReach), range = kReach - low;
+    const double reach = reach_of(gradient), low = std::max(-inside, -reach), range = reach - low;
     if (!(range > 0)) return;
     double before = covered(-low, gradient);
     for (int i = 0; i < kStrips; ++i) {
@@ -216,13 +219,14 @@ class Disc {
   Shade beside_limb(double impact, double inside, double slope, const Vec2& gradient,
                     const PixelRays& rays, const Vec2& offset, double size) const {
     if (!(slope > 0)) return impact < air_->top() ? air_shade(Local(*this, rays, offset)) : Shade{};
-    const double low = std::max((impact - air_->top()) / slope, -kReach);
-    const double high = std::min(-inside, kReach);
+    const double reach = reach_of(gradient);
+    const double low = std::max((impact - air_->top()) / slope, -reach);
+    const double high = std::min(-inside, reach);
     Shade sum;
     if (!(high > low)) return sum;
-    constexpr double kStrip = 0.04;  // of the air's height: half of its scale
+    constexpr double kStrip = 0.02;  // of the air's height: a quarter of its scale
     const int strips = static_cast<int>(
-        std::clamp(std::ceil((high - low) * slope / (kStrip * (air_->top() - 1))), 1.0, 64.0));
+        std::clamp(std::ceil((high - low) * slope / (kStrip * (air_->top() - 1))), 1.0, 96.0));
     double before = covered(-low, gradient);
     for (int i = 0; i < strips; ++i) {
       const double width = (high - low) / strips, middle = low + (i + 0.5) * width;
