@@ -24,7 +24,7 @@ class Air {
   explicit Air(double radius);
   static constexpr double kLeastRadius = 1e6;
 
-  double top() const { return top_; }  // where it ends
+  double top() const { return top_; }  // distance of its end
 
   // Matter per band at a distance from the centre, per radius.
   struct Matter {

@@ -16,7 +16,7 @@ struct MapPixels {
   std::vector<float> rgb;  // 3·width·height
 };
 
-// What the pixels of a picture are.
+// Meaning of the pixels of a file.
 enum class MapValues : std::uint8_t {
   colour,  // sRGB; pixels without alpha are holes
   cover,   // shares: code / 255 times alpha
@@ -26,7 +26,7 @@ class MapRows {
  public:
   static constexpr std::uint32_t kMostWidth = 4096;
 
-  //   turn     columns that the picture is turned to the east
+  //   turn     columns that the pixels are turned to the east
   //   no_data  code of holes in all channels
   // Expects: width = 2·height ≥ 2.
   MapRows(std::uint32_t width, std::uint32_t height, MapValues values, std::uint32_t turn = 0,

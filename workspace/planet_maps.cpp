@@ -77,8 +77,8 @@ void tell(const std::string& path, const MapReceiver& map, DiagnosticLog& log) {
   }
 }
 
-std::optional<light::MapPixels> pixels_of(const std::string& path, light::MapValues values,
-                                          DiagnosticLog& log) {
+std::optional<light::MapPixels> map_pixels(const std::string& path, light::MapValues values,
+                                           DiagnosticLog& log) {
   const auto bytes = read_file(path, kMostFileBytes, log);
   if (!bytes) return std::nullopt;
   MapReceiver map(values);
@@ -98,12 +98,12 @@ std::shared_ptr<const light::BodyMap> albedo_map(const PlanetFiles& files, const
                                                  DiagnosticLog& log) {
   light::MapPixels map;
   if (!files.map.empty()) {
-    auto ground = pixels_of(files.map, light::MapValues::colour, log);
+    auto ground = map_pixels(files.map, light::MapValues::colour, log);
     if (!ground) return nullptr;
     map = *std::move(ground);
   }
   if (!files.clouds.empty()) {
-    const auto clouds = pixels_of(files.clouds, light::MapValues::cover, log);
+    const auto clouds = map_pixels(files.clouds, light::MapValues::cover, log);
     if (!clouds) return nullptr;
     bool dimmed = false;
     map = light::with_clouds(map, *clouds, albedo, dimmed);
@@ -117,7 +117,7 @@ std::shared_ptr<const light::BodyMap> albedo_map(const PlanetFiles& files, const
 }
 
 std::shared_ptr<const light::BodyMap> night_map(const std::string& path, DiagnosticLog& log) {
-  auto map = pixels_of(path, light::MapValues::colour, log);
+  auto map = map_pixels(path, light::MapValues::colour, log);
   if (!map) return nullptr;
   return std::make_shared<light::BodyMap>(*std::move(map), light::BodyMap::Scale::none);
 }

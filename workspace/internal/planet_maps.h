@@ -9,7 +9,7 @@
 
 namespace panwright::workspace {
 
-// Pictures of a planet; empty: none.
+// Files of maps of a planet; empty: none.
 struct PlanetFiles {
   std::string map, clouds, night;
 };
