@@ -286,7 +286,7 @@ TEST(BodyMap, Clouds) {
   EXPECT_NEAR(dim.rgb[0], 0, 1e-6);
 }
 
-// Rows of a wide picture with a hole; turned by a quarter.
+// Rows of a wide image with a hole; turned by a quarter.
 TEST(BodyMap, Rows) {
   const std::uint32_t width = 2 * MapRows::kMostWidth, height = MapRows::kMostWidth;
   MapRows rows(width, height, MapValues::cover, width / 4, std::uint8_t{7});
