@@ -8,7 +8,7 @@ set(libraries "")
 foreach(pair
     fmt:fmt_VERSION glm:glm_VERSION nlohmann_json:nlohmann_json_VERSION tbb:TBB_VERSION embree:embree_VERSION
     meshoptimizer:meshoptimizer_VERSION openmesh:OpenMesh_VERSION opensubdiv:OpenSubdiv_VERSION openexr:OpenEXR_VERSION png:PNG_VERSION_STRING
-    jpeg:JPEG_VERSION zlib:ZLIB_VERSION_STRING draco:draco_VERSION xxhash:XXHASH_VERSION sleef:SLEEF_VERSION
+    jpeg:JPEG_VERSION tiff:TIFF_VERSION_STRING zlib:ZLIB_VERSION_STRING draco:draco_VERSION xxhash:XXHASH_VERSION sleef:SLEEF_VERSION
     pugixml:pugixml_VERSION webp:WEBP_VERSION zstd:ZSTD_VERSION opencascade:OpenCASCADE_VERSION)
   string(REPLACE ":" ";" pair "${pair}")
   list(GET pair 0 name)

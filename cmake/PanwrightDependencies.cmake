@@ -14,6 +14,7 @@ find_package(pugixml REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(JPEG REQUIRED)  # libjpeg-turbo: its colour spaces with alpha are used
 find_package(PNG REQUIRED)
+find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(draco REQUIRED)  # draco_static: the shared library exports a tinygltf of its own

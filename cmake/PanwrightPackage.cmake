@@ -28,7 +28,7 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpanwright-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and static libraries of Panwright, with a CMake package and a pkg-config file.")
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "panwright (= ${PROJECT_VERSION}), libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libjpeg62-turbo-dev, libmeshoptimizer-dev, libopenexr-dev, libopenmesh-dev, libosd-dev, libpng-dev, libpugixml-dev, libsleef-dev, libtbb-dev, libtomlplusplus-dev, libwebp-dev, libxxhash-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "panwright (= ${PROJECT_VERSION}), libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libjpeg62-turbo-dev, libmeshoptimizer-dev, libopenexr-dev, libopenmesh-dev, libosd-dev, libpng-dev, libpugixml-dev, libsleef-dev, libtbb-dev, libtiff-dev, libtomlplusplus-dev, libwebp-dev, libxxhash-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-panwright)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -96,6 +96,38 @@ ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::ui
   return {};
 }
 
+ImageProblem check_row_size(std::uint64_t width, std::uint64_t height) {
+  if (width == 0 || height == 0) return check_image_size(width, height, ~std::uint64_t{0});
+  if (width > kMaxRowSide || height > kMaxRowSide)
+    return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
+                                     width, height, kMaxRowSide)};
+  return {};
+}
+
+ImageProblem decode_rows(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                         RowReceiver& to) {
+  const std::string_view text = as_text(bytes);
+  DecodedImage image;
+  const bool tiff = text.starts_with(std::string_view("II*\0", 4)) ||
+                    text.starts_with(std::string_view("MM\0*", 4)) ||
+                    text.starts_with(std::string_view("II+\0", 4)) ||
+                    text.starts_with(std::string_view("MM\0+", 4));
+  if (tiff) return decode_tiff_rows(bytes, max_bytes, to);
+  constexpr std::size_t kInterlacing = 28;  // byte of a PNG's header
+  if (text.starts_with("\x89PNG\r\n\x1a\n") && text.size() > kInterlacing &&
+      text[kInterlacing] == 0)
+    return decode_png(bytes, max_bytes, image, &to);
+  if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, max_bytes, image, &to);
+  if (const ImageProblem problem = decode_image(bytes, max_bytes, image); problem.code)
+    return problem;
+  if (const ImageProblem problem = to.begin({image.width, image.height, {}, {}}); problem.code)
+    return problem;
+  const std::size_t line = std::size_t{4} * image.width;
+  for (std::size_t y = 0; y < image.height; ++y)
+    to.row(std::span(image.rgba).subspan(y * line, line));
+  return {};
+}
+
 ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                           DecodedImage& out) {
   const std::string_view text = as_text(bytes);

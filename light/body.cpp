@@ -1,64 +1,28 @@
 #include "light/body.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-
-#include "image/srgb.h"
+#include <utility>
 
 namespace panwright::light {
 
-BodyMap::BodyMap(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
-  std::array<float, 256> linear;
-  for (std::size_t i = 0; i < linear.size(); ++i)
-    linear[i] = static_cast<float>(image::srgb_decoded(static_cast<std::uint8_t>(i)));
-  const std::uint32_t step = (width + kMostWidth - 1) / kMostWidth;
-  Level level;
-  level.width = std::max(1u, width / step);
-  level.height = std::max(1u, height / step);
-  level.rgb.resize(std::size_t{3} * level.width * level.height);
-  for (std::uint32_t row = 0; row < level.height; ++row)
-    for (std::uint32_t column = 0; column < level.width; ++column)
-      for (std::size_t k = 0; k < 3; ++k) {
-        float sum = 0;
-        for (std::uint32_t y = 0; y < step; ++y)
-          for (std::uint32_t x = 0; x < step; ++x) {
-            const std::size_t at = std::size_t{row * step + y} * width + column * step + x;
-            sum += linear[rgba[4 * at + k]];
-          }
-        level.rgb[3 * (std::size_t{row} * level.width + column) + k] =
-            sum / static_cast<float>(step * step);
-      }
-  levels_.push_back(std::move(level));
-  normalise();
+BodyMap::BodyMap(MapPixels pixels, Scale scale) {
+  if (scale == Scale::mean_one) {
+    const Vec3 mean = mean_of(pixels);
+    for (std::size_t i = 0; i < pixels.rgb.size(); ++i) {
+      const double of = mean[static_cast<int>(i % 3)];
+      pixels.rgb[i] = of > 0 ? static_cast<float>(pixels.rgb[i] / of) : 1.0f;
+    }
+  }
+  levels_.push_back(std::move(pixels));
   add_levels();
-}
-
-void BodyMap::normalise() {
-  Level& level = levels_[0];
-  Vec3 sum(0);
-  double weights = 0;
-  for (std::uint32_t row = 0; row < level.height; ++row) {
-    const double weight = det::sin(kPi * (row + 0.5) / level.height);
-    Vec3 line(0);
-    for (std::size_t i = 0; i < level.width; ++i)
-      for (int k = 0; k < 3; ++k)
-        line[k] +=
-            level.rgb[3 * (std::size_t{row} * level.width + i) + static_cast<std::size_t>(k)];
-    sum += weight * line;
-    weights += weight * level.width;
-  }
-  for (std::size_t i = 0; i < level.rgb.size(); ++i) {
-    const double mean = sum[static_cast<int>(i % 3)] / weights;
-    level.rgb[i] = mean > 0 ? static_cast<float>(level.rgb[i] / mean) : 1.0f;
-  }
 }
 
 void BodyMap::add_levels() {
   while (levels_.back().width > 1 && levels_.back().height > 1) {
-    const Level& fine = levels_.back();
-    Level coarse;
+    const MapPixels& fine = levels_.back();
+    MapPixels coarse;
     coarse.width = fine.width / 2;
     coarse.height = std::max(1u, fine.height / 2);
     coarse.rgb.resize(std::size_t{3} * coarse.width * coarse.height);
@@ -77,7 +41,7 @@ void BodyMap::add_levels() {
   }
 }
 
-Vec3 BodyMap::bilinear(const Level& level, double u, double v) const {
+Vec3 BodyMap::bilinear(const MapPixels& level, double u, double v) const {
   const double x = u * level.width - 0.5, y = v * level.height - 0.5;
   const double left = std::floor(x), top = std::floor(y);
   const auto wrapped = [&](double column) {
@@ -120,6 +84,10 @@ std::optional<Body> body_preset(std::string_view name) {
   body.name = name;
   if (name == "earth") {
     body.radii = Vec3(6378137, 6378137, 6356752.314245);  // WGS 84
+    // geometric albedos of the whole disc in R, V and B relative to V: A. Mallama et al.,
+    // "Comprehensive wide-band magnitudes and albedos for the planets", 2017
+    body.albedo = 0.3 / 0.434 * Vec3(0.392, 0.434, 0.512);
+    body.air = true;
     return body;
   }
   if (name == "moon") {
@@ -143,7 +111,8 @@ bool is_sound(const Body& body) {
          is_finite(albedo) && albedo.x >= 0 && albedo.y >= 0 && albedo.z >= 0 &&
          law.single_scattering >= 0 && law.single_scattering <= 1 && law.asymmetry > -1 &&
          law.asymmetry < 1 && law.surge >= 0 && std::isfinite(law.surge) && law.surge_width > 0 &&
-         std::isfinite(law.surge_width);
+         std::isfinite(law.surge_width) &&
+         (!body.air || (law.law == Law::lambert && !law.rolo && least >= Air::kLeastRadius));
 }
 
 Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
@@ -157,6 +126,32 @@ Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3
   if (law.rolo) result *= phase_factor(law, phase);
   if (body.map) result *= body.map->at(place, footprint);
   return result;
+}
+
+Vec3 night_light(const Body& body, const Vec3& place, double footprint, double mu_sun) {
+  constexpr double kDusk = 0.1;  // sine of six degrees
+  if (!body.night || !(mu_sun < 0)) return Vec3(0);
+  return std::min(-mu_sun / kDusk, 1.0) * kNightRadiance * body.night->at(place, footprint);
+}
+
+std::shared_ptr<const Air> air_of(const Body& body) {
+  const Vec3& r = body.radii;
+  return body.air ? earth_air(det::pow(r.x * r.y * r.z, 1.0 / 3)) : nullptr;
+}
+
+Vec3 ground_albedo(const Body& body, const Air& air) {
+  return glm::max((body.albedo - air.albedo()) / air.ground_factor(), Vec3(0));
+}
+
+Vec3 reflected_through(const Body& body, const Air& air, const Vec3& place, double footprint,
+                       double mu_sun, double mu, const AirLight& between, const Vec3& irradiance) {
+  const Vec3 whole = air.transmittance(1, mu);
+  // of light that the air scatters upwards, the share below the viewer
+  const Vec3 below = (Vec3(1) - between.through) / glm::max(Vec3(1) - whole, Vec3(1e-9));
+  const Vec3 up = between.through + (air.upward(mu) - whole) * glm::min(below, Vec3(1));
+  Vec3 ground = ground_albedo(body, air) * air.ground(mu_sun) * up / kPi;
+  if (body.map) ground *= body.map->at(place, footprint);
+  return irradiance * (between.light + ground);
 }
 
 }  // namespace panwright::light

@@ -11,21 +11,22 @@
 #include <vector>
 
 #include "base/math.h"
+#include "light/air.h"
+#include "light/map_rows.h"
 #include "light/photometry.h"
 
 namespace panwright::light {
 
-// Albedo over a body, relative to its mean: equirectangular, north at the top, longitude 0 in the
-// middle, eastern longitudes right of it. Levels of detail are means of areas.
+// Values over a body: equirectangular, north at the top, longitude 0 in the middle, eastern
+// longitudes right of it. Levels of detail are means of areas.
 class BodyMap {
  public:
-  // Builds a map of 8-bit sRGB colours. Each band's mean over the sphere becomes 1; a band that is
-  // black everywhere is 1. Wider than kMostWidth, columns and rows are averaged first.
-  //
-  //   rgba  4·width·height, row 0 the top row
-  // Expects: width = 2·height, height ≥ 1. Cost: O(pixels).
-  BodyMap(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
-  static constexpr std::uint32_t kMostWidth = 4096;
+  enum class Scale : std::uint8_t {
+    mean_one,  // each band's mean over the sphere becomes 1; a band that is black everywhere is 1
+    none,
+  };
+  // Cost: O(pixels).
+  explicit BodyMap(MapPixels pixels, Scale scale = Scale::mean_one);
 
   // Returns the value at a direction from the centre, in the body's axes.
   //
@@ -34,14 +35,9 @@ class BodyMap {
   std::uint32_t width() const { return levels_[0].width; }
 
  private:
-  struct Level {
-    std::uint32_t width = 0, height = 0;
-    std::vector<float> rgb;
-  };
-  Vec3 bilinear(const Level& level, double u, double v) const;
+  Vec3 bilinear(const MapPixels& level, double u, double v) const;
   void add_levels();
-  void normalise();
-  std::vector<Level> levels_;  // from the finest, each half as wide
+  std::vector<MapPixels> levels_;  // from the finest, each half as wide
 };
 
 struct Body {
@@ -53,10 +49,14 @@ struct Body {
   Vec3 albedo{0.3};  // per band, ≥ 0: factors of the law, for Lambert's the Bond albedo; with
                      // Photometry::rolo 1 is the Moon's
   std::shared_ptr<const BodyMap> map;  // factors of the albedo; null: none
+  // The Earth's air above the ellipsoid; the albedo is that of both. Expects: Lambert's law.
+  bool air = false;
+  std::shared_ptr<const BodyMap> night;  // lights of the night, of kNightRadiance; null: none
   bool operator==(const Body&) const = default;
 };
 
-// Returns a body of kBodyPresets at the origin: `earth` (WGS 84, albedo 0.3), `moon` (ROLO).
+// Returns a body of kBodyPresets at the origin: `earth` (WGS 84, with air; albedo 0.3 and its
+// colour), `moon` (ROLO).
 std::optional<Body> body_preset(std::string_view name);
 inline constexpr std::string_view kBodyPresets[] = {"earth", "moon"};
 
@@ -72,5 +72,30 @@ inline constexpr std::string_view kBodyPresets[] = {"earth", "moon"};
 //   footprint   angle from the centre that the albedo is averaged over, radians
 Vec3 reflected(const Body& body, const Vec3& place, double footprint, const Vec3& normal,
                const Vec3& to_sun, const Vec3& to_viewer, const Vec3& irradiance);
+
+// Radiance of white in a map of the night, W/m²/sr in a band of 100 nm: towns have 1e-7 W/cm²/sr
+// between 500 and 900 nm (C. Elvidge et al., "VIIRS night-time lights", 2017).
+inline constexpr double kNightRadiance = 2.5e-4;
+// Returns the lights of the night, W/m²/sr; lit where the Sun is below the horizon, all of them
+// from six degrees on.
+//
+//   mu_sun  cosine of the Sun's zenith angle
+Vec3 night_light(const Body& body, const Vec3& place, double footprint, double mu_sun);
+
+// Air of a body; null: none.
+std::shared_ptr<const Air> air_of(const Body& body);
+
+// Returns the albedo of the ground that makes the albedo of a body with its air; 0 where the air
+// alone has more.
+Vec3 ground_albedo(const Body& body, const Air& air);
+
+// Radiance of a body with air along a ray that meets its ground.
+//
+//   place    direction from the centre in the body's axes; footprint as above
+//   mu_sun   cosine of the Sun's zenith angle in the space where the body is a unit sphere
+//   mu       that of the ray's, towards the viewer
+//   between  light of the air before the ground
+Vec3 reflected_through(const Body& body, const Air& air, const Vec3& place, double footprint,
+                       double mu_sun, double mu, const AirLight& between, const Vec3& irradiance);
 
 }  // namespace panwright::light

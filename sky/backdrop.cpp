@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 
 #include "base/parallel.h"
+#include "sky/internal/blur.h"
+#include "sky/internal/layer.h"
 
 namespace panwright::sky {
 namespace {
@@ -82,12 +83,14 @@ double covered(double value, const Vec2& gradient) {
 // Colour of a part of a pixel, times the share that is covered.
 struct Shade {
   Vec3 light{0};
-  double cover = 0;
-  void add(const Shade& other, double weight) {
+  Vec3 cover{0};  // per band, since air dims
+  void add(const Shade& other, const Vec3& weight) {
     light += weight * other.light;
     cover += weight * other.cover;
   }
 };
+
+bool is_open(const Vec3& cover) { return cover.x < 1 || cover.y < 1 || cover.z < 1; }
 
 // A body, or the Sun as a unit sphere so far away that it is a disc of its size.
 class Disc {
@@ -97,6 +100,7 @@ class Disc {
     if (index) {
       const Ellipsoid& shape = sky.shape(*index);
       unit_from_world_ = shape.unit_from_world;
+      air_ = sky.air(*index);
       from_ = shape.from(viewer);
     } else {
       from_ = -sky.to_sun() / sky.sun_sine();
@@ -108,7 +112,9 @@ class Disc {
     const double units = std::sqrt(glm::dot(from_, from_));
     return index_ ? (units - 1) * sky_->shape(*index_).radius : HUGE_VAL;
   }
-  bool outside() const { return glm::dot(from_, from_) >= 1; }
+  // on the surface too, whatever was rounded
+  bool outside() const { return glm::dot(from_, from_) >= 1 - 1e-9; }
+  const light::Air* air() const { return air_; }
   const Vec3& from() const { return from_; }
   std::optional<std::size_t> index() const { return index_; }
   // towards the centre, world axes
@@ -117,23 +123,50 @@ class Disc {
   // Of the square of side `size` pixels about an offset from a pixel's centre.
   Shade shade(const PixelRays& rays, const Vec2& offset, double size) const {
     Local at(*this, rays, offset);
-    if (!(at.ahead > 0)) return {};
+    const bool in_air = air_ && glm::dot(at.from, at.from) < air_->top() * air_->top();
+    if (!(at.ahead > 0)) return in_air ? air_shade(at) : Shade{};
     Vec2 gradient = -size * at.gradient();
     const double slope = std::sqrt(glm::dot(gradient, gradient));
     // distance to the limb in sides of the square, > 0 within
     const double inside = slope > 0 ? (1 - at.impact) / slope : (at.impact < 1 ? 1e9 : -1e9);
-    if (inside < -0.75) return {};
-    if (inside > 0.75) return {radiance(at, size), 1};
-    gradient /= slope;
+    if (inside > (air_ ? kHazy : 0.75)) return {radiance(at, size), Vec3(1)};
+    if (slope > 0) gradient /= slope;
+    Shade air;
+    if (air_) {
+      air = beside_limb(at.impact, inside, slope, gradient, rays, offset, size);
+      add_hazy_ground(inside, gradient, rays, offset, size, air);
+      return air;
+    }
+    if (inside < -0.75) return air;
     const double cover = covered(inside, gradient);
-    if (!(cover > 0)) return {};
+    if (!(cover > 0)) return air;
     // where a root of the distance to the limb has its mean
     const double place = 4.0 / 9 * cover;
     if (inside < 0.5 + place) {
       const Vec2 moved = offset + gradient * ((place - inside) * size);
       at = Local(*this, rays, moved);
     }
-    return {cover * radiance(at, size), cover};
+    air.add({radiance(at, size), Vec3(1)}, Vec3(cover));
+    return air;
+  }
+
+  // Of a direction of the ellipsoid's space that misses the ground.
+  Shade air_shade_of(const Vec3& from, const Vec3& ray) const {
+    const light::AirLight light = sky_->air_light(*index_, from, ray);
+    return {light.light, Vec3(1) - light.through};
+  }
+
+  // Depth along a boresight of the nearest place that a ray meets, or passes.
+  double depth(const PixelRays& rays, const Vec3& boresight) const {
+    if (!index_) return HUGE_VAL;
+    const Local at(*this, rays, Vec2(0));
+    const double square = glm::dot(at.ray, at.ray);
+    const double impact = std::min(at.impact, 1.0);
+    const double half = std::sqrt((1 - impact) * (1 + impact) * square);
+    const double distance = std::sqrt(glm::dot(at.from, at.from));
+    const double way =
+        at.impact < 1 ? (distance - 1) * (distance + 1) / (at.ahead + half) : at.ahead / square;
+    return glm::dot(rays.origin - viewer_ + way * at.world_ray, boresight);
   }
 
   // Radius in pixels, about.
@@ -148,10 +181,64 @@ class Disc {
 
   // Radiance of a place of the ellipsoid's space along a ray of the world.
   Vec3 radiance_at(const Vec3& place, const Vec3& ray, double footprint) const {
-    return sky_->radiance(*index_, place, -glm::normalize(ray), footprint);
+    const bool in_air = air_ && glm::dot(from_, from_) < air_->top() * air_->top();
+    return sky_->radiance(*index_, place, -glm::normalize(ray), footprint,
+                          in_air ? &from_ : nullptr);
   }
 
  private:
+  // Half of the width of a unit square along a unit vector.
+  static double reach_of(const Vec2& gradient) {
+    return 0.5 * (std::fabs(gradient.x) + std::fabs(gradient.y));
+  }
+  static constexpr double kHazy = 4;  // pixels within the limb
+
+  struct Local;
+  Shade air_shade(const Local& at) const { return air_shade_of(at.from, at.world_ray); }
+
+  // Ground below much air, which changes within a pixel: strips along the limb, as below.
+  void add_hazy_ground(double inside, const Vec2& gradient, const PixelRays& rays,
+                       const Vec2& offset, double size, Shade& sum) const {
+    constexpr int kStrips = 6;
+    const double reach = reach_of(gradient), low = std::max(-inside, -reach), range = reach - low;
+    if (!(range > 0)) return;
+    double before = covered(-low, gradient);
+    for (int i = 0; i < kStrips; ++i) {
+      // close to each other at the limb
+      const auto place = [&](double t) { return low + range * t * t; };
+      const double after = covered(-place((i + 1.0) / kStrips), gradient);
+      const Vec2 moved = offset + gradient * (place((i + 0.5) / kStrips) * size);
+      if (before > after)
+        sum.add({radiance(Local(*this, rays, moved), size), Vec3(1)}, Vec3(before - after));
+      before = after;
+    }
+  }
+
+  // Air in the part of a square that lies beyond the limb: strips along it, by their areas. Names
+  // are those of shade().
+  Shade beside_limb(double impact, double inside, double slope, const Vec2& gradient,
+                    const PixelRays& rays, const Vec2& offset, double size) const {
+    if (!(slope > 0)) return impact < air_->top() ? air_shade(Local(*this, rays, offset)) : Shade{};
+    const double reach = reach_of(gradient);
+    const double low = std::max((impact - air_->top()) / slope, -reach);
+    const double high = std::min(-inside, reach);
+    Shade sum;
+    if (!(high > low)) return sum;
+    constexpr double kStrip = 0.02;  // of the air's height: a quarter of its scale
+    const int strips = static_cast<int>(
+        std::clamp(std::ceil((high - low) * slope / (kStrip * (air_->top() - 1))), 1.0, 96.0));
+    double before = covered(-low, gradient);
+    for (int i = 0; i < strips; ++i) {
+      const double width = (high - low) / strips, middle = low + (i + 0.5) * width;
+      const double after = covered(-(low + (i + 1) * width), gradient);
+      if (before > after)
+        sum.add(air_shade(Local(*this, rays, offset + gradient * (middle * size))),
+                Vec3(before - after));
+      before = after;
+    }
+    return sum;
+  }
+
   Vec3 unit(const Vec3& v) const { return index_ ? unit_from_world_ * v : v; }
   Vec3 from_at(const PixelRays& rays, const Vec2& offset) const {
     // the Sun is as far from everywhere
@@ -210,6 +297,7 @@ class Disc {
 
   const Sky* sky_;
   std::optional<std::size_t> index_;  // none: the Sun
+  const light::Air* air_ = nullptr;   // null: none
   Mat3 unit_from_world_{1};
   Vec3 from_, viewer_;
 };
@@ -237,21 +325,29 @@ class Painter {
 
   bool empty() const { return discs_.empty(); }
 
-  Vec3 pixel(std::uint32_t column, std::uint32_t row) const {
+  // What stands before a depth, or behind it.
+  struct Part {
+    bool before = false;
+    double depth = -HUGE_VAL;
+  };
+
+  Shade pixel(std::uint32_t column, std::uint32_t row, const Part& part) const {
+    const Vec3 boresight = glm::mat3_cast(camera_.world_from_camera)[2];
     Shade sum;
     std::optional<PixelRays> rays;
-    for (std::size_t i = 0; i < discs_.size() && sum.cover < 1; ++i) {
+    for (std::size_t i = 0; i < discs_.size() && is_open(sum.cover); ++i) {
       Shade shade;
-      if (small_[i]) {
-        if (const Shade* found = small_[i]->at(column, row)) shade = *found;
-      } else {
-        if (!rays) rays = rays_.at(column + 0.5, row + 0.5);
-        if (!rays) return Vec3(0);
-        shade = shade_of(i, *rays);
-      }
-      sum.add(shade, 1 - sum.cover);
+      const Shade* small = small_[i] ? small_[i]->at(column, row) : nullptr;
+      if (small_[i] && small == nullptr) continue;
+      const bool sided = part.before || part.depth > -HUGE_VAL;
+      if (!rays && (sided || !small)) rays = rays_.at(column + 0.5, row + 0.5);
+      if (!rays && !small) return {};
+      if (sided && rays && (discs_[i].depth(*rays, boresight) < part.depth) != part.before)
+        continue;
+      shade = small ? *small : shade_of(i, *rays);
+      sum.add(shade, Vec3(1) - sum.cover);
     }
-    return sum.light;
+    return sum;
   }
 
  private:
@@ -282,12 +378,16 @@ class Painter {
     const double size = 1.0 / steps;
     for (int y = 0; y < steps; ++y)
       for (int x = 0; x < steps; ++x)
-        sum.add(discs_[i].shade(rays, Vec2(x + 0.5, y + 0.5) * size - 0.5, size), size * size);
+        sum.add(discs_[i].shade(rays, Vec2(x + 0.5, y + 0.5) * size - 0.5, size),
+                Vec3(size * size));
     return sum;
   }
 
   // Adds the parts of a disc to their pixels: flux by flux, so that none is lost.
   SmallDisc splat(const Disc& disc, const Vec2& middle, double radius) const;
+  void splat_air(const Disc& disc, SmallDisc& result) const;
+  // A part of a disc, by its direction and solid angle.
+  void splat_part(const Vec3& toward, double solid, const Shade& part, SmallDisc& result) const;
 
   const Sky& sky_;
   const world::Camera& camera_;
@@ -338,92 +438,104 @@ SmallDisc Painter::splat(const Disc& disc, const Vec2& middle, double radius) co
       } else {
         light = sky_.sun_radiance(square);
       }
-      const auto place = world::project(camera_, camera_.position + glm::normalize(toward));
-      if (!place) continue;
-      const Vec2 pixel = glm::floor(*place);
-      if (!(pixel.x >= low.x && pixel.y >= low.y && pixel.x < high.x && pixel.y < high.y)) continue;
-      const auto column = static_cast<std::uint32_t>(pixel.x);
-      const auto row = static_cast<std::uint32_t>(pixel.y);
-      const double all = world::pixel_solid_angle(camera_, column, row);
-      if (!(all > 0)) continue;
-      Shade& shade = result.shades[std::size_t{row - result.y} * result.width + column - result.x];
-      shade.add({light, 1}, solid / all);
+      splat_part(toward, solid, {light, Vec3(1)}, result);
     }
   }
-  for (Shade& shade : result.shades) shade.cover = std::min(shade.cover, 1.0);
+  if (disc.air()) splat_air(disc, result);
+  for (Shade& shade : result.shades) shade.cover = glm::min(shade.cover, Vec3(1));
   return result;
 }
 
-// Discrete Gaussian of a variance t, exp(−t)·I_n(t): the mean of exp(t·(cos a − 1))·cos(n·a), exact
-// with more angles than terms. T. Lindeberg, "Scale-space for discrete signals", 1990.
-std::vector<double> kernel_of_psf(double sigma, std::uint32_t reach) {
-  const int angles = 64 + 2 * static_cast<int>(reach);
-  const double t = sigma * sigma;
-  std::vector<double> kernel;
-  for (std::uint32_t n = 0; n <= reach; ++n) {
-    double sum = 0;
-    for (int i = 0; i < angles; ++i) {
-      const double angle = kPi * (i + 0.5) / angles;
-      sum += det::exp(t * (det::cos(angle) - 1)) * det::cos(n * angle);
-    }
-    kernel.push_back(sum / angles);
-  }
-  return kernel;
+void Painter::splat_part(const Vec3& toward, double solid, const Shade& part,
+                         SmallDisc& result) const {
+  const auto place = world::project(camera_, camera_.position + glm::normalize(toward));
+  if (!place) return;
+  const Vec2 pixel = glm::floor(*place) - Vec2(result.x, result.y);
+  if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < result.width && pixel.y < result.height)) return;
+  const auto column = static_cast<std::uint32_t>(pixel.x);
+  const auto row = static_cast<std::uint32_t>(pixel.y);
+  const double all = world::pixel_solid_angle(camera_, result.x + column, result.y + row);
+  if (!(all > 0)) return;
+  result.shades[std::size_t{row} * result.width + column].add(part, Vec3(solid / all));
 }
 
-// Convolves rows or columns and keeps what lies within the margin.
-void convolve(std::span<const float> in, std::size_t lines, std::size_t length, std::size_t step,
-              std::size_t next, std::span<const double> kernel, std::vector<float>& out,
-              std::size_t out_step, std::size_t out_next) {
-  const std::size_t reach = kernel.size() - 1;
-  for (std::size_t line = 0; line < lines; ++line)
-    for (std::size_t i = reach; i + reach < length; ++i)
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        const float* at = &in[line * next + i * step + channel];
-        double sum = kernel[0] * *at;
-        for (std::size_t k = 1; k <= reach; ++k)
-          sum += kernel[k] * (static_cast<double>(at[k * step]) + *(at - k * step));
-        out[line * out_next + (i - reach) * out_step + channel] = static_cast<float>(sum);
-      }
+// The ring of air about a small disc.
+void Painter::splat_air(const Disc& disc, SmallDisc& result) const {
+  constexpr int kRings = 32, kSectors = 64;
+  const Vec3 from = disc.from();
+  const double distance = std::sqrt(glm::dot(from, from)), top = disc.air()->top();
+  const Vec3 axis = -from / distance;
+  const Vec3 x =
+      glm::normalize(glm::cross(axis, std::fabs(axis.z) < 0.6 ? Vec3(0, 0, 1) : Vec3(1, 0, 0)));
+  const Vec3 y = glm::cross(axis, x);
+  const Ellipsoid& shape = sky_.shape(*disc.index());
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double t = (ring + 0.5) / kRings, beside = 1 + (top - 1) * t * t;
+    const double across = beside / distance;
+    const double along = std::sqrt((1 - across) * (1 + across));
+    // 2·pi·sin·d(sin)/cos
+    const double annulus =
+        2 * kPi * across / along * ((top - 1) * 2 * t / kRings) / distance / kSectors;
+    for (int sector = 0; sector < kSectors; ++sector) {
+      const det::SinCos turn = det::sincos(2 * kPi * (sector + 0.5) / kSectors);
+      const Vec3 toward =
+          shape.world_from_unit * (along * axis + across * (turn.cos * x + turn.sin * y));
+      const double stretch = std::sqrt(glm::dot(toward, toward));
+      splat_part(toward, annulus * shape.volume / (stretch * stretch * stretch),
+                 disc.air_shade_of(from, toward), result);
+    }
+  }
 }
 
 }  // namespace
 
-std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
-                            const Job& job) {
+Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
+            const std::vector<float>* depths, bool before, const Job& job) {
   const auto margin = psf_sigma > 0 ? static_cast<std::uint32_t>(std::ceil(5 * psf_sigma)) + 1 : 0u;
   world::Camera wide = camera;
   wide.width += 2 * margin;
   wide.height += 2 * margin;
   wide.principal += static_cast<double>(margin);
   const Painter painter(sky, wide);
-  std::vector<float> pixels(std::size_t{3} * wide.width * wide.height);
+  Layer result;
+  result.light.resize(std::size_t{3} * wide.width * wide.height);
+  if (depths) result.cover.resize(result.light.size());
+  const auto part_of = [&](std::uint32_t column, std::uint32_t row) {
+    if (!depths) return Painter::Part{};
+    const std::uint32_t x = column - margin, y = row - margin;
+    // beyond the image there are no targets
+    const bool within = x < camera.width && y < camera.height;
+    return Painter::Part{before, within ? (*depths)[std::size_t{y} * camera.width + x] : 0};
+  };
   const auto paint = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < wide.width; ++column) {
-      const Vec3 light = painter.pixel(column, static_cast<std::uint32_t>(row));
-      for (std::size_t k = 0; k < 3; ++k)
-        pixels[3 * (row * wide.width + column) + k] =
-            static_cast<float>(light[static_cast<int>(k)]);
+      const auto line = static_cast<std::uint32_t>(row);
+      const Shade shade = painter.pixel(column, line, part_of(column, line));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t at = 3 * (row * wide.width + column) + k;
+        result.light[at] = static_cast<float>(shade.light[static_cast<int>(k)]);
+        if (depths) result.cover[at] = static_cast<float>(shade.cover[static_cast<int>(k)]);
+      }
     }
   };
   if (!painter.empty()) parallel_for(wide.height, paint, job);
-  if (margin == 0) return pixels;
+  if (margin == 0) return result;
   const std::vector<double> kernel = kernel_of_psf(psf_sigma, margin);
   const std::size_t width = wide.width, height = wide.height;
   std::vector<float> rows(3 * std::size_t{camera.width} * height);
-  convolve(pixels, height, width, 3, 3 * width, kernel, rows, 3, std::size_t{3} * camera.width);
-  pixels.assign(3 * std::size_t{camera.width} * camera.height, 0);
-  convolve(rows, camera.width, height, std::size_t{3} * camera.width, 3, kernel, pixels,
-           std::size_t{3} * camera.width, 3);
-  return pixels;
+  for (std::vector<float>* pixels : {&result.light, &result.cover}) {
+    if (pixels->empty()) continue;
+    convolve(*pixels, height, width, 3, 3 * width, kernel, rows, 3, std::size_t{3} * camera.width);
+    pixels->assign(3 * std::size_t{camera.width} * camera.height, 0);
+    convolve(rows, camera.width, height, std::size_t{3} * camera.width, 3, kernel, *pixels,
+             std::size_t{3} * camera.width, 3);
+  }
+  return result;
 }
 
-void add_behind(const std::vector<float>& backdrop, image::Image& image) {
-  for (std::size_t i = 0; i < image.pixels(); ++i) {
-    const float open = 1 - image.coverage[i];
-    if (!(open > 0)) continue;
-    for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] += open * backdrop[3 * i + k];
-  }
+std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
+                            const Job& job) {
+  return layer(sky, camera, psf_sigma, nullptr, false, job).light;
 }
 
 }  // namespace panwright::sky

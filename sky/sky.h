@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "base/math.h"
+#include "light/air.h"
 #include "light/body.h"
 #include "world/world.h"
 
@@ -45,8 +47,9 @@ class Sky {
   std::size_t size() const { return bodies_.size(); }
   const light::Body& body(std::size_t index) const { return bodies_[index]; }
   const Ellipsoid& shape(std::size_t index) const { return shapes_[index]; }
-  const Vec3& to_sun() const { return to_sun_; }  // unit
-  double sun_sine() const { return sun_sine_; }   // of its angular radius
+  const light::Air* air(std::size_t index) const { return airs_[index].get(); }  // null: none
+  const Vec3& to_sun() const { return to_sun_; }                                 // unit
+  double sun_sine() const { return sun_sine_; }  // of its angular radius
   const Vec3& irradiance() const { return irradiance_; }
   double limb_darkening() const { return limb_; }
   bool sun_visible() const { return sun_visible_; }
@@ -56,8 +59,15 @@ class Sky {
   //   place      |u| = 1, in the ellipsoid's space
   //   to_viewer  world axes, unit
   //   footprint  angle from the centre that maps are averaged over, radians
-  Vec3 radiance(std::size_t index, const Vec3& place, const Vec3& to_viewer,
-                double footprint) const;
+  //   viewer     in the ellipsoid's space, where it may be in the air; null: outside
+  Vec3 radiance(std::size_t index, const Vec3& place, const Vec3& to_viewer, double footprint,
+                const Vec3* viewer = nullptr) const;
+
+  // Returns what the air of a body adds to a ray that misses the ground, and what it leaves of
+  // what is behind.
+  //
+  //   viewer  in the ellipsoid's space; ray: world axes, any length
+  light::AirLight air_light(std::size_t index, const Vec3& viewer, const Vec3& ray) const;
 
   // Returns the radiance of the Sun's disc.
   //
@@ -72,6 +82,9 @@ class Sky {
   // one is partial.
   double sun_share(const Vec3& point, std::optional<std::size_t> except = {}) const;
 
+  // Returns whether a body hides the Sun's centre at a point; true within a body.
+  bool sun_hidden(const Vec3& point) const;
+
   // Returns the edge of the deepest shadow near a point, for places within a radius of it; none:
   // all of them are lit. Its share at the point is that of sun_share().
   std::optional<EclipseEdge> eclipse_edge(const Vec3& point, double radius) const;
@@ -79,8 +92,11 @@ class Sky {
  private:
   std::vector<light::Body> bodies_;
   std::vector<Ellipsoid> shapes_;
+  std::vector<std::shared_ptr<const light::Air>> airs_;
+  std::vector<Vec3> suns_;  // directions in the ellipsoids' spaces, unit
   Vec3 to_sun_, across_[2];
   Vec3 irradiance_;
+  Vec3 unit_{1};  // of radiance, W/m²/sr
   double sun_sine_ = 0, limb_ = 0;
   bool sun_visible_ = false;
 };

@@ -109,12 +109,15 @@ void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& 
   for (std::size_t i = 0; i < sky.size(); ++i) {
     const Ellipsoid& shape = sky.shape(i);
     const Vec3 to_centre = -shape.from(camera);
-    if (glm::dot(to_centre, to_centre) < 1) continue;  // a body that the camera is in
+    if (glm::dot(to_centre, to_centre) < 1 - 1e-9) continue;  // a body that the camera is in
     std::erase_if(stars, [&](const StarInView& star) {
       const Vec3 along = shape.unit_from_world * star.direction;
       const Vec3 across = glm::cross(to_centre, along);
       return glm::dot(to_centre, along) > 0 && glm::dot(across, across) < glm::dot(along, along);
     });
+    if (sky.air(i) == nullptr) continue;
+    for (StarInView& star : stars)
+      star.irradiance *= sky.air_light(i, -to_centre, star.direction).through;
   }
 }
 

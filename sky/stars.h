@@ -39,7 +39,7 @@ struct StarInView {
 std::vector<StarInView> stars_in_view(const light::Stars& stars, const world::Camera& camera,
                                       double margin);
 
-// Removes the stars that bodies hide from a camera. Their air is clear.
+// Removes the stars that bodies hide from a camera; air dims them.
 void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& stars);
 
 // Adds the stars of a world to an image, as below. Cost: that of stars_in_view().

@@ -325,7 +325,7 @@ class CameraRun : public InstrumentRun {
     for (const light::Body& body : shown.bodies()) {
       const Vec3 from = glm::conjugate(body.world_from_body) *
                         (frame.camera().position - body.centre) / body.radii;
-      if (glm::dot(from, from) < 1)
+      if (glm::dot(from, from) < 1 - 1e-9)
         misplaced_[{Code::W5016, fmt::format("the camera is inside the planet {}, which is drawn "
                                              "from outside only",
                                              in_quotes(body.name))}]

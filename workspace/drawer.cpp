@@ -11,6 +11,7 @@
 #include "sky/backdrop.h"
 #include "sky/stars.h"
 #include "workspace/internal/forward.h"
+#include "world/evaluation.h"
 
 namespace panwright::workspace {
 
@@ -47,11 +48,16 @@ struct Drawer::Impl {
   struct Behind {
     std::optional<sky::Sky> sky;
     bool bodies = false;  // not drawn yet
+    bool before = false;  // they may stand before targets
+    bool truth = false;   // wanted
     light::Stars stars;
     world::Camera camera;
     double psf_sigma = 0;
   };
   std::deque<Behind> behind;
+  world::Evaluation evaluation;
+  bool may_stand_before(const sky::Sky& sky, const world::World& world, const Vec3& camera);
+  void add_sky(const Behind& here, image::Image& image, const Job& job);
   std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
   bool submit(const world::World& world, const world::Camera& camera, bool ground_truth,
               DiagnosticLog& log, const Job& job);
@@ -168,19 +174,49 @@ Result<Drawn> Drawer::Impl::collect(DiagnosticLog& log, const Job& job) {
   return std::move(oldest.drawn);
 }
 
+// Whether a body may be nearer to the camera than a part of a target.
+bool Drawer::Impl::may_stand_before(const sky::Sky& sky, const world::World& world,
+                                    const Vec3& camera) {
+  evaluation.update(world);
+  double farthest = 0;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const auto& bounds = evaluation[i].bounds;
+    if (!bounds) continue;
+    const double size = glm::length(glm::max(glm::abs(bounds->low), glm::abs(bounds->high)));
+    farthest = std::max(farthest, size + glm::length(world[i].pose().translation - camera));
+  }
+  return sky::may_hide(sky, camera, farthest);
+}
+
+void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& job) {
+  if (here.bodies && here.before)
+    sky::add_around(*here.sky, here.camera, here.psf_sigma, image, job);
+  else if (here.bodies)
+    sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), image);
+  if (here.before && !here.truth) {
+    image.depth.clear();
+    image.range.clear();
+    image.normal.clear();
+    image.target_id.clear();
+    image.node_id.clear();
+    image.material_id.clear();
+  }
+  if (here.stars.catalogue)
+    sky::add_stars(*here.sky, here.stars, here.camera, here.psf_sigma, image);
+}
+
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
-  const bool good = impl_->submit(world, camera, ground_truth, log, job);
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0};
+  next.psf_sigma =
+      impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
+  // the reference has bodies of its own
+  next.bodies = world.has_sky() && impl_->renderer.has_value();
+  if (next.bodies || next.stars.catalogue) next.sky.emplace(world);
+  next.before = next.bodies && impl_->may_stand_before(*next.sky, world, camera.position);
+  const bool good = impl_->submit(world, camera, ground_truth || next.before, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
-  if (good) {
-    const double sigma =
-        impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
-    behind.push_back({{}, false, world.stars(), camera, sigma});
-    Impl::Behind& last = behind.back();
-    // the reference has bodies of its own
-    last.bodies = world.has_sky() && impl_->renderer.has_value();
-    if (last.bodies || last.stars.catalogue) last.sky.emplace(world);
-  }
+  if (good) behind.push_back(std::move(next));
   while (behind.size() > impl_->in_flight()) behind.pop_front();
   return good;
 }
@@ -191,10 +227,7 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   if (drawn && behind.front().sky) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
-      if (here.bodies)
-        sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), drawn->image);
-      if (here.stars.catalogue)
-        sky::add_stars(*here.sky, here.stars, here.camera, here.psf_sigma, drawn->image);
+      impl_->add_sky(here, drawn->image, job);
       return true;
     });
     if (!good) drawn = failed;

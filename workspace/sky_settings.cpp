@@ -4,33 +4,35 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "base/diagnostic.h"
-#include "base/file.h"
 #include "base/text.h"
-#include "image/decode.h"
 #include "scenario/time.h"
 #include "sky/star_catalogue.h"
+#include "workspace/internal/planet_maps.h"
 #include "workspace/orbit_text.h"
 #include "workspace/quantities.h"
 
 namespace panwright::workspace {
+
 namespace {
 
-constexpr std::uint64_t kMostMapBytes = 1ull << 30;
+constexpr std::string_view kFileKeys[] = {"map=", "clouds=", "night="};
 constexpr std::string_view kExpected =
     "a position x y z, with or without units, then if need be a quaternion w x y z and radius=, "
-    "albedo=, law= or map=";
+    "albedo=, law=, air=, and last map=, clouds= or night=";
 
 constexpr std::string_view kSkyNames[] = {"stars", "earth", "moon", "sun"};
 constexpr double kFaintestOfHipparcos = 8;
 
 struct PlanetText {
   light::Body body;
-  std::string map;      // path; empty: none
+  PlanetFiles files;
+  std::optional<bool> air;
   bool placed = false;  // by its own text
 };
 
@@ -39,14 +41,32 @@ struct Word {
   std::vector<std::string_view> values;
 };
 
-// "X Y Z [QW QX QY QZ] key=value…"; map= takes the rest.
-std::vector<Word> words_by_key(std::string_view text, std::string& map) {
-  if (const std::size_t at = text.find("map="); at != text.npos) {
-    std::string_view rest = text.substr(at + 4);
-    while (!rest.empty() && rest.back() == ' ') rest.remove_suffix(1);
-    map = rest;
-    text = text.substr(0, at);
+// Where the next key of a file begins, at the begin of a word.
+std::size_t next_file(std::string_view text, std::size_t from) {
+  std::size_t first = text.size();
+  for (const std::string_view key : kFileKeys)
+    for (std::size_t at = text.find(key, from); at < first; at = text.find(key, at + 1))
+      if (at == 0 || text[at - 1] == ' ' || text[at - 1] == ',') first = at;
+  return first;
+}
+
+// "X Y Z [QW QX QY QZ] key=value…"; keys of files come last, and take the text up to the next one.
+std::vector<Word> words_by_key(std::string_view text, PlanetText& out, bool& empty_file) {
+  const std::size_t end = next_file(text, 0);
+  std::string* const files[] = {&out.files.map, &out.files.clouds, &out.files.night};
+  for (std::size_t at = end; at < text.size();) {
+    const std::size_t next = next_file(text, at + 1);
+    const std::string_view part = text.substr(at, next - at);
+    for (std::size_t k = 0; k < std::size(kFileKeys); ++k)
+      if (part.starts_with(kFileKeys[k])) {
+        std::string_view name = part.substr(kFileKeys[k].size());
+        while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
+        *files[k] = name;
+        empty_file |= name.empty();
+      }
+    at = next;
   }
+  text = text.substr(0, end);
   std::vector<Word> words = {{}};
   for (const std::string_view word : words_of(text)) {
     const std::size_t sign = word.find('=');
@@ -121,10 +141,19 @@ std::string set_law(std::span<const std::string_view> words, light::Body& body) 
   return {};
 }
 
-std::string set_member(const Word& word, light::Body& body, bool& sized) {
+std::string set_air(std::span<const std::string_view> words, std::optional<bool>& air) {
+  const std::string_view name = words.size() == 1 ? words[0] : std::string_view();
+  if (name != "earth" && name != "none") return "air=earth or none";
+  air = name == "earth";
+  return {};
+}
+
+std::string set_member(const Word& word, PlanetText& out, bool& sized) {
+  light::Body& body = out.body;
   if (word.key == "law") return set_law(word.values, body);
+  if (word.key == "air") return set_air(word.values, out.air);
   if (word.key != "radius" && word.key != "albedo")
-    return fmt::format("radius=, albedo=, law= or map= instead of {}",
+    return fmt::format("radius=, albedo=, law=, air=, map=, clouds= or night= instead of {}",
                        in_quotes(std::string(word.key) + "="));
   const auto values = numbers(word.values, 3, word.key == "radius");
   if (!values) return fmt::format("{}= with one number or three", word.key);
@@ -148,19 +177,25 @@ std::string read_planet(const std::string& name, std::string_view text, PlanetTe
   if (preset) out.body = *preset;
   out.body.name = name;
   bool sized = preset.has_value();
-  const std::vector<Word> words = words_by_key(text, out.map);
+  bool empty_file = false;
+  const std::vector<Word> words = words_by_key(text, out, empty_file);
   // the place of the Earth and Moon may be that of the date
   out.placed = !preset || !words[0].values.empty();
   if (out.placed)
     if (std::string wrong = set_place(words[0].values, out.body); !wrong.empty()) return wrong;
   for (std::size_t i = 1; i < words.size(); ++i)
-    if (std::string wrong = set_member(words[i], out.body, sized); !wrong.empty()) return wrong;
-  if (text.find("map=") != text.npos && out.map.empty()) return "map= with a file";
+    if (std::string wrong = set_member(words[i], out, sized); !wrong.empty()) return wrong;
+  if (empty_file) return "map=, clouds= and night= with a file";
   if (!sized) {
     const auto near = nearest_name(name, light::kBodyPresets);
     return fmt::format("radius=, since only earth and moon have one of their own{}",
                        near ? fmt::format("; did you mean '{}'?", *near) : "");
   }
+  const Vec3& radii = out.body.radii;
+  const bool suits = out.body.photometry == light::Photometry() &&
+                     std::min({radii.x, radii.y, radii.z}) >= light::Air::kLeastRadius;
+  out.body.air = out.air.value_or(out.body.air && suits);
+  if (out.body.air && !suits) return "air=earth with law=lambert and a radius= of 1,000 km or more";
   if (!light::is_sound(out.body))
     return "finite numbers, semi-axes within 1:100, parameters of a law within their range";
   return {};
@@ -310,38 +345,6 @@ Result<std::optional<scenario::DatedSky>> dated_sky_of(const Settings& settings,
   return sky;
 }
 
-namespace {
-
-std::shared_ptr<const light::BodyMap> map_of(const std::string& path, DiagnosticLog& log) {
-  const auto bytes = read_file(path, kMostMapBytes, log);
-  if (!bytes) return nullptr;
-  image::DecodedImage image;
-  const auto problem = image::decode_image(std::as_bytes(std::span(*bytes)), kMostMapBytes, image);
-  if (problem.code) {
-    log.report_file(*problem.code, path, problem.message);
-    return nullptr;
-  }
-  if (image.width != 2 * std::uint64_t{image.height}) {
-    log.report_file(Code::E0201, path,
-                    fmt::format("a map of {} by {} pixels, expected twice as wide as high: "
-                                "longitudes from -180 to 180 degrees, the north at the top",
-                                image.width, image.height),
-                    "docs/sky.md");
-    return nullptr;
-  }
-  return std::make_shared<light::BodyMap>(image.width, image.height, image.rgba);
-}
-
-}  // namespace
-
-std::shared_ptr<const light::BodyMap> SkyReader::map(const std::string& path, DiagnosticLog& log) {
-  auto& known = maps_[path];
-  if (known != nullptr || refused_.contains(path)) return known;
-  known = map_of(path, log);
-  if (known == nullptr) refused_.insert(path);
-  return known;
-}
-
 bool SkyReader::read_stars(const Settings& settings, const std::optional<scenario::DatedSky>& dated,
                            light::Stars& stars, DiagnosticLog& log) {
   stars.faintest = *faintest_of(settings);
@@ -380,6 +383,38 @@ bool SkyReader::read_stars(const Settings& settings, const std::optional<scenari
   return true;
 }
 
+bool SkyReader::read_maps(const PlanetFiles& files, light::Body& body, DiagnosticLog& log) {
+  Vec3 ground = body.albedo;
+  if (const auto air = light::air_of(body)) {
+    ground = light::ground_albedo(body, *air);
+    if (body.albedo.x < air->albedo().x || body.albedo.y < air->albedo().y ||
+        body.albedo.z < air->albedo().z)
+      log.report(Code::W5043, {},
+                 fmt::format("the air of {} alone has the albedo {:.2f} {:.2f} {:.2f}, more than "
+                             "albedo= {:.2g} {:.2g} {:.2g}: the ground is black in such bands",
+                             in_quotes(body.name), air->albedo().x, air->albedo().y,
+                             air->albedo().z, body.albedo.x, body.albedo.y, body.albedo.z),
+                 "air=none leaves the air out");
+  }
+  if (!files.map.empty() || !files.clouds.empty()) {
+    // clouds above a ground depend on its albedo
+    const std::string key = files.clouds.empty()
+                                ? files.map
+                                : fmt::format("{}\n{}\n{} {} {}", files.map, files.clouds, ground.x,
+                                              ground.y, ground.z);
+    auto& map = maps_[key];
+    if (map == nullptr && refused_.insert(key).second) map = albedo_map(files, ground, log);
+    if (map == nullptr) return false;
+    body.map = map;
+  }
+  if (files.night.empty()) return true;
+  const std::string key = "\n" + files.night;
+  auto& night = maps_[key];
+  if (night == nullptr && refused_.insert(key).second) night = night_map(files.night, log);
+  body.night = night;
+  return night != nullptr;
+}
+
 Result<std::shared_ptr<const SkyState>> SkyReader::read(
     const Settings& settings, const std::optional<scenario::DatedSky>& dated, DiagnosticLog& log) {
   if (!shows_sky(settings)) return {nullptr};
@@ -397,10 +432,7 @@ Result<std::shared_ptr<const SkyState>> SkyReader::read(
   for (const auto& [name, text] : *settings.planet) {
     PlanetText planet;
     if (!read_planet(name, text, planet).empty() || (!planet.placed && !dated)) return failed;
-    if (!planet.map.empty()) {
-      planet.body.map = map(planet.map, log);
-      if (planet.body.map == nullptr) return failed;
-    }
+    if (!read_maps(planet.files, planet.body, log)) return failed;
     add(std::move(planet.body), planet.placed);
   }
   for (const std::string_view name : light::kBodyPresets)

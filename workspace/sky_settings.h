@@ -50,15 +50,17 @@ void place_sky_files(const std::filesystem::path& folder, Settings& settings);
 // Returns whether there is a sky: an image of it needs no target.
 bool shows_sky(const Settings& settings);
 
+struct PlanetFiles;
+
 // Reader of the sky, which keeps maps and catalogues by their paths.
 class SkyReader {
  public:
   // Returns null where the settings have no sky.
   //
   //   dated  of dated_sky_of()
-  // Expects: check_sky(). Reports: W5041 for stars beyond the catalogue. Fails: E0101, E0102,
-  // E3001, E3002, E5040; E0201 for a map that is not twice as wide as high. A file is reported
-  // once.
+  // Expects: check_sky(). Reports: W5041 for stars beyond the catalogue; N5042, W5043 once for each
+  // map. Fails: E0101, E0102, E3001, E3002, E5040; E0201 for a map that is not twice as wide as
+  // high. A file is reported once.
   Result<std::shared_ptr<const SkyState>> read(const Settings& settings,
                                                const std::optional<scenario::DatedSky>& dated,
                                                DiagnosticLog& log);
@@ -66,7 +68,7 @@ class SkyReader {
  private:
   bool read_stars(const Settings& settings, const std::optional<scenario::DatedSky>& dated,
                   light::Stars& stars, DiagnosticLog& log);
-  std::shared_ptr<const light::BodyMap> map(const std::string& path, DiagnosticLog& log);
+  bool read_maps(const PlanetFiles& files, light::Body& body, DiagnosticLog& log);
   std::set<std::string> refused_;  // files that were reported
   std::map<std::string, std::shared_ptr<const light::BodyMap>> maps_;
   std::map<std::string, std::shared_ptr<const light::StarCatalogue>> catalogues_;

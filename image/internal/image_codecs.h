@@ -21,6 +21,11 @@ inline std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at
 // Problems: E3001 (empty), E3002. Does not overflow for sides below 2^31.
 ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_bytes);
 
+// The same for rows, of which one is kept.
+ImageProblem check_row_size(std::uint64_t width, std::uint64_t height);
+
+// Decoders with `rows` give these every row, and `out` holds one.
+
 // Decodes a PNG file with libpng: every bit depth and colour type, interlaced ones too. Numbers
 // are taken as they stand: gamma, profiles and other ancillary chunks are skipped. A wrong checksum
 // in any chunk is damage.
@@ -30,7 +35,7 @@ ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::ui
 //
 // Expects: the bytes begin with the signature of PNG.
 ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
-                        DecodedImage& out);
+                        DecodedImage& out, RowReceiver* rows = nullptr);
 
 // Decodes a JPEG file with libjpeg-turbo: baseline, progressive and arithmetic coding, grey, YCbCr,
 // RGB, CMYK and YCCK of 8 bits. The inverse DCT is the accurate integer one ("islow") and chroma
@@ -44,6 +49,12 @@ ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_byte
 //
 // Expects: the bytes begin with the mark of JPEG.
 ImageProblem decode_jpeg(std::span<const std::byte> bytes, std::uint64_t max_bytes,
-                         DecodedImage& out);
+                         DecodedImage& out, RowReceiver* rows = nullptr);
+
+// Decodes a TIFF file with libtiff, row by row.
+//
+// Problems: E3001, E3002. "TIFF Revision 6.0", Adobe 1992.
+ImageProblem decode_tiff_rows(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                              RowReceiver& to);
 
 }  // namespace panwright::image

@@ -39,8 +39,9 @@ bool means_deficit(int warning) {
 
 class JpegReader : private ImageReader {
  public:
-  JpegReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out)
-      : ImageReader("JPEG", bytes, max_bytes, out) {}
+  JpegReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out,
+             RowReceiver* rows)
+      : ImageReader("JPEG", bytes, max_bytes, out, rows) {}
   ~JpegReader() { jpeg_destroy_decompress(&jpeg_); }
 
   ImageProblem run() {
@@ -50,9 +51,10 @@ class JpegReader : private ImageReader {
         problem.code)
       return problem;
     if (!guarded([this] { start(); })) return problem_found();
-    make_room(jpeg_.output_width, jpeg_.output_height);
+    if (const ImageProblem problem = make_room(jpeg_.output_width, jpeg_.output_height);
+        problem.code)
+      return problem;
     if (!guarded([this] { read_rows(); })) return problem_found();
-    if (jpeg_.out_color_space == JCS_CMYK) rgb_from_cmyk();
     return {};
   }
 
@@ -118,20 +120,22 @@ class JpegReader : private ImageReader {
     while (jpeg_.output_scanline < out_.height) {
       JSAMPROW rows[] = {row(jpeg_.output_scanline)};
       jpeg_read_scanlines(&jpeg_, rows, 1);
+      if (jpeg_.out_color_space == JCS_CMYK) rgb_from_cmyk({rows[0], std::size_t{4} * out_.width});
+      finish_row();
     }
     jpeg_finish_decompress(&jpeg_);
   }
 
   // Adobe's programs store inks inverted.
-  void rgb_from_cmyk() {
+  void rgb_from_cmyk(std::span<std::uint8_t> line) const {
     const unsigned flip = jpeg_.saw_Adobe_marker ? 0 : 255;
-    for (std::size_t i = 0; i < out_.rgba.size(); i += 4) {
-      const unsigned black = out_.rgba[i + 3] ^ flip;
+    for (std::size_t i = 0; i < line.size(); i += 4) {
+      const unsigned black = line[i + 3] ^ flip;
       for (std::size_t k = 0; k < 3; ++k) {
-        const unsigned product = (out_.rgba[i + k] ^ flip) * black;
-        out_.rgba[i + k] = static_cast<std::uint8_t>((product + 127) / 255);
+        const unsigned product = (line[i + k] ^ flip) * black;
+        line[i + k] = static_cast<std::uint8_t>((product + 127) / 255);
       }
-      out_.rgba[i + 3] = 255;
+      line[i + 3] = 255;
     }
   }
 
@@ -160,8 +164,8 @@ class JpegReader : private ImageReader {
 }  // namespace
 
 ImageProblem decode_jpeg(std::span<const std::byte> bytes, std::uint64_t max_bytes,
-                         DecodedImage& out) {
-  return JpegReader(bytes, max_bytes, out).run();
+                         DecodedImage& out, RowReceiver* rows) {
+  return JpegReader(bytes, max_bytes, out, rows).run();
 }
 
 }  // namespace panwright::image

@@ -18,8 +18,9 @@ constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR chunk
 
 class PngReader : private ImageReader {
  public:
-  PngReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out)
-      : ImageReader("PNG", bytes, max_bytes, out) {}
+  PngReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out,
+            RowReceiver* rows)
+      : ImageReader("PNG", bytes, max_bytes, out, rows) {}
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   ImageProblem run() {
@@ -33,7 +34,7 @@ class PngReader : private ImageReader {
     if (!guarded([this] { read_header(); })) return problem_found();
     if (row_bytes_ * height > kDeflateRatio * bytes_.size())
       return {Code::E3001, fmt::format("the PNG is too short for {} x {} pixels", width, height)};
-    make_room(width, height);
+    if (const ImageProblem problem = make_room(width, height); problem.code) return problem;
     if (!guarded([this] { read_rows(); })) return problem_found();
     return {};
   }
@@ -62,7 +63,7 @@ class PngReader : private ImageReader {
     if (png_ == nullptr) return;
     info_ = png_create_info_struct(png_);
     png_set_read_fn(png_, this, read);
-    png_set_user_limits(png_, kMaxTextureSide, kMaxTextureSide);
+    png_set_user_limits(png_, kMaxRowSide, kMaxRowSide);
     // chunks that only say how to show the image are passed over, but for their checksums, and cost
     // no memory; so they may be of any size
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
@@ -86,7 +87,10 @@ class PngReader : private ImageReader {
     if (png_get_rowbytes(png_, info_) != std::size_t{4} * out_.width)
       png_error(png_, "unexpected length of rows");
     for (int pass = 0; pass < passes_; ++pass)
-      for (std::size_t y = 0; y < out_.height; ++y) png_read_row(png_, row(y), nullptr);
+      for (std::size_t y = 0; y < out_.height; ++y) {
+        png_read_row(png_, row(y), nullptr);
+        finish_row();
+      }
     png_read_end(png_, nullptr);
   }
 
@@ -107,8 +111,8 @@ class PngReader : private ImageReader {
 }  // namespace
 
 ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
-                        DecodedImage& out) {
-  return PngReader(bytes, max_bytes, out).run();
+                        DecodedImage& out, RowReceiver* rows) {
+  return PngReader(bytes, max_bytes, out, rows).run();
 }
 
 }  // namespace panwright::image

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sky/sky.h"
+
 namespace panwright::labels {
 
 namespace {
@@ -95,6 +97,7 @@ std::vector<Keypoint> keypoints_of(const world::World& world, std::uint32_t targ
   const trace::RigidFrame& frame = scene.targets()[target].frame;
   // a row times a matrix: the inverse of a rotation is its transpose
   const Vec3 to_sun = glm::normalize(world.sun().direction) * frame.world_from;
+  const sky::Sky sky(world);
   const double error = mesh_error(instance);
   const double reach = std::max(slack, 2 * error);
   const world::Camera& camera = plane.camera();
@@ -115,7 +118,9 @@ std::vector<Keypoint> keypoints_of(const world::World& world, std::uint32_t targ
     to_light.origin = footing.position;
     to_light.direction = to_sun;
     to_light.min_distance = slack;
-    out.lit = footing.faces(to_sun) && !scene.any(to_light, trace::Insides::stop);
+    out.lit = footing.faces(to_sun) &&
+              !sky.sun_hidden(frame.world_from * footing.position + frame.position) &&
+              !scene.any(to_light, trace::Insides::stop);
     const auto ray = plane.view_ray_to(camera_from_model(footing.position));
     if (!ray) continue;
     trace::Ray line = *ray;

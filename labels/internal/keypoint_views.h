@@ -7,7 +7,8 @@
 //
 //   occluded  it does not face the camera, or its view ray meets a surface, those nearer than
 //             `slack` to it left out. Backs of closed meshes hide nothing, as in images.
-//   lit       it faces the Sun, and the ray to its centre meets nothing beyond `slack`.
+//   lit       it faces the Sun, and the ray to its centre meets no body, and nothing beyond
+//   `slack`.
 #pragma once
 
 #include <cstdint>

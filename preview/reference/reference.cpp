@@ -269,10 +269,11 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   if (!world.bodies().empty()) {
     const auto targets = scene.rays().targets();
     for (std::size_t i = 0; i < targets.size(); ++i)
-      bodies.emplace_back(world.bodies(), targets[i].frame, suns[i]);
+      bodies.emplace_back(world.bodies(), targets[i].frame, suns[i], radiance_unit(world));
     const trace::RigidFrame& observer = scene.rays().observer();
     bodies.emplace_back(world.bodies(), observer,
-                        Sun(world.sun(), observer.world_from, options.sun_disc));
+                        Sun(world.sun(), observer.world_from, options.sun_disc),
+                        radiance_unit(world));
   }
   const TraceLamps lamps = trace_lamps(world, camera, scene.rays());
   ViewSamples view{

@@ -40,7 +40,7 @@ class View(TypedDict, total=False):
     lamp: Sequence[str]  # Lights beside the Sun, each as `spot on camera at 0.3 0 0 intensity 100 half-angle 20deg`. docs/lamps.md.
     white: float | Sequence[float] | str  # Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (1; with `sun-irradiance` 158.6 186.2 191.4).
     limb_darkening: float | str  # Coefficient u of I = 1 − u (1 − cos) over the Sun's disc (0).
-    planet: Mapping[str, str | Sequence[float]]  # Bodies of the sky by name: `earth`, `moon`, or others with `radius=`. Their centre (of `earth` and `moon` by `date` and `orbit`), then if need be a quaternion, `radius=`, `albedo=`, `law=` and last `map=FILE`. docs/sky.md.
+    planet: Mapping[str, str | Sequence[float]]  # Bodies of the sky by name: `earth`, `moon`, or others with `radius=`. Their centre (of `earth` and `moon` by `date` and `orbit`), then if need be a quaternion, `radius=`, `albedo=`, `law=`, `air=`, and last `map=FILE`, `clouds=FILE`, `night=FILE`. docs/sky.md.
     sky: str  # What stands in the background: any of `stars` (to V 8), `sun` (its disc), and by `date` and `orbit` `earth` and `moon`. docs/sky-by-date.md.
     stars: float | str  # Stars in the background, down to this magnitude V (off; Hipparcos reaches 8). World axes are those of J2000, or of `orbit`. docs/stars.md.
     star_catalogue: str  # Star catalogue in place of Hipparcos ([columns](stars.md)).

@@ -161,6 +161,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
     return folder.write(name, "size = 8\nfocal = 8\n[optics]\naperture_mm = " + aperture +
                                   "\n[detector]\npixel_um = 5\n" + members);
   };
+  const auto sky_of = [&](const std::string& map, const std::string& key = "map=") {
+    return std::vector<std::string>{
+        "render",    pan, "-o",       png,         "--size",   "4x4",
+        "--samples", "1", "--engine", "reference", "--planet", "earth=0 0 -6778km " + key + map};
+  };
   std::vector<Trigger> triggers = {
       {"E0220", {"render", pan, "-o", png, "--camera-file", camera_file}, {}},
       {"W0221",
@@ -204,6 +209,12 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W5041",
        {"stars", "--fov", "10", "--look-at", "1 0 0", "--stars", "8", "--star-catalogue",
         folder.write("torn.csv", "ra[deg],dec[deg],v[mag]\n1,2,3\nx\n")},
+       {}},
+      {"N5042",
+       sky_of(folder.write("wide.ppm", "P6 4098 2049 255\n" + std::string(3 * 4098 * 2049, 'a'))),
+       {}},
+      {"W5043",
+       sky_of(folder.write("bright.ppm", "P3 2 1 255 255 255 255 255 255 255\n"), "clouds="),
        {}},
       {"E8015", {"scenario", with_kernel("open.tls", "KPL/LSK\n\\begindata\nA = ( 1\n")}, {}},
       {"W8016",

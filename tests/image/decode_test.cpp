@@ -58,9 +58,30 @@ struct Decoded {
   ImageProblem problem;
   DecodedImage image;
 };
+class AllRows : public RowReceiver {
+ public:
+  ImageProblem begin(const ImageHead& head) override {
+    image.width = head.width;
+    image.height = head.height;
+    return {};
+  }
+  void row(std::span<const std::uint8_t> rgba) override {
+    image.rgba.insert(image.rgba.end(), rgba.begin(), rgba.end());
+  }
+  DecodedImage image;
+};
+
+// Whole; row by row the same comes.
 Decoded decode(const std::string& bytes, std::uint64_t limit = 1u << 30) {
   Decoded out;
   out.problem = decode_image(as_bytes(bytes), limit, out.image);
+  if (!out.problem.code) {
+    AllRows rows;
+    EXPECT_FALSE(decode_rows(as_bytes(bytes), limit, rows).code);
+    EXPECT_EQ(rows.image.width, out.image.width);
+    EXPECT_EQ(rows.image.height, out.image.height);
+    EXPECT_TRUE(rows.image.rgba == out.image.rgba);
+  }
   return out;
 }
 

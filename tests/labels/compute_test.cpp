@@ -359,5 +359,26 @@ TEST(LabelsCompute, AnUnknownPartIsAnError) {
   EXPECT_TRUE(log.contains(Code::E9005));
 }
 
+// On a plate that faces the Sun: the Earth's shadow is a cylinder to the Sun's centre.
+TEST(LabelsCompute, KeypointsInAnEclipseAreNotLit) {
+  ModelMaker maker = single(plate(1, 1));
+  maker.contents.keypoints.push_back({"middle", 0, Vec3(0)});
+  constexpr double kEarth = 6371e3;
+  for (const double beside : {0.9, 0.9999, 1.0001, 1.1})
+    for (const double behind : {-1.0, 1.0}) {
+      world::World world;
+      add(world, "plate", maker, {{0, 0, 4}, {1, 0, 0, 0}});
+      world.set_sun({.direction = {0, 0, -1}});
+      light::Body earth = *light::body_preset("earth");
+      earth.air = false;
+      earth.radii = Vec3(kEarth);
+      earth.centre = Vec3(beside * kEarth, 0, -behind * 2 * kEarth);
+      world.set_sky({earth}, false);
+      const FrameLabels frame = labelled(world, plain_camera());
+      ASSERT_EQ(frame.things[0].keypoints.size(), 1u);
+      EXPECT_EQ(frame.things[0].keypoints[0].lit, beside > 1 || behind < 0) << beside << behind;
+    }
+}
+
 }  // namespace
 }  // namespace panwright::labels::compute_test

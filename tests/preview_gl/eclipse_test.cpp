@@ -27,6 +27,8 @@ Scene scene_of(const pan::Model& model, double radius, double distance, double t
   const Vec3 beside = glm::normalize(Vec3(1, 0.4, -0.34));
   const double limb = std::asin(radius / distance) + t * world::kSunSineAtOneAu;
   light::Body body = *light::body_preset("earth");
+  body.air = false;  // closed forms are of rough ground alone
+  body.albedo = Vec3(0.3);
   body.radii = Vec3(radius);
   body.centre = distance * (std::cos(limb) * sun + std::sin(limb) * beside);
   scene.world.set_sky({body}, false);

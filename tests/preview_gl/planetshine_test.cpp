@@ -26,6 +26,8 @@ Scene scene_of(const pan::Model& model, double tilt, const Vec3& to_sun) {
   view.to_sun = to_sun;
   Scene scene{panwright::testing_support::world_of(model, view), {}, {}};
   light::Body body = *light::body_preset("earth");
+  body.air = false;  // closed forms are of rough ground alone
+  body.albedo = Vec3(0.3);
   body.centre = {0, 0, -6771e3};
   body.radii = Vec3(6371e3);
   scene.world.set_sky({body}, false);

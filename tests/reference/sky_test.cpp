@@ -34,6 +34,8 @@ world::World over_earth(const pan::Model& model, double height, double zenith, d
   view.world_from_model.rotation = Quat(std::cos(half), 0, std::sin(half), 0);
   world::World world = panwright::testing_support::world_of(model, view);
   light::Body earth = *light::body_preset("earth");
+  earth.air = false;  // closed forms are of rough ground alone
+  earth.albedo = Vec3(0.3);
   earth.radii = Vec3(kRadius);
   earth.centre = {0, 0, kRadius + height};
   world.set_sky({earth}, false);

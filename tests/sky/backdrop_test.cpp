@@ -23,6 +23,8 @@ world::Camera camera_of(std::uint32_t side, double degrees, const Vec3& toward) 
 world::World world_of(const Vec3& centre, const Vec3& sun) {
   world::World world;
   light::Body body = *light::body_preset("earth");
+  body.air = false;  // closed forms are of rough ground alone
+  body.albedo = Vec3(0.3);
   body.radii = Vec3(kRadius);
   body.centre = centre;
   world.set_sky({body}, false);
@@ -181,6 +183,189 @@ TEST(Backdrop, BehindTargets) {
   image.coverage = {1, 0.25f};
   add_behind({8, 8, 8, 4, 4, 4}, image);
   EXPECT_EQ(image.radiance, (std::vector<float>{1, 1, 1, 3.5f, 3.5f, 3.5f}));
+}
+
+world::World with_air(const Vec3& centre, const Vec3& sun) {
+  world::World world;
+  light::Body body = *light::body_preset("earth");
+  body.radii = Vec3(kRadius);
+  body.centre = centre;
+  world.set_sky({body}, false);
+  world.set_sun({.direction = sun});
+  return world;
+}
+
+// Pixels of limb and air against the mean of rays in them: at 400 km, in GEO, and where the air is
+// a part of a pixel. Worst: 0.004 of white.
+TEST(Backdrop, AirByManyRays) {
+  for (const double height : {400e3, 35793e3, 200e6}) {
+    const world::World world =
+        with_air(Vec3(0, kRadius + height, 0), height < 1e6 ? Vec3(1, 0.2, 0.3) : Vec3(1, -0.4, 0));
+    const Sky sky(world);
+    const double limb = std::asin(kRadius / (kRadius + height));
+    const world::Camera camera =
+        camera_of(40, height < 1e6 ? 8 : 2.6 * limb / kDegree,
+                  height < 1e6 ? Vec3(std::sin(limb), std::cos(limb), 0) : Vec3(0.001, 1, 0));
+    const std::vector<float> image = backdrop(sky, camera, 0);
+    constexpr int kSide = 24;
+    double worst = 0, beside = 0;
+    for (std::uint32_t row = 0; row < camera.height; ++row)
+      for (std::uint32_t column = 0; column < camera.width; ++column) {
+        Vec3 sum(0);
+        for (int i = 0; i < kSide * kSide; ++i) {
+          const auto ray = *world::distorted_ray(
+              camera, Vec2(column + (i % kSide + 0.5) / kSide, row + (i / kSide + 0.5) / kSide));
+          const Vec3 from = sky.shape(0).from(ray.origin), along = ray.direction;
+          const double b = glm::dot(from, along), c = glm::dot(from, from) - 1;
+          if (b < 0 && b * b > c) {
+            const Vec3 place = glm::normalize(from + (-b - std::sqrt(b * b - c)) * along);
+            sum += sky.radiance(0, place, -along, 0);
+          } else {
+            sum += sky.air_light(0, from, along).light;
+            beside = std::max(beside, sky.air_light(0, from, along).light.z);
+          }
+        }
+        for (int k = 0; k < 3; ++k)
+          worst = std::max(
+              worst,
+              std::fabs(image[3 * (row * camera.width + column) + static_cast<std::size_t>(k)] -
+                        sum[k] / (kSide * kSide)) /
+                  (0.3 / kPi));
+      }
+    EXPECT_LT(worst, 0.01) << height;
+    EXPECT_GT(beside, 0.05) << height;
+  }
+}
+
+// All of the light of a disc with its air: in GEO, and as a small part of a pixel.
+TEST(Backdrop, FluxWithAirFarAway) {
+  const auto share = [&](double h, double degrees) {
+    const world::World world = with_air(Vec3(0, h * kRadius, 0), {0.5, -1, 0});
+    const world::Camera camera = camera_of(256, degrees, {0.001, 1, 0});
+    return flux(backdrop(Sky(world), camera, 0), camera) * h * h;
+  };
+  const double want = share(60, 4);
+  EXPECT_NEAR(share(60, 30) / want, 1, 3e-3);
+  EXPECT_NEAR(share(1e3, 30) / want, 1, 0.02);  // a little more of the sphere is in view
+  EXPECT_NEAR(share(1e6, 30) / share(1e3, 30), 1, 3e-3);
+}
+
+// On the ground, in the air and just above it: the sky by day, ordered and finite.
+TEST(Backdrop, CameraInTheAir) {
+  double before = 1;
+  for (const double height : {0.0, 10.0, 10e3, 60e3, 99.9e3, 100.1e3}) {
+    const world::World world = with_air(Vec3(0, -kRadius - height, 0), {0.3, 1, 0});
+    for (const Vec3& toward : {Vec3(0, 1, 0.2), Vec3(1, 0.01, 0), Vec3(0.2, -1, 0)}) {
+      const std::vector<float> image = backdrop(Sky(world), camera_of(24, 60, toward), 0);
+      for (const float value : image) ASSERT_TRUE(std::isfinite(value) && value >= 0) << height;
+      if (toward.y == 1) {
+        const double sky = image[3 * (12 * 24 + 12) + 2];
+        EXPECT_LE(sky, before) << height;
+        before = sky;
+      }
+    }
+  }
+  EXPECT_LT(before, 1e-6);
+}
+
+// The Sun's disc sets behind the air: redder and weaker, then gone.
+TEST(Backdrop, SunBehindTheLimb) {
+  Vec3 last(1e9);
+  for (const double height : {60e3, 25e3, 12e3, 5e3, -40e3}) {
+    const double distance = kRadius + 400e3, angle = std::asin((kRadius + height) / distance);
+    const Vec3 sun(std::sin(angle), std::cos(angle), 0);
+    world::World world = with_air(Vec3(0, distance, 0), sun);
+    const world::Camera camera = camera_of(64, 0.2, sun);
+    const std::vector<light::Body> bodies(world.bodies().begin(), world.bodies().end());
+    world.set_sky(bodies, false);
+    const std::vector<float> alone = backdrop(Sky(world), camera, 0);
+    world.set_sky(bodies, true);
+    const std::vector<float> both = backdrop(Sky(world), camera, 0);
+    const std::size_t middle = 3 * (32 * 64 + 32);
+    Vec3 light;
+    for (int k = 0; k < 3; ++k) light[k] = both[middle + k] - alone[middle + k];
+    for (int k = 0; k < 3; ++k) EXPECT_LE(light[k], last[k]);
+    if (height == 12e3) EXPECT_GT(light.x, 3 * light.z);
+    if (height < 0) EXPECT_EQ(light, Vec3(0));
+    last = light;
+  }
+}
+
+// 1 m and 4e8 m: a target of depth 5 m, a rock before it and one behind, the Moon behind all.
+TEST(Backdrop, BodiesBeforeTargets) {
+  world::World world;
+  const auto rock_of = [](double radius, const Vec3& centre, double albedo) {
+    light::Body body;
+    body.radii = Vec3(radius);
+    body.centre = centre;
+    body.albedo = Vec3(albedo);
+    return body;
+  };
+  world.set_sky({rock_of(0.1, {0.2, 1, 0}, 0.2), rock_of(0.5, {-1, 9, 0}, 0.4),
+                 rock_of(1.7e6, {0, 3.8e8, 0}, 0.6)},
+                false);
+  world.set_sun({.direction = {0, -1, 0}});
+  const Sky sky(world);
+  EXPECT_TRUE(may_hide(sky, Vec3(0), 1));
+  EXPECT_FALSE(may_hide(sky, Vec3(0), 0.5));
+  const world::Camera camera = camera_of(101, 40, {0, 1, 0});
+  for (const double sigma : {0.0, 1.0}) {
+    image::Image image;
+    image.width = image.height = 101;
+    const std::size_t count = image.pixels();
+    image.radiance.assign(3 * count, 0.25f);
+    image.coverage.assign(count, 1);
+    image.depth.assign(count, 5);
+    image.range.assign(count, 5);
+    image.normal.assign(3 * count, 1);
+    image.target_id.assign(count, 1);
+    image.node_id.assign(count, 1);
+    image.material_id.assign(count, 1);
+    // free sky below
+    for (std::size_t i = 60 * 101; i < count; ++i) {
+      image.coverage[i] = 0;
+      image.depth[i] = INFINITY;
+      for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] = 0;
+    }
+    add_around(sky, camera, sigma, image);
+    const auto at = [&](const Vec3& direction) {
+      const Vec2 pixel = *world::project(camera, direction);
+      return static_cast<std::size_t>(pixel.y) * 101 + static_cast<std::size_t>(pixel.x);
+    };
+    const std::size_t rock = at({0.2, 1, 0}), far = at({-1, 9, 0}), moon = at({0, 1, 0});
+    EXPECT_NEAR(image.radiance[3 * rock], 0.2 / kPi, 2e-3) << sigma;
+    EXPECT_NEAR(image.coverage[rock], 0, 1e-5);
+    EXPECT_EQ(image.target_id[rock], 0u);
+    EXPECT_EQ(image.depth[rock], INFINITY);
+    EXPECT_FLOAT_EQ(image.radiance[3 * far], 0.25f);
+    EXPECT_EQ(image.target_id[far], 1u);
+    EXPECT_FLOAT_EQ(image.radiance[3 * moon], 0.25f);
+    EXPECT_EQ(image.radiance[3 * (count - 1)], 0);
+  }
+}
+
+// Their discs meet: nothing darker or brighter than both, and all pixels of a row ordered.
+TEST(Backdrop, MoonTouchesTheLimb) {
+  world::World world = with_air(Vec3(0, 42164e3, 0), {0.3, -1, 0});
+  std::vector<light::Body> bodies(world.bodies().begin(), world.bodies().end());
+  light::Body moon = *light::body_preset("moon");
+  const double angle = std::asin(kRadius / 42164e3) + std::asin(moon.radii.x / 4e8);
+  moon.centre = 4e8 * Vec3(std::sin(angle), std::cos(angle), 0);
+  const double limb = std::asin(kRadius / 42164e3);
+  const world::Camera camera = camera_of(101, 2, {std::sin(limb), std::cos(limb), 0});
+  const std::vector<float> earth = backdrop(Sky(world), camera, 0);
+  world.set_sky({moon}, false);
+  const std::vector<float> behind = backdrop(Sky(world), camera, 0);
+  bodies.push_back(moon);
+  world.set_sky(bodies, false);
+  const std::vector<float> both = backdrop(Sky(world), camera, 0);
+  double most = 0;
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    ASSERT_LE(both[i], earth[i] + behind[i] + 1e-6) << i;
+    ASSERT_GE(both[i], earth[i] - 1e-6) << i;
+    most = std::max(most, static_cast<double>(behind[i]));
+  }
+  EXPECT_GT(most, 0.01);
 }
 
 }  // namespace

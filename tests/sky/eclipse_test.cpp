@@ -49,6 +49,8 @@ double share_by_rays(const world::World& world, const Vec3& point, int side) {
 world::World sphere_world(double radius, const Vec3& centre, double limb) {
   world::World world;
   light::Body body = *light::body_preset("earth");
+  body.air = false;  // closed forms are of rough ground alone
+  body.albedo = Vec3(0.3);
   body.radii = Vec3(radius);
   body.centre = centre;
   world.set_sky({body}, false);
@@ -94,6 +96,8 @@ TEST(Eclipse, SumsOverTheDisc) {
     std::vector<light::Body> bodies;
     for (int k = 0; k <= i % 2; ++k) {
       light::Body body = *light::body_preset("earth");
+      body.air = false;  // closed forms are of rough ground alone
+      body.albedo = Vec3(0.3);
       body.radii = Vec3(1, 0.8 + 0.4 * unit(), 0.7 + 0.5 * unit());
       body.world_from_body = glm::normalize(Quat(unit(), unit() - 0.5, unit() - 0.5, unit() - 0.5));
       // from a third of the Sun's size to a low orbit

@@ -105,5 +105,49 @@ TEST(SkySettings, RefusesMaps) {
   std::filesystem::remove_all(folder);
 }
 
+// Air by default, by name, and where it cannot be.
+TEST(SkySettings, Air) {
+  EXPECT_TRUE(sky_of(with("earth=0 0 -6778km"))->bodies[0].air);
+  EXPECT_FALSE(sky_of(with("earth=0 0 -6778km air=none"))->bodies[0].air);
+  EXPECT_FALSE(sky_of(with("earth=0 0 -6778km law=lommel-seeliger"))->bodies[0].air);
+  EXPECT_FALSE(sky_of(with("earth=0 0 -50 radius=20"))->bodies[0].air);
+  EXPECT_FALSE(sky_of(with("moon=1e8 0 0"))->bodies[0].air);
+  EXPECT_TRUE(sky_of(with("venus=0 0 -9000km radius=6052km air=earth"))->bodies[0].air);
+  for (const char* wrong : {"earth=0 0 -6778km air=mars", "earth=0 0 -50 radius=20 air=earth",
+                            "moon=1e8 0 0 air=earth", "earth=0 0 -6778km air="}) {
+    DiagnosticLog log;
+    EXPECT_FALSE(check_sky(with(wrong), log)) << wrong;
+    EXPECT_NE(first_error(log).find("air="), std::string::npos) << first_error(log);
+  }
+}
+
+// Ground, clouds and night from files with blanks in their names; holes; an albedo below the air's.
+TEST(SkySettings, Maps) {
+  const auto folder = std::filesystem::temp_directory_path() / "panwright_sky maps";
+  std::filesystem::create_directories(folder);
+  const auto at = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(at("a b.ppm")) << "P3 2 1 255 200 0 0 100 0 0\n";
+  std::ofstream(at("c.ppm")) << "P3 2 1 255 255 255 255 0 0 0\n";
+  const auto sky = sky_of(with("earth=0 0 1e7 air=none albedo=0.5 map=" + at("a b.ppm") +
+                               " night=" + at("a b.ppm") + " clouds=" + at("c.ppm")));
+  const light::Body& body = sky->bodies[0];
+  ASSERT_TRUE(body.map && body.night);
+  // all cloud in the west: 0.75 of a mean of 0.5
+  EXPECT_NEAR(body.map->at({0, -1, 0}, 0).y, 0.75 / 0.5, 1e-6);
+  EXPECT_NEAR(body.map->at({0, 1, 0}, 0).x, 0.25 / 0.5, 1e-6);
+  EXPECT_NEAR(body.night->at({0, -1, 0}, 0).x, 0.5776, 1e-3);  // sRGB 200
+  const auto codes = [&](const std::string& text) {
+    DiagnosticLog log;
+    EXPECT_TRUE(SkyReader().read(with(text), log)) << first_error(log);
+    std::vector<Code> out;
+    for (const auto& entry : log.entries()) out.push_back(entry.code);
+    return out;
+  };
+  EXPECT_EQ(codes("earth=0 0 1e7 clouds=" + at("c.ppm")), std::vector{Code::W5043});
+  EXPECT_EQ(codes("earth=0 0 1e7 albedo=0.01 map=" + at("c.ppm")), std::vector{Code::W5043});
+  EXPECT_EQ(codes("earth=0 0 1e7 albedo=0.5 clouds=" + at("c.ppm")), std::vector<Code>{});
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace panwright::workspace::sky_settings_test

@@ -131,7 +131,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--limb-darkening", "Reference engine (--engine reference)", "U", "Coefficient u of I = 1 - u (1 - cos) over the Sun's disc (default 0); gl applies it to glints only"},
     {"planet", kFormMap, kFormText | kFormNumbers, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "an object of bodies, as {\"earth\": \"0 0 -6778km\"}", "an object of bodies, as {\"earth\": \"0 0 -6778km\"}",
-     "--planet", "Camera and Sun", "NAME=\"X Y Z\"", "Body of the sky: earth, moon, or another name with radius=; after its centre a quaternion, albedo=, law= and map=FILE; may be repeated. With --date and --orbit earth and moon need no centre"},
+     "--planet", "Camera and Sun", "NAME=\"X Y Z\"", "Body of the sky: earth, moon, or another name with radius=; after its centre a quaternion, albedo=, law=, air=, map=, clouds=, night=; may be repeated. With --date and --orbit earth and moon need no centre"},
     {"sky", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "names, as \"stars,earth,moon,sun\"", "names, as \"stars,earth,moon,sun\"",
      "--sky", "Camera and Sun", "\"NAMES\"", "What stands in the background: any of stars (to V 8), sun (its disc), and by --date and --orbit earth and moon"},

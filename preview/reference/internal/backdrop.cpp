@@ -31,7 +31,7 @@ class Backdrop {
         options_(options),
         frame_(scene.rays().observer()),
         sun_(world.sun(), frame_.world_from, true),
-        bodies_(world.bodies(), frame_, sun_),
+        bodies_(world.bodies(), frame_, sun_, radiance_unit(world)),
         sun_visible_(world.sun_visible()) {
     while ((side_ + 1) * (side_ + 1) <= options.samples) ++side_;
   }
@@ -47,11 +47,8 @@ class Backdrop {
     const auto ray = view_ray(camera_, place);
     if (!ray) return Vec3(0);
     const auto hit = bodies_.nearest(ray->origin, ray->direction);
-    Vec3 result(0);
-    if (hit)
-      result = bodies_.radiance(ray->direction, *hit, {u[2], u[3]});
-    else if (sun_visible_)
-      result = sun_.radiance(ray->direction);
+    const Vec3 behind = sun_visible_ && !hit ? sun_.radiance(ray->direction) : Vec3(0);
+    const Vec3 result = bodies_.light(ray->origin, ray->direction, {u[2], u[3]}, behind);
     if (result == Vec3(0) || !targets) return result;
     const auto surface = scene_.seen(trace::Ray{*ray});
     return surface && !(hit && hit->distance < surface->distance) ? Vec3(0) : result;

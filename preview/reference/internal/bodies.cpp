@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/light.h"
 #include "preview/reference/internal/sampling.h"
 
 namespace panwright::preview::reference {
@@ -29,13 +30,14 @@ double disc_height(double distance) {
 
 }  // namespace
 
-Bodies::Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun)
-    : sun_(sun) {
+Bodies::Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun,
+               const Vec3& unit)
+    : sun_(sun), unit_(unit) {
   for (const light::Body& body : bodies) {
     const trace::RigidFrame own = trace::frame_of({body.centre, body.world_from_body});
     Placed placed{&body, (own.position - frame.position) * frame.world_from,
                   glm::transpose(frame.world_from) * own.world_from,
-                  body.radii.x * body.radii.y * body.radii.z};
+                  body.radii.x * body.radii.y * body.radii.z, light::air_of(body)};
     bodies_.push_back(placed);
   }
 }
@@ -59,25 +61,75 @@ std::optional<Bodies::Hit> Bodies::nearest(const Vec3& origin, const Vec3& direc
   return found;
 }
 
-Vec3 Bodies::radiance(const Vec3& direction, const Hit& hit, const Vec2& u) const {
-  const Placed& one = bodies_[hit.body];
-  const Vec3 normal = glm::normalize(one.turn * (hit.place / one.body->radii));
-  const Vec3 to_sun = sun_.centre();
-  if (!(glm::dot(normal, to_sun) > 0)) return Vec3(0);
-  if (bodies_.size() > 1) {
-    const Vec3 at = one.centre + one.from_unit(hit.place), ray = sun_.sample(u).to_light;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (i == hit.body) continue;
-      const Placed& other = bodies_[i];
-      if (way_to_sphere(other.to_unit(at - other.centre), other.to_unit(ray))) return Vec3(0);
-    }
+bool Bodies::eclipsed(std::size_t body, const Vec3& at, const Vec2& u) const {
+  if (bodies_.size() < 2) return false;
+  const Vec3 ray = sun_.sample(u).to_light;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Placed& other = bodies_[i];
+    if (i != body && way_to_sphere(other.to_unit(at - other.centre), other.to_unit(ray)))
+      return true;
   }
-  return light::reflected(*one.body, hit.place * one.body->radii, 0, normal, to_sun, -direction,
-                          sun_.irradiance());
+  return false;
+}
+
+Vec3 Bodies::radiance(const Vec3& origin, const Vec3& direction, const Hit& hit,
+                      const Vec2& u) const {
+  const Placed& one = bodies_[hit.body];
+  const Vec3 to_sun = sun_.centre(), at = one.centre + one.from_unit(hit.place);
+  const light::Body& body = *one.body;
+  const Vec3 place = hit.place * body.radii;
+  Vec3 through(1), result(0);
+  double mu_sun = 0;
+  if (one.air) {
+    const Vec3 ray = glm::normalize(one.to_unit(direction));
+    const Vec3 sun = glm::normalize(one.to_unit(to_sun));
+    const light::AirLight between = one.air->light(one.to_unit(origin - one.centre), ray, sun);
+    through = between.through;
+    mu_sun = glm::dot(hit.place, sun);
+    result = light::reflected_through(body, *one.air, place, 0, mu_sun, -glm::dot(hit.place, ray),
+                                      between, sun_.irradiance());
+  } else {
+    const Vec3 normal = glm::normalize(one.turn * (hit.place / body.radii));
+    mu_sun = glm::dot(normal, to_sun);
+    if (mu_sun > 0)
+      result = light::reflected(body, place, 0, normal, to_sun, -direction, sun_.irradiance());
+  }
+  if (!(result == Vec3(0)) && eclipsed(hit.body, at, u)) result = Vec3(0);
+  if (body.night) result += through * light::night_light(body, place, 0, mu_sun) / unit_;
+  return result;
+}
+
+Vec3 Bodies::light(const Vec3& origin, const Vec3& direction, const Vec2& u,
+                   const Vec3& behind) const {
+  const auto hit = nearest(origin, direction);
+  Vec3 result = hit ? radiance(origin, direction, *hit, u) : behind;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Placed& one = bodies_[i];
+    if (!one.air || (hit && hit->body == i)) continue;
+    const Vec3 from = one.to_unit(origin - one.centre);
+    const Vec3 along = one.to_unit(direction), ray = glm::normalize(along);
+    const Vec3 moment = glm::cross(from, ray);
+    const double top = one.air->top(), lowest = std::max(0.0, -glm::dot(from, ray));
+    // beside the ground: past the air, or behind what is in front of it
+    if (glm::dot(moment, moment) >= top * top || (lowest == 0 && glm::length(from) >= top))
+      continue;
+    if (hit && hit->distance * glm::length(along) < lowest) continue;
+    const light::AirLight air =
+        one.air->light(from, ray, glm::normalize(one.to_unit(sun_.centre())));
+    result *= air.through;
+    if (!eclipsed(i, one.centre + one.from_unit(from + lowest * ray), u))
+      result += air.light * sun_.irradiance();
+  }
+  return result;
+}
+
+Vec3 Bodies::sampled_from(const Placed& one, const Vec3& origin) {
+  const Vec3 from = one.to_unit(origin - one.centre);
+  return one.air && glm::length(from) > one.air->top() ? from / one.air->top() : from;
 }
 
 double Bodies::disc_of(const Placed& one, const Vec3& origin) {
-  const double distance = glm::length(one.to_unit(origin - one.centre));
+  const double distance = glm::length(sampled_from(one, origin));
   return distance > 1 ? disc_height(distance) : 0;
 }
 
@@ -95,7 +147,7 @@ std::optional<Bodies::Sample> Bodies::sample(const Vec3& origin, const Vec2& u,
     before += share;
     if (u_body * all < before) break;
   }
-  const Vec3 from = chosen->to_unit(origin - chosen->centre);
+  const Vec3 from = sampled_from(*chosen, origin);
   const double distance = glm::length(from);
   const Vec3 axis = -from / distance;
   const Frame frame = frame_about(axis);
@@ -113,13 +165,17 @@ std::optional<Bodies::Sample> Bodies::sample(const Vec3& origin, const Vec2& u,
 // Even over directions ω of the unit sphere's space; those of the frame, S·ω, are denser by
 // |S·ω|³/det S.
 double Bodies::pdf_of(const Placed& one, const Vec3& origin, const Vec3& direction) const {
-  const Vec3 from = one.to_unit(origin - one.centre);
+  const Vec3 from = sampled_from(one, origin);
   const double distance = glm::length(from);
   if (!(distance > 1)) return 0;
   const Vec3 along = one.to_unit(direction);
   if (!way_to_sphere(from, along)) return 0;
   const double length = glm::length(along);
   return 1 / (length * length * length * one.volume);
+}
+
+Vec3 radiance_unit(const world::World& world) {
+  return world.sun().irradiance ? Vec3(1) : light::kSolarIrradiance;
 }
 
 double Bodies::pdf(const Vec3& origin, const Vec3& direction) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "light/body.h"
 #include "preview/reference/internal/sun.h"
 #include "trace/placement.h"
+#include "world/world.h"
 
 namespace panwright::preview::reference {
 
@@ -17,8 +19,10 @@ namespace panwright::preview::reference {
 // frame, metres and unit.
 class Bodies {
  public:
+  //   unit  of radiance, W/m²/sr
   // Expects: the bodies outlive this; the Sun in the same frame.
-  Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun);
+  Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& frame, const Sun& sun,
+         const Vec3& unit);
 
   bool empty() const { return bodies_.empty(); }
 
@@ -32,13 +36,15 @@ class Bodies {
   };
   std::optional<Hit> nearest(const Vec3& origin, const Vec3& direction) const;
 
-  // Returns the radiance of a hit against a direction; other bodies eclipse it.
+  // Returns what a ray gets of the bodies and of their air; other bodies eclipse both.
   //
-  //   u  place on the Sun's disc, where its light comes from
-  Vec3 radiance(const Vec3& direction, const Hit& hit, const Vec2& u) const;
+  //   u       place on the Sun's disc, where its light comes from
+  //   behind  radiance behind all bodies
+  Vec3 light(const Vec3& origin, const Vec3& direction, const Vec2& u,
+             const Vec3& behind = Vec3(0)) const;
 
-  // Draws a direction to the disc of a body, even over the directions of its unit sphere. None
-  // within a body.
+  // Draws a direction to the disc of a body or its air, even over the directions of its unit
+  // sphere. None within a body.
   struct Sample {
     Vec3 direction{0};
     double pdf = 0;  // 1/sr, of all bodies together
@@ -53,15 +59,24 @@ class Bodies {
     Vec3 centre;
     Mat3 turn;  // the frame from the body
     double volume;
+    std::shared_ptr<const light::Air> air;  // null: none
     Vec3 to_unit(const Vec3& v) const { return (v * turn) / body->radii; }
     Vec3 from_unit(const Vec3& v) const { return turn * (v * body->radii); }
   };
+  // Distance in the space where what sample() aims at, the ground or its air, is the unit sphere.
+  static Vec3 sampled_from(const Placed& one, const Vec3& origin);
+  bool eclipsed(std::size_t body, const Vec3& at, const Vec2& u) const;
+  Vec3 radiance(const Vec3& origin, const Vec3& direction, const Hit& hit, const Vec2& u) const;
   // Share of a body among all in sample(): its disc in steradians of its own sphere.
   static double disc_of(const Placed& one, const Vec3& origin);
   double pdf_of(const Placed& one, const Vec3& origin, const Vec3& direction) const;
 
   std::vector<Placed> bodies_;
   Sun sun_;
+  Vec3 unit_;
 };
+
+// Returns the unit of an image's radiance, W/m²/sr.
+Vec3 radiance_unit(const world::World& world);
 
 }  // namespace panwright::preview::reference

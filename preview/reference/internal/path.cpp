@@ -154,9 +154,7 @@ Vec3 planetshine(const Lit& lit, const Vec3& to_viewer, const std::array<double,
       scattering.brdf(light->direction, to_viewer, point.normal, point.tangent, point.tint) *
       (cosine / light->pdf);
   if (is_black(result)) return Vec3(0);
-  const auto hit = lit.bodies->nearest(point.start, light->direction);
-  if (!hit) return Vec3(0);
-  result *= lit.bodies->radiance(light->direction, *hit, {u[2], u[3]}) *
+  result *= lit.bodies->light(point.start, light->direction, {u[2], u[3]}) *
             power_weight(light->pdf, scattering.pdf(light->direction, to_viewer, point.normal,
                                                     point.tangent, point.tint));
   if (is_black(result)) return Vec3(0);
@@ -166,9 +164,7 @@ Vec3 planetshine(const Lit& lit, const Vec3& to_viewer, const std::array<double,
 
 // What a direction drawn by a lobe gets of a body where nothing stands before it.
 Vec3 body_seen(const Lit& lit, const materials::Sampled& sampled, const Vec2& u) {
-  const auto hit = lit.bodies->nearest(lit.point.start, sampled.to_light);
-  if (!hit) return Vec3(0);
-  const Vec3 light = sampled.weight * lit.bodies->radiance(sampled.to_light, *hit, u);
+  const Vec3 light = sampled.weight * lit.bodies->light(lit.point.start, sampled.to_light, u);
   if (sampled.delta) return light;
   return light * power_weight(sampled.pdf, lit.bodies->pdf(lit.point.start, sampled.to_light));
 }
