@@ -23,6 +23,9 @@ constexpr std::string_view kExpected =
     "a position x y z, with or without units, then if need be a quaternion w x y z and radius=, "
     "albedo=, law= or map=";
 
+// in place of a centre: none, though the scene of a model has one
+constexpr std::string_view kNoPlanet = "off";
+
 struct PlanetText {
   light::Body body;
   std::string map;  // path; empty: none
@@ -174,6 +177,7 @@ bool check_sky(const Settings& settings, DiagnosticLog& log) {
     }
   }
   for (const auto& [name, text] : *settings.planet) {
+    if (text == kNoPlanet) continue;
     PlanetText planet;
     const std::string wrong = read_planet(name, text, planet);
     if (wrong.empty()) continue;
@@ -240,6 +244,7 @@ Result<std::shared_ptr<const SkyState>> SkyReader::read(const Settings& settings
   if (settings.stars->number && !read_stars(settings, sky->stars, log)) return failed;
   for (const std::string_view word : words_of(*settings.sky)) sky->sun_visible |= word == "sun";
   for (const auto& [name, text] : *settings.planet) {
+    if (text == kNoPlanet) continue;
     PlanetText planet;
     if (!read_planet(name, text, planet).empty()) return failed;
     if (!planet.map.empty()) {
