@@ -203,9 +203,10 @@ void declare(Arguments& arguments, ViewOptions& options, workspace::SettingId id
     arguments.flag(info.option, options.flags[at], info.help).group(info.section);
     return;
   }
-  std::vector<std::string>* repeated = id == workspace::SettingId::pose   ? &options.poses
-                                       : id == workspace::SettingId::lamp ? &options.lamps
-                                                                          : nullptr;
+  std::vector<std::string>* repeated = id == workspace::SettingId::pose     ? &options.poses
+                                       : id == workspace::SettingId::lamp   ? &options.lamps
+                                       : id == workspace::SettingId::planet ? &options.planets
+                                                                            : nullptr;
   Argument argument = repeated ? arguments.add(info.option, *repeated, info.help).one_value()
                                : arguments.add(info.option, options.texts[at], info.help);
   argument.type(info.metavar).group(info.section).some_of(info.words);
@@ -256,6 +257,8 @@ Result<workspace::Settings> ViewOptions::settings(DiagnosticLog& log) const {
   }
   for (const std::string& lamp : lamps)
     good = workspace::read_setting(SettingId::lamp, lamp, out, log) && good;
+  for (const std::string& planet : planets)
+    good = workspace::read_setting(SettingId::planet, planet, out, log) && good;
   std::set<std::string> targets;
   for (const std::string& pose : poses) {
     good = workspace::read_setting(SettingId::pose, pose, out, log) && good;

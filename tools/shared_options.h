@@ -75,6 +75,7 @@ struct ViewOptions {
   std::array<bool, std::size(workspace::kSettings)> flags{};
   std::vector<std::string> poses;
   std::vector<std::string> lamps;
+  std::vector<std::string> planets;
   JointOptions joints;
 
   // Returns all of them. Fails: E0201, as workspace::read_setting(), and for two poses of one
