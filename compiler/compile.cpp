@@ -248,6 +248,13 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
   for (const scene::Keypoint& point : scene.keypoints)
     out.keypoints.push_back(
         {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
+  for (const scene::Lamp& lamp : scene.lamps)
+    out.lamps.push_back({text(lamp.name), static_cast<std::uint32_t>(lamp.node),
+                         static_cast<std::uint32_t>(lamp.kind), lamp.on ? 0 : pan::layout::kLampOff,
+                         lamp.position, lamp.axis, lamp.intensity, lamp.half_angle, lamp.exponent,
+                         lamp.radius});
+  for (const scene::Setting& setting : scene.settings)
+    out.scene.push_back({text(setting.name), text(setting.value)});
 }
 
 // By node. A name that another joint has, or none, becomes one with a number.

@@ -338,6 +338,13 @@ class Exporter {
   }
 
   void say_what_is_lost() {
+    if (!model_.lamps().empty())
+      log_.report_file(Code::W6402, model_.name(),
+                       fmt::format("glTF does not keep {}, whose light is not in candela",
+                                   counted(model_.lamps().size(), "lamp")));
+    if (!model_.scene().empty())
+      log_.report_file(Code::W6402, model_.name(),
+                       "glTF does not keep the scene: Sun, planets and stars");
     for (const auto& [what, loss] : materials_.losses()) {
       const std::string others =
           loss.materials > 1 ? fmt::format(", the most of {} materials", loss.materials) : "";

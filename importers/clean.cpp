@@ -308,6 +308,7 @@ void insert_model_node(scene::Scene& scene, const scene::Transform& transform) {
   for (scene::Instance& one : scene.instances) ++one.node;
   for (scene::Frame& one : scene.frames) ++one.node;
   for (scene::Keypoint& one : scene.keypoints) ++one.node;
+  for (scene::Lamp& one : scene.lamps) ++one.node;
   for (scene::Joint& one : scene.joints) ++one.node;
 }
 

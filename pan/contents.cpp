@@ -192,6 +192,14 @@ void add_joints(const std::vector<JointContent>& joints, Tables& tables) {
   }
 }
 
+// Whether a reader that knows neither lamps nor scenes would light the model otherwise.
+bool is_lit(const Contents& contents) {
+  return !contents.scene.empty() ||
+         std::ranges::any_of(contents.lamps, [](const LampContent& lamp) {
+           return (lamp.flags & layout::kLampOff) == 0;
+         });
+}
+
 // meshes: the tables of those that have been made already.
 //
 // note: strings get their numbers in the order of the sections
@@ -220,6 +228,7 @@ Tables tables_of(const Contents& contents, Tables meshes = {}) {
       tables.beyond = fmt::format("section '{}' would have {} records, expected at most {}",
                                   info.name, count, 0xffffffffu);
   }
+  if (is_lit(contents)) tables.features |= layout::kFeatureLights;
   assert(contents.mesh_tolerances.empty() ||
          contents.mesh_tolerances.size() == tables.meshes.size());
   if (tables.beyond.empty() && strings.full())

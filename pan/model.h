@@ -190,7 +190,7 @@ materials::Material material_from(const layout::Material& record, std::string_vi
 // The record of a material, rounded to float. The name is a string id.
 layout::Material record_from(const materials::Material& material, std::uint32_t name);
 
-// Returns the name of a section's kind: "positions", "lights", "kind 1000".
+// Returns the name of a section's kind: "positions", "tiles", "kind 1000".
 std::string kind_name(std::uint32_t kind);
 
 // Returns a value's name in the format: "flux", "pixels"….

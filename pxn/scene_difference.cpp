@@ -75,6 +75,17 @@ class Comparison {
     list("keypoint", a_.keypoints, b_.keypoints, [&](const auto& x, const auto& y) {
       return x.name == y.name && place(x.node, y.node) && x.position == y.position ? "" : x.name;
     });
+    list("lamp", a_.lamps, b_.lamps, [&](const auto& x, const auto& y) {
+      return x.name == y.name && place(x.node, y.node) && x.kind == y.kind &&
+                     x.position == y.position && x.axis == y.axis && x.intensity == y.intensity &&
+                     x.half_angle == y.half_angle && x.exponent == y.exponent &&
+                     x.radius == y.radius && x.on == y.on
+                 ? ""
+                 : x.name;
+    });
+    list("setting", a_.settings, b_.settings, [](const auto& x, const auto& y) {
+      return x.name == y.name && x.value == y.value ? "" : x.name;
+    });
     list("joint", a_.joints, b_.joints, [&](const auto& x, const auto& y) {
       return x.name == y.name && (!strict_ || place(x.node, y.node)) && x.kind == y.kind &&
                      x.axis == y.axis && x.lower == y.lower && x.upper == y.upper &&

@@ -10,6 +10,7 @@
 
 #include "pxn/format.h"
 #include "pxn/text/element_writer.h"
+#include "pxn/writer_lights.h"
 
 namespace panwright::pxn {
 
@@ -57,6 +58,7 @@ class Writer {
     const bool moved = !(root == scene::Transform{}) && !is_y_up(root);
     if (is_y_up(root)) out_.attribute("up", "y");
     budget();
+    write_settings(scene_.settings, out_);
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) material(i);
     if (moved) {
       out_.open("node");
@@ -80,14 +82,16 @@ class Writer {
     std::vector<std::size_t> instances;
     std::vector<std::size_t> frames;
     std::vector<std::size_t> keypoints;
+    std::vector<std::size_t> lamps;
     std::vector<std::size_t> joints;
-    // the first frame and keypoint at the node and below
+    // the first frame, keypoint and lamp at the node and below
     std::size_t first_frame = kNever;
     std::size_t first_keypoint = kNever;
+    std::size_t first_lamp = kNever;
     std::int32_t texture = scene::kNone;  // begins here, around the node
     bool lone_shape() const {
       return instances.size() == 1 && children.empty() && frames.empty() && keypoints.empty() &&
-             joints.empty();
+             lamps.empty() && joints.empty();
     }
   };
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
@@ -111,15 +115,18 @@ class Writer {
     add(scene_.instances, &At::instances);
     add(scene_.frames, &At::frames);
     add(scene_.keypoints, &At::keypoints);
+    add(scene_.lamps, &At::lamps);
     add(scene_.joints, &At::joints);
     for (std::size_t i = scene_.nodes.size(); i-- > 0;) {
       At& at = at_[i];
       if (!at.frames.empty()) at.first_frame = std::min(at.first_frame, at.frames[0]);
       if (!at.keypoints.empty()) at.first_keypoint = std::min(at.first_keypoint, at.keypoints[0]);
+      if (!at.lamps.empty()) at.first_lamp = std::min(at.first_lamp, at.lamps[0]);
       if (i == 0) break;
       At& parent = at_[static_cast<std::size_t>(scene_.nodes[i].parent)];
       parent.first_frame = std::min(parent.first_frame, at.first_frame);
       parent.first_keypoint = std::min(parent.first_keypoint, at.first_keypoint);
+      parent.first_lamp = std::min(parent.first_lamp, at.first_lamp);
     }
     for (const scene::Instance& instance : scene_.instances) place_texture(instance);
   }
@@ -339,26 +346,29 @@ class Writer {
 
   // ---- nodes
 
-  // Children, frames and keypoints, so that each of their lists keeps its order.
+  // Children, frames, keypoints and lamps, so that each of their lists keeps its order.
   void content(std::size_t node) {
     const At& at = at_[node];
-    std::size_t frame = 0, keypoint = 0;
-    const auto rest_before = [&](std::size_t first_frame, std::size_t first_keypoint) {
+    std::size_t frame = 0, keypoint = 0, lamp = 0;
+    const auto rest_before = [&](std::size_t first_frame, std::size_t first_keypoint,
+                                 std::size_t first_lamp) {
       while (frame < at.frames.size() && at.frames[frame] < first_frame)
         write_frame(at.frames[frame++]);
       while (keypoint < at.keypoints.size() && at.keypoints[keypoint] < first_keypoint)
         write_keypoint(at.keypoints[keypoint++]);
+      while (lamp < at.lamps.size() && at.lamps[lamp] < first_lamp)
+        one_lamp(scene_.lamps[at.lamps[lamp++]]);
     };
     if (node == 0 || !at.lone_shape())
       for (const std::size_t instance : at.instances) shape(instance, nullptr);
+    // those that need not stand before a child stand behind all of them
+    const auto due = [](std::size_t first) { return first == kNever ? 0 : first; };
     for (const std::size_t child : at.children) {
-      // those that need not stand before a child stand behind all of them
       const At& below = at_[child];
-      rest_before(below.first_frame == kNever ? 0 : below.first_frame,
-                  below.first_keypoint == kNever ? 0 : below.first_keypoint);
+      rest_before(due(below.first_frame), due(below.first_keypoint), due(below.first_lamp));
       write_node(child);
     }
-    rest_before(kNever, kNever);
+    rest_before(kNever, kNever, kNever);
   }
 
   void write_node(std::size_t index) {
@@ -479,6 +489,8 @@ class Writer {
     out_.attribute("at", scene_.keypoints[index].position);
     out_.close("keypoint");
   }
+
+  void one_lamp(const scene::Lamp& lamp) { write_lamp(lamp, plain(lamp.name), out_); }
 
   void decal(const DecalGroup& group) {
     const scene::Decal& decal = scene_.decals[group.decal];

@@ -222,6 +222,29 @@ std::string check_truth(const Scene& scene) {
   return {};
 }
 
+std::string check_lamps(const Scene& scene) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < scene.lamps.size(); ++i) {
+    const Lamp& lamp = scene.lamps[i];
+    const Vec3& intensity = lamp.intensity;
+    if (!in_range(lamp.node, scene.nodes.size()) || !panwright::is_finite(lamp.position) ||
+        !(std::abs(glm::length(lamp.axis) - 1) <= kUnitTolerance))
+      return fmt::format(
+          "lamp {} has an unknown node, a position that is not finite or an axis "
+          "that is not of unit length",
+          i);
+    if (!panwright::is_finite(intensity) ||
+        !(std::min({intensity.x, intensity.y, intensity.z}) >= 0) || !(lamp.exponent >= 0) ||
+        !(lamp.radius >= 0) || !std::isfinite(lamp.exponent + lamp.radius) ||
+        (lamp.kind == Lamp::Kind::spot && !(lamp.half_angle > 0 && lamp.half_angle <= kPi)) ||
+        (lamp.kind == Lamp::Kind::disc && lamp.radius == 0))
+      return fmt::format("lamp {} has numbers out of range", i);
+    if (lamp.name.empty() || !names.insert(lamp.name).second)
+      return fmt::format("duplicate lamp name {}", lamp.name);
+  }
+  return {};
+}
+
 std::string check_budget(const Scene& scene) {
   const Budget& budget = scene.budget;
   for (const auto& term :
@@ -257,6 +280,15 @@ bool same_holes(const materials::Material& a, const materials::Material& b) {
   return a.maps.cutout == b.maps.cutout &&
          (a.maps.cutout < 0 ||
           (a.maps.threshold == b.maps.threshold && a.maps.repeat == b.maps.repeat));
+}
+
+double steradians(const Lamp& lamp) {
+  if (lamp.kind == Lamp::Kind::point) return 4 * kPi;
+  if (lamp.kind == Lamp::Kind::disc) return kPi;
+  if (lamp.exponent == 0) return 2 * kPi * (1 - det::cos(lamp.half_angle));
+  const double edge = std::max(det::cos(std::min(lamp.half_angle, kPi / 2)), 0.0);
+  const double lost = edge > 0 ? det::exp((lamp.exponent + 1) * det::log(edge)) : 0;
+  return 2 * kPi * (1 - lost) / (lamp.exponent + 1);
 }
 
 bool can_move(const Joint& joint) {
@@ -322,7 +354,7 @@ std::vector<Mat4> world_from_nodes(const Scene& scene) {
 
 std::string check(const Scene& scene) {
   for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest, check_truth,
-                           check_budget, check_maps, check_joints}) {
+                           check_lamps, check_budget, check_maps, check_joints}) {
     const std::string problem = part(scene);
     if (!problem.empty()) return problem;
   }

@@ -137,6 +137,34 @@ struct Keypoint {
   Source source;
 };
 
+// A lamp on a node: as light::Spot, light::Point and light::Disc. Intensities are W/sr per band, or
+// in parts of the Sun's irradiance at 1 m.
+struct Lamp {
+  enum class Kind : std::uint8_t { spot, point, disc };
+  std::string name;
+  std::int32_t node = 0;
+  Kind kind = Kind::spot;
+  Vec3 position{0};       // in the node's frame, metres
+  Vec3 axis{0, 0, 1};     // unit
+  Vec3 intensity{1};      // on the axis, >= 0
+  double half_angle = 0;  // of a spot, radians, above 0 to π; others: 0
+  double exponent = 0;    // of a spot, >= 0; others: 0
+  double radius = 0;      // metres; of a disc above 0
+  bool on = true;
+  Source source;
+};
+
+// Returns the power of a lamp over its intensity on the axis, sr.
+double steradians(const Lamp& lamp);
+
+// A setting of views that say nothing of it, as an option of `panwright render` takes it: Sun,
+// planets, stars. Files are relative to the top file's folder.
+struct Setting {
+  std::string name;
+  std::string value;
+  Source source;
+};
+
 // A named frame: a camera, a docking port. x right, y down, z forward (docs/conventions.md 2).
 struct Frame {
   std::string name;
@@ -193,6 +221,8 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<Frame> frames;        // names are unique
   std::vector<Keypoint> keypoints;  // names are unique
+  std::vector<Lamp> lamps;          // names are unique
+  std::vector<Setting> settings;    // of `<scene>`
   std::vector<Decal> decals;        // later ones lie over earlier ones
   std::vector<Joint> joints;        // names need not be unique
   Budget budget;

@@ -77,7 +77,7 @@ void ImageView::draw_tracks() const {
     return;
   DiagnosticLog ignored;
   const RenderRequest& request = state_.result->request;
-  const auto frame = workspace::FrameMaker(*request.world)
+  const auto frame = state_.maker_of(request.world)
                          .frame(settings_of(view, request.width, request.height), ignored);
   if (!frame) return;
   const Vec3 centre = workspace::BoundingSpheres(state_.spheres).of(state_.posed()).centre;
@@ -352,7 +352,7 @@ void ImageView::draw_labels() const {
   if (const Moment* own = state_.view.own()) {
     camera = own->frame.camera();
   } else {
-    const auto frame = workspace::FrameMaker(world).frame(state_.settings(), ignored);
+    const auto frame = state_.maker_of(state_.models.world).frame(state_.settings(), ignored);
     if (!frame) return;
     camera = frame->camera();
   }

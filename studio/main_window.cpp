@@ -13,6 +13,7 @@
 #include "studio/imgui_helpers.h"
 #include "studio/play.h"
 #include "workspace/drawer.h"
+#include "workspace/lamp_text.h"
 
 namespace panwright::studio {
 namespace {
@@ -74,10 +75,16 @@ void MainWindow::update_models() {
     framed_ = true;
   }
   if (!world_changed) return;
-  // joints and targets that no longer exist
+  state_.take_scene();
+  // lamps, joints and targets that no longer exist
   std::erase_if(state_.view.joints, [&](const auto& each) {
     DiagnosticLog ignored;
     return !workspace::find_joint(each.first, *models.world, ignored);
+  });
+  std::erase_if(state_.view.sky.lamps, [&](const auto& each) {
+    return std::ranges::none_of(models.world->lamps(), [&](const world::Lamp& lamp) {
+      return workspace::lamp_path(lamp) == each.first;
+    });
   });
   std::erase_if(state_.view.poses,
                 [&](const auto& each) { return !models.world->find(each.first); });

@@ -12,6 +12,7 @@ constexpr float kWidgetShare = 0.55f;  // of the width; the rest is for labels
 Panels::Panels(WindowState& state)
     : camera(state),
       sun(state),
+      sky(state),
       image(state),
       parts(state),
       joints(state),
@@ -40,6 +41,7 @@ void Panels::draw() {
   if (ImGui::BeginTabBar("tabs")) {
     tab("Camera", camera);
     tab("Sun", sun);
+    tab("Sky", sky);
     tab("Image", image);
     tab("Parts", parts);
     tab("Joints", joints);

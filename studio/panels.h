@@ -37,6 +37,22 @@ class SunPanel {
   WindowState& state_;
 };
 
+// Planets, stars, the Sun's disc and lamps.
+class SkyPanel {
+ public:
+  explicit SkyPanel(WindowState& state) : state_(state) {}
+  void draw();
+
+ private:
+  // Settings of the tab, and of the scene of a model where it says nothing.
+  workspace::Settings effective();
+  void sun_and_stars(const workspace::Settings& now);
+  void planet(const std::string& name, const workspace::Settings& now);
+  void lamps();
+  void lamp_row(const world::Lamp& original, bool every_on, bool every_off);
+  WindowState& state_;
+};
+
 // Layer of the image, and comparison with the reference renderer.
 class ImagePanel {
  public:
@@ -162,6 +178,7 @@ class Panels {
 
   CameraPanel camera;
   SunPanel sun;
+  SkyPanel sky;
   ImagePanel image;
   PartsPanel parts;
   JointsPanel joints;

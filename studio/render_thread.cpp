@@ -55,7 +55,8 @@ world::Camera resized(world::Camera camera, std::uint32_t width, std::uint32_t h
 }
 
 // scale: of the sides, in pixels
-Result<workspace::Frame> frame_of(const RenderRequest& request, double scale, DiagnosticLog& log) {
+Result<workspace::Frame> frame_of(const RenderRequest& request, double scale,
+                                  workspace::FrameMaker& maker, DiagnosticLog& log) {
   const auto side = [&](std::uint32_t full) {
     return std::max(1u, static_cast<std::uint32_t>(std::lround(full * scale)));
   };
@@ -65,7 +66,7 @@ Result<workspace::Frame> frame_of(const RenderRequest& request, double scale, Di
     frame.camera() = resized(frame.camera(), width, height);
     return frame;
   }
-  return workspace::FrameMaker(*request.world).frame(settings_of(request.view, width, height), log);
+  return maker.frame(settings_of(request.view, width, height), log);
 }
 
 // Table of sRGB codes of linear values, finer than the codes.
@@ -126,8 +127,9 @@ struct RenderThread::Resources {
   std::optional<workspace::Drawer> drawer;
   std::shared_ptr<const world::World> source;  // `world` is a copy of it
   world::World world;
-  world::Camera camera;  // of the last image
-  bool photo = false;    // its tone
+  std::optional<workspace::FrameMaker> maker;  // of `source`; keeps maps and catalogues
+  world::Camera camera;                        // of the last image
+  bool photo = false;                          // its tone
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // found from the last exact image
   preview::Reference reference;
@@ -138,6 +140,7 @@ struct RenderThread::Resources {
     if (source != request.world) {
       source = request.world;
       world = *source;
+      maker.emplace(*source);
       hidden.clear();
     }
     if (hidden == request.hidden) return;
@@ -250,7 +253,7 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
                                                    const Effort& effort, DiagnosticLog& log,
                                                    const Job& job) {
   resources.update(request);
-  auto frame = frame_of(request, effort.scale, log);
+  auto frame = frame_of(request, effort.scale, *resources.maker, log);
   if (!frame) return std::nullopt;
   workspace::DrawOptions options = workspace::draw_options(frame->settings, context_);
   if (!resources.drawer) {
@@ -362,7 +365,7 @@ void RenderThread::trace(Resources& resources, const RenderRequest& request, con
   if (!resources.exact || resources.exact->failed) return;
   const auto start = RenderClock::now();
   DiagnosticLog log;
-  auto frame = frame_of(request, 1, log);
+  auto frame = frame_of(request, 1, *resources.maker, log);
   if (!frame) return;
   preview::ReferenceOptions options;
   options.samples = kPasses[traced_];

@@ -65,6 +65,10 @@ std::optional<std::string> MainWindow::state(const std::string& name) const {
   if (name == "fov") return fmt::format("{}", state_.view.camera.fov);
   if (name.starts_with("pose/")) return pose_of(state_.view, name.substr(5));
   if (name.starts_with("joint/")) return joint_of(state_.view, name.substr(6));
+  if (name.starts_with("lamp/")) {
+    const auto at = state_.view.sky.lamps.find(name.substr(5));
+    return at == state_.view.sky.lamps.end() ? "" : at->second;
+  }
   // of the scenario
   if (name == "frame" || name == "time") {
     const Moment* moment = state_.view.moment.get();

@@ -100,7 +100,7 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   }
   out.fov = typed(view.camera.fov) * kDegree;
   out.sun = typed(view.sun());
-  if (view.sun_distance != 1) out.sun_distance = typed(view.sun_distance);
+  if (view.sun_distance != view.scene_distance) out.sun_distance = typed(view.sun_distance);
   out.size = {width, height};
   expose();
   if (view.shadows != workspace::Settings::Shadows::automatic) out.shadows = view.shadows;
@@ -112,8 +112,13 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   std::vector<workspace::JointText> joints;
   for (const auto& [joint, value] : view.joints) joints.push_back({joint, value});
   if (!joints.empty()) out.joint = std::move(joints);
+  std::vector<std::string> lamps;
+  for (const auto& [lamp, words] : view.sky.lamps) lamps.push_back(lamp + " " + words);
+  if (view.sky.camera_lamp)
+    lamps.push_back(fmt::format("spot on camera intensity {}", typed(*view.sky.camera_lamp)));
+  if (!lamps.empty()) out.lamp = std::move(lamps);
   if (view.moment) add_moment(*view.moment, out);
-  return out;
+  return workspace::with_defaults(std::move(out), view.sky.settings);
 }
 
 std::string command_line(const ViewState& view, std::uint32_t width, std::uint32_t height,

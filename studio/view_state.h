@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,14 +24,25 @@ struct TargetPose {
   bool operator==(const TargetPose&) const = default;
 };
 
+// Sky and lamps, where they are not those of the models.
+struct SkyChoice {
+  workspace::Settings settings;  // planets, stars, the Sun's disc and light, date
+  // "TARGET/NAME" of a lamp of a model: words of --lamp behind its name
+  std::map<std::string, std::string> lamps;
+  std::optional<double> camera_lamp;  // intensity of a spot at the camera
+  bool operator==(const SkyChoice&) const = default;
+};
+
 // Angles in degrees, as options take them.
 struct ViewState {
   OrbitCamera camera;
   double sun_azimuth = -20;
   double sun_elevation = 30;
-  double sun_distance = 1;  // AU
-  double ev = 0;            // stops
-  bool auto_ev = true;      // exposure is found from the exact image
+  double sun_distance = 1;    // AU
+  double scene_distance = 1;  // of the Sun in the scene of a model: left out of settings
+  SkyChoice sky;
+  double ev = 0;        // stops
+  bool auto_ev = true;  // exposure is found from the exact image
   // as of Settings
   workspace::Settings::Shadows shadows = workspace::Settings::Shadows::automatic;
   workspace::Settings::Imposters imposters = workspace::Settings::Imposters::automatic;

@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "studio/play.h"
@@ -48,6 +49,29 @@ world::World WindowState::posed() const {
   DiagnosticLog ignored;
   for (const auto& [joint, value] : view.joints) setter.set({joint, value}, ignored);
   return out;
+}
+
+workspace::FrameMaker& WindowState::maker_of(const std::shared_ptr<const world::World>& world) {
+  if (made_ != world) {
+    made_ = world;
+    maker_.emplace(*made_);
+  }
+  return *maker_;
+}
+
+void WindowState::take_scene() {
+  if (!models.world) return;
+  DiagnosticLog ignored;
+  const workspace::Settings* const given = scene.read(*models.world, ignored);
+  if (given == nullptr) return;
+  if (*given->sun_distance != view.scene_distance)
+    view.sun_distance = view.scene_distance = *given->sun_distance;
+  const std::optional<Vec3> sun = given->sun ? std::optional(*given->sun) : std::nullopt;
+  if (sun == scene_sun) return;
+  scene_sun = sun;
+  if (!sun) return;
+  view.sun_azimuth = std::atan2(sun->y, sun->x) / kDegree;
+  view.sun_elevation = std::atan2(sun->z, std::hypot(sun->x, sun->y)) / kDegree;
 }
 
 void WindowState::frame_targets() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@
 #include "studio/render_thread.h"
 #include "studio/view_state.h"
 #include "studio/widgets.h"
+#include "workspace/frame.h"
+#include "workspace/scene_settings.h"
 #include "world/world.h"
 
 namespace panwright::studio {
@@ -72,15 +75,25 @@ struct WindowState {
   Histogram histogram;
   PartSelection parts;
   Playback playback;
+  workspace::SceneReader scene;
+  std::optional<Vec3> scene_sun;  // taken over last
 
   // A copy of the world with the poses and joints of the view. Expects: a world.
   world::World posed() const;
+  // Returns a maker of frames of a world, kept for the next call: it has maps and catalogues.
+  workspace::FrameMaker& maker_of(const std::shared_ptr<const world::World>& world);
+  // Takes over the Sun of the scene of a model, where it has changed.
+  void take_scene();
   // Fits all targets into the image; frame_all() the tracks of a scenario too.
   void frame_targets();
   void frame_all();
   // `file`, relative to the script where there is one.
   std::filesystem::path output_path(const std::string& file) const;
   workspace::Settings settings() const;
+
+ private:
+  std::shared_ptr<const world::World> made_;  // of maker_
+  std::optional<workspace::FrameMaker> maker_;
 };
 
 }  // namespace panwright::studio

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
+#include <string>
+#include <variant>
 
 #include "base/axis_box.h"
 #include "base/text.h"
@@ -23,6 +25,7 @@
 #include "tools/print.h"
 #include "workspace/open.h"
 #include "world/evaluation.h"
+#include "world/lamps.h"
 
 namespace panwright::tools {
 
@@ -308,6 +311,32 @@ void print_levels(const pan::Model& model, const std::vector<Mat4>& world) {
   }
 }
 
+// "docking, spot at 0 0 1 toward 0 0 1, intensity 40, half-angle 20deg; off".
+std::string lamp_words(const world::Lamp& lamp, const Mat4& world_from_node) {
+  const auto at = [&](const Vec3& p) { return place_words(Vec3(world_from_node * Vec4(p, 1.0))); };
+  const auto along = [&](const Vec3& axis) {
+    const Vec3 turned = glm::normalize(Mat3(world_from_node) * axis);
+    return fmt::format(" along {:.4g} {:.4g} {:.4g}", turned.x, turned.y, turned.z);
+  };
+  const auto bands = [](const Vec3& v) {
+    return v.x == v.y && v.y == v.z ? fmt::format("{:.4g}", v.x)
+                                    : fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+  };
+  std::string words = lamp.name;
+  if (const auto* spot = std::get_if<light::Spot>(&lamp.source)) {
+    words += fmt::format(", spot at {}{}, intensity {}, half-angle {:.4g}deg", at(spot->position),
+                         along(spot->axis), bands(spot->intensity), spot->half_angle / kDegree);
+    if (spot->exponent != 0) words += fmt::format(", exponent {:.4g}", spot->exponent);
+  } else if (const auto* disc = std::get_if<light::Disc>(&lamp.source)) {
+    words += fmt::format(", disc at {}{}, intensity {}, radius {:.4g} m", at(disc->position),
+                         along(disc->axis), bands(disc->intensity), disc->radius);
+  } else {
+    const auto& point = std::get<light::Point>(lamp.source);
+    words += fmt::format(", point at {}, intensity {}", at(point.position), bands(point.intensity));
+  }
+  return words + (lamp.on ? "" : "; off");
+}
+
 void print_ground_truth(const pan::Model& model, const std::vector<Mat4>& world) {
   for (std::size_t i = 0; i < model.frames().size(); ++i) {
     const pan::layout::Frame& frame = model.frames()[i];
@@ -319,6 +348,8 @@ void print_ground_truth(const pan::Model& model, const std::vector<Mat4>& world)
     const Vec4 p(point.position[0], point.position[1], point.position[2], 1.0);
     print("keypoint  {} at {}\n", model.keypoint_name(i), place_words(Vec3(world[point.node] * p)));
   }
+  for (const world::Lamp& lamp : world::lamps_of({}, model))
+    print("lamp      {}\n", lamp_words(lamp, world[lamp.node]));
   for (const pan::layout::Sheet& sheet : model.sheets())
     print("foil      {}, {}: {:.4g} x {:.4g} m, seed {}, height {:.3g} m RMS, slope {:.3g} RMS\n",
           model.mesh_name(sheet.mesh), form_word(sheet), sheet.width, sheet.height, sheet.seed,
@@ -398,6 +429,7 @@ void print_text(const std::string& path, const world::Instance& target, const To
   };
   add(model.frames().size(), "frame");
   add(model.keypoints().size(), "keypoint");
+  add(model.lamps().size(), "lamp");
   add(model.decals().size(), "decal");
   if (!ground_truth.empty()) print("with      {}\n", ground_truth);
   print("made by   {} ({})\n", model.version(), model.options());

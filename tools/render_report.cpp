@@ -96,9 +96,21 @@ std::string line_of(const Written& image) {
   return line + ", " + milliseconds(image.seconds);
 }
 
+// What models gave the image: settings of a scene, lamps.
+std::string explained_models(const Written& image) {
+  std::string text;
+  for (const std::string& setting : image.of_scene)
+    text += fmt::format("  {}: from the scene of {}\n", setting, in_quotes(image.scene_target));
+  if (!image.lamps_on.empty())
+    text += fmt::format("  lamps of models: {}\n", fmt::join(image.lamps_on, ", "));
+  if (!image.lamps_off.empty())
+    text += fmt::format("  lamps of models that are off: {}\n", fmt::join(image.lamps_off, ", "));
+  return text;
+}
+
 // How each target of an image was drawn, a line each.
 std::string explained(const Written& image) {
-  std::string text;
+  std::string text = explained_models(image);
   if (!image.sampling) return text;
   std::vector<bool> told(image.targets.size(), false);
   for (const preview::ImposterReport& one : image.sampling->imposters) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "base/file.h"
@@ -205,12 +206,28 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
 
 void set_lamps(const Settings& settings, const world::World& world, Frame& frame,
                DiagnosticLog& log) {
-  for (const std::string& text : *settings.lamp)
-    if (const auto lamp = lamp_of(text, world, log)) frame.lamps.push_back(*lamp);
-  if (frame.lamps.size() + world.lamps().size() > world::World::kMaxLamps)
+  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
+  for (const std::string& text : *settings.lamp) (void)set_lamp(text, world, lamps, log);
+  const auto on = static_cast<std::size_t>(std::ranges::count(lamps, true, &world::Lamp::on));
+  if (on > world::World::kMaxLamps)
     log.report(Code::E0201, {},
-               fmt::format("{} lamps, expected {} at most",
-                           frame.lamps.size() + world.lamps().size(), world::World::kMaxLamps));
+               fmt::format("{} lamps are on, expected {} at most", on, world::World::kMaxLamps),
+               "--lamp \"* off\" switches those of models off");
+  else
+    frame.lamps = std::move(lamps);
+}
+
+// Which of the scene's settings a view has taken over.
+void note_scene(const Settings& own, const Settings& scene, Frame& frame) {
+  for (std::size_t i = 0; i < std::size(kSettings); ++i) {
+    const auto id = static_cast<SettingId>(i);
+    if (id == SettingId::planet || !has_value(id, scene) || has_value(id, own)) continue;
+    frame.of_scene.push_back(fmt::format("{} {}", info_of(id).name, setting_text(id, scene)));
+  }
+  for (const auto& [name, text] : *scene.planet)
+    if (std::ranges::find(*own.planet, name, &std::pair<std::string, std::string>::first) ==
+        own.planet->end())
+      frame.of_scene.push_back(fmt::format("planet {}={}", name, text));
 }
 
 // "TARGET/FRAME", or "FRAME" of the one target that has it.
@@ -461,7 +478,9 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
 }
 
 Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
-  Settings settings = view.settings;
+  const Settings* const scene = scene_.read(world_, log);
+  if (scene == nullptr) return failed;
+  Settings settings = with_defaults(view.settings, *scene);
   Quat mount(1, 0, 0, 0);
   if (!check(settings, log) || !use_camera_file(settings, mount, log)) return failed;
   bool good = is_sound(settings, log);
@@ -469,6 +488,8 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   Frame frame;
   frame.label = view.label;
   if (!use_detector(settings, frame, log)) return failed;
+  note_scene(view.settings, *scene, frame);
+  frame.scene_target = scene_.target();
   frame.settings = with_presets(settings);
   frame.outputs = *settings.outputs;
   world::World posed = world_;
@@ -543,9 +564,8 @@ void show(const WorldState& state, const world::World& world, world::World& show
   for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
   for (std::size_t i = 0; i < world.size(); ++i) place_joints(state, world[i], i, shown);
   shown.set_sun(state.sun.value_or(world.sun()));
-  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
-  lamps.insert(lamps.end(), state.lamps.begin(), state.lamps.end());
-  shown.set_lamps(std::move(lamps));
+  shown.set_lamps(state.lamps ? *state.lamps
+                              : std::vector(world.lamps().begin(), world.lamps().end()));
   shown.set_white(state.white ? state.white : world.given_white());
   if (state.sky)
     shown.set_sky(state.sky->bodies, state.sky->sun_visible);

@@ -15,6 +15,7 @@
 #include "sensor/camera_file.h"
 #include "workspace/instrument.h"
 #include "workspace/labelling.h"
+#include "workspace/scene_settings.h"
 #include "workspace/settings.h"
 #include "workspace/shutter.h"
 #include "workspace/sky_settings.h"
@@ -37,12 +38,12 @@ struct TargetJoint {
 
 // State of a world at one time.
 struct WorldState {
-  std::vector<TargetPose> poses;        // different from the world; later ones replace earlier ones
-  std::vector<TargetJoint> joints;      // different from the world, aims resolved
-  std::optional<world::Sun> sun;        // none: the world's
-  std::optional<Vec3> white;            // none: the world's
-  std::vector<world::Lamp> lamps;       // beside those of the world
-  std::shared_ptr<const SkyState> sky;  // null: the world's
+  std::vector<TargetPose> poses;    // different from the world; later ones replace earlier ones
+  std::vector<TargetJoint> joints;  // different from the world, aims resolved
+  std::optional<world::Sun> sun;    // none: the world's
+  std::optional<Vec3> white;        // none: the world's
+  std::optional<std::vector<world::Lamp>> lamps;  // all of them; none: the world's
+  std::shared_ptr<const SkyState> sky;            // null: the world's
 };
 
 // State of a world at one moment of an exposure, with the camera's pose.
@@ -58,8 +59,11 @@ struct Frame : WorldState {
   Instrument instrument;
   // Of an exposure over time in which the image moves; empty: the frame is drawn alone.
   std::vector<Moment> moments;
-  std::optional<ShutterMoments> shutter;         // of these
-  Settings settings;                             // of drawing and files, and the seed
+  std::optional<ShutterMoments> shutter;  // of these
+  Settings settings;                      // of drawing and files, and the seed
+  // Settings that the scene of a model gave, as "sun 1 0 0", and the target that has it.
+  std::vector<std::string> of_scene;
+  std::string scene_target;
   std::vector<std::string> outputs;              // files of one product
   std::shared_ptr<const sensor::Imager> imager;  // optics and detector; null: none
   std::shared_ptr<const FrameLabelling> labels;  // to write beside them; null: none
@@ -75,7 +79,8 @@ struct Frame : WorldState {
 // Expects: `shown` was copied from `world`; targets and joints of the world.
 void show(const WorldState& state, const world::World& world, world::World& shown);
 
-// Maker of frames of one world from views. Without a lens, the visible targets fill the image,
+// Maker of frames of one world from views. What they leave out is that of the scene of the first
+// target that has one. Without a lens, the visible targets fill the image,
 // by their outline if the camera is not given either, else by their sphere.
 // Without a position, the camera is in front of them; without a direction, it looks at the origin
 // if a position is given, else at their centre; without a Sun, it shines from behind the camera's
@@ -100,6 +105,7 @@ class FrameMaker {
   const world::World& world_;
   BoundingSpheres spheres_;
   SkyReader sky_;
+  SceneReader scene_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
   std::set<std::string> refused_;                      // of them, those that were reported
   std::map<std::string, std::shared_ptr<const sensor::Imager>> imagers_;  // by text

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/text.h"
+#include "scene/scene.h"
 #include "workspace/quantities.h"
 #include "world/lamps.h"
 
@@ -23,12 +26,21 @@ struct LampNumbers {
   std::optional<double> radius, half_angle, exponent;
 };
 
-// The power of a spot over its intensity on the axis.
-double steradians(double half_angle, double exponent) {
-  if (exponent == 0) return 2 * kPi * (1 - det::cos(half_angle));
-  const double edge = std::max(det::cos(std::min(half_angle, kPi / 2)), 0.0);
-  const double lost = edge > 0 ? det::exp((exponent + 1) * det::log(edge)) : 0;
-  return 2 * kPi * (1 - lost) / (exponent + 1);
+// The power of a lamp over its intensity on the axis.
+double steradians(const light::Source& source) {
+  scene::Lamp lamp;
+  if (const auto* spot = std::get_if<light::Spot>(&source)) {
+    lamp.half_angle = spot->half_angle;
+    lamp.exponent = spot->exponent;
+  } else {
+    lamp.kind = std::holds_alternative<light::Disc>(source) ? scene::Lamp::Kind::disc
+                                                            : scene::Lamp::Kind::point;
+  }
+  return scene::steradians(lamp);
+}
+
+bool is_kind(std::string_view word) {
+  return std::ranges::find(kLampKinds, word) != std::end(kLampKinds);
 }
 
 class LampReader {
@@ -37,7 +49,7 @@ class LampReader {
       : text_(text), words_(words_of(text)), world_(world), log_(log) {}
 
   std::optional<world::Lamp> read() {
-    if (words_.empty() || std::ranges::find(kLampKinds, words_[0]) == std::end(kLampKinds))
+    if (words_.empty() || !is_kind(words_[0]))
       return fail(words_.empty() ? "" : words_[0], "spot, point, disc or led");
     kind_ = words_[0];
     next_ = 1;
@@ -52,7 +64,58 @@ class LampReader {
     return lamp;
   }
 
+  // Changes a lamp by the words behind its name, `skipped` characters long.
+  bool change(std::size_t skipped, world::Lamp& lamp) {
+    words_ = words_of(text_.substr(skipped));
+    next_ = 0;
+    lamp.on = true;
+    while (next_ < words_.size()) {
+      const std::string_view word = words_[next_];
+      if (word == "on" || word == "off") {
+        lamp.on = word == "on";
+        ++next_;
+        continue;
+      }
+      if (word == "at" || word == "toward" ||
+          std::ranges::find(kLampWords, word) == std::end(kLampWords)) {
+        fail(word, "on, off, intensity, power, radius, half-angle or exponent");
+        return false;
+      }
+      if (!part()) return false;
+    }
+    if (numbers_.intensity && numbers_.power) {
+      fail("power", "intensity or power");
+      return false;
+    }
+    return set_numbers(lamp);
+  }
+
  private:
+  bool set_numbers(world::Lamp& lamp) {
+    const LampNumbers& n = numbers_;
+    auto* const spot = std::get_if<light::Spot>(&lamp.source);
+    if (spot == nullptr && (n.half_angle || n.exponent)) {
+      fail(in_quotes(lamp.name), "no half-angle and no exponent, since it is no spot");
+      return false;
+    }
+    if (spot != nullptr) {
+      spot->half_angle = n.half_angle.value_or(spot->half_angle);
+      spot->exponent = n.exponent.value_or(spot->exponent);
+    }
+    const double power = n.power ? steradians(lamp.source) : 1;
+    std::visit(
+        [&](auto& source) {
+          if constexpr (requires { source.radius; }) {
+            source.radius = n.radius.value_or(source.radius);
+            source.intensity = n.power ? *n.power / power : n.intensity.value_or(source.intensity);
+          }
+        },
+        lamp.source);
+    if (light::is_sound(lamp.source)) return true;
+    fail(in_quotes(lamp.name), "a radius above 0 of a disc, and numbers that are finite");
+    return false;
+  }
+
   std::nullopt_t fail(std::string_view found, std::string_view expected) {
     log_.report(
         Code::E0201, {},
@@ -142,12 +205,13 @@ class LampReader {
     if (axis == Vec3(0)) return fail("toward", "another point than that of the lamp");
     const double half = spot ? n.half_angle.value_or(30 * kDegree) : kPi / 2;
     const double exponent = spot ? n.exponent.value_or(0) : 1;
-    const Vec3 intensity =
-        n.intensity ? *n.intensity : *n.power / (point ? 4 * kPi : steradians(half, exponent));
     const double radius = n.radius.value_or(0);
-    if (point) return light::Point{at, intensity, radius};
-    if (kind_ == "disc") return light::Disc{at, axis, intensity, radius};
-    return light::Spot{at, axis, intensity, half, exponent, radius};
+    const auto with = [&](const Vec3& intensity) -> light::Source {
+      if (point) return light::Point{at, intensity, radius};
+      if (kind_ == "disc") return light::Disc{at, axis, intensity, radius};
+      return light::Spot{at, axis, intensity, half, exponent, radius};
+    };
+    return with(n.intensity ? *n.intensity : *n.power / steradians(with(Vec3(1))));
   }
 
   bool put_on(world::Lamp& lamp) {
@@ -173,7 +237,104 @@ class LampReader {
   LampNumbers numbers_;
 };
 
+// Whether a name fits a pattern, in which '*' stands for any characters.
+bool fits(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  if (star == pattern.npos) return name == pattern;
+  if (!name.starts_with(pattern.substr(0, star))) return false;
+  name.remove_prefix(star);
+  pattern.remove_prefix(star + 1);
+  // each part where it stands first, and the last one at the end
+  for (std::size_t next; (next = pattern.find('*')) != pattern.npos;
+       pattern.remove_prefix(next + 1)) {
+    const std::size_t at = name.find(pattern.substr(0, next));
+    if (at == name.npos) return false;
+    name.remove_prefix(at + next);
+  }
+  return name.ends_with(pattern);
+}
+
+// The lamps that the beginning of a text names, and how long their name is there.
+struct NamedLamps {
+  std::vector<std::size_t> lamps;
+  std::size_t length = 0;
+};
+
+// Names may hold blanks: the longest that is followed by one, or by the end.
+NamedLamps named_lamps(std::string_view text, const std::vector<world::Lamp>& lamps) {
+  NamedLamps found;
+  const std::string_view word = words_of(text)[0];
+  if (word.find('*') != word.npos) {
+    found.length = static_cast<std::size_t>(word.data() - text.data()) + word.size();
+    for (std::size_t i = 0; i < lamps.size(); ++i)
+      if (!lamps[i].name.empty() && (fits(lamps[i].name, word) || fits(lamp_path(lamps[i]), word)))
+        found.lamps.push_back(i);
+    return found;
+  }
+  const auto begins = [&](std::string_view name) {
+    return !name.empty() && text.starts_with(name) &&
+           (text.size() == name.size() || text[name.size()] == ' ');
+  };
+  for (std::size_t i = 0; i < lamps.size(); ++i) {
+    if (lamps[i].name.empty()) continue;
+    const std::string path = lamp_path(lamps[i]);
+    for (const std::string_view name : {std::string_view(path), std::string_view(lamps[i].name)}) {
+      if (!begins(name) || is_kind(name) || name.size() < found.length) continue;
+      if (name.size() > found.length) found.lamps.clear();
+      found.length = name.size();
+      found.lamps.push_back(i);
+    }
+  }
+  return found;
+}
+
+std::string hint_of_names(std::string_view word, const std::vector<world::Lamp>& lamps) {
+  std::vector<std::string> paths;
+  for (const world::Lamp& lamp : lamps)
+    if (!lamp.name.empty()) paths.push_back(lamp_path(lamp));
+  if (paths.empty()) return {};
+  std::vector<std::string_view> names(paths.begin(), paths.end());
+  for (const world::Lamp& lamp : lamps)
+    if (!lamp.name.empty()) names.push_back(lamp.name);
+  if (const auto near = nearest_name(word, names)) return fmt::format("did you mean '{}'?", *near);
+  constexpr std::size_t kMost = 6;
+  const bool more = paths.size() > kMost;
+  if (more) paths.resize(kMost);
+  return fmt::format("lamps of models: {}{}", fmt::join(paths, ", "), more ? ", …" : "");
+}
+
 }  // namespace
+
+std::string lamp_path(const world::Lamp& lamp) { return lamp.target + "/" + lamp.name; }
+
+bool set_lamp(std::string_view text, const world::World& world, std::vector<world::Lamp>& lamps,
+              DiagnosticLog& log) {
+  const auto words = words_of(text);
+  const bool is_new = words.empty() || is_kind(words[0]);
+  const NamedLamps named = is_new ? NamedLamps{} : named_lamps(text, lamps);
+  if (is_new) {
+    const auto lamp = lamp_of(text, world, log);
+    if (lamp) lamps.push_back(*lamp);
+    return lamp.has_value();
+  }
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    log.report(Code::E0201, {}, fmt::format("--lamp {} {}", in_quotes(text), what), hint);
+    return false;
+  };
+  if (named.lamps.empty())
+    return refuse(fmt::format("has {}, expected spot, point, disc, led or the name of a lamp of a "
+                              "model",
+                              in_quotes(words[0])),
+                  hint_of_names(words[0], lamps));
+  const bool pattern = words[0].find('*') != words[0].npos;
+  if (named.lamps.size() > 1 && !pattern)
+    return refuse(
+        fmt::format("names {} lamps, expected TARGET/NAME or a pattern", named.lamps.size()),
+        fmt::format("as '{}'", lamp_path(lamps[named.lamps[0]])));
+  for (const std::size_t i : named.lamps)
+    if (!LampReader(text, world, log).change(named.length, lamps[i])) return false;
+  return true;
+}
 
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
                                    DiagnosticLog& log) {

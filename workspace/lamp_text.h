@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "world/world.h"
@@ -21,5 +23,20 @@ namespace panwright::workspace {
 // Fails: E0201, E5005, E5011.
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
                                    DiagnosticLog& log);
+
+// Adds the lamp of a text to others, or changes one of them that is of a model: "docking off",
+// "servicer/docking intensity 20". Names may be patterns ("nav_* off"): '*' stands for any
+// characters. A lamp that is named is on, unless "off" follows.
+//
+//   NAME, TARGET/NAME     a pattern, or the name alone where only one target has it
+//   on | off
+//   intensity I | R G B, power P | R G B, radius R, half-angle A, exponent N
+//
+// False: E0201, E5005, E5011.
+bool set_lamp(std::string_view text, const world::World& world, std::vector<world::Lamp>& lamps,
+              DiagnosticLog& log);
+
+// Returns "TARGET/NAME" of a lamp of a model.
+std::string lamp_path(const world::Lamp& lamp);
 
 }  // namespace panwright::workspace

@@ -19,6 +19,7 @@
 #include "workspace/internal/kept_import.h"
 #include "workspace/internal/kept_work.h"
 #include "workspace/internal/stopwatch.h"
+#include "workspace/scene_settings.h"
 
 namespace panwright::workspace {
 
@@ -317,7 +318,9 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.foil_levels = options.foil_levels;
   const KeptWork work(options, report);
   read.cache = work.cache();
-  return pxn::read(path, read, log, job);
+  auto scene = pxn::read(path, read, log, job);
+  if (scene) (void)check_scene(*scene, log);
+  return scene;
 }
 
 namespace {

@@ -156,8 +156,15 @@ bool is_recorded(SettingId id, const Settings& settings) {
   return false;
 }
 
+// A default that is given replaces what the scene of a model has, as `--stars off`.
+bool replaces_scene(SettingId id, const Settings& settings) {
+  return info_of(id).record == Recorded::changed && has_value(id, settings) &&
+         is_effective(id, settings);
+}
+
 Json view_of(const world::World& world, const Frame& frame, const RecordSource& source) {
   const Settings settings = made_settings(world, frame);
+  const bool has_scene = !frame.scene_target.empty();
   Json view;
   for (const SettingId id : kRecordOrder) {
     if (id == SettingId::pose) {
@@ -176,7 +183,7 @@ Json view_of(const world::World& world, const Frame& frame, const RecordSource& 
         }
     } else if (id == SettingId::define) {
       for (const auto& [name, value] : source.open.parameters) view["define"][name] = value;
-    } else if (is_recorded(id, settings)) {
+    } else if (is_recorded(id, settings) || (has_scene && replaces_scene(id, settings))) {
       view[std::string(info_of(id).name)] = setting_json(id, settings);
     }
   }

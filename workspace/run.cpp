@@ -18,6 +18,7 @@
 #include "labels/frame_files.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
+#include "workspace/lamp_text.h"
 #include "workspace/sky_settings.h"
 #include "world/evaluation.h"
 
@@ -50,6 +51,14 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
     forward(apart, frame.label, {}, log);
   }
   return log.errors() == errors && have_parts(world, frames, log);
+}
+
+// What models gave the frame.
+void tell_models(const Frame& frame, Written& what) {
+  what.of_scene = frame.of_scene;
+  what.scene_target = frame.scene_target;
+  for (const world::Lamp& lamp : frame.lamps.value_or(std::vector<world::Lamp>()))
+    if (!lamp.name.empty()) (lamp.on ? what.lamps_on : what.lamps_off).push_back(lamp_path(lamp));
 }
 
 // A product that is being written, or kept.
@@ -234,6 +243,7 @@ class Run {
     what.outputs = frame.outputs;
     for (const world::Instance& target : scope_.world.instances())
       what.targets.push_back(target.name());
+    tell_models(frame, what);
     const bool keeps = bool(scope_.options.listener.kept);
     if (index + 1 == frames_.size() || scope_.job.threads() == 1 || (keeps && !frame.labels)) {
       if (!keeps) write_all(*writing_);

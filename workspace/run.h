@@ -41,6 +41,11 @@ struct Written {
   std::size_t saturated = 0;         // pixels
   std::string record;                // JSON of record_text()
   std::vector<std::string> targets;  // of the world, by name
+  // Settings of the scene of a model, as "sun 1 0 0", and its target; lamps of models with their
+  // state.
+  std::vector<std::string> of_scene;
+  std::string scene_target;
+  std::vector<std::string> lamps_on, lamps_off;
 
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL

@@ -29,6 +29,9 @@ constexpr std::string_view kExpected =
 constexpr std::string_view kSkyNames[] = {"stars", "earth", "moon", "sun"};
 constexpr double kFaintestOfHipparcos = 8;
 
+// in place of a centre: none, though the scene of a model has one
+constexpr std::string_view kNoPlanet = "off";
+
 struct PlanetText {
   light::Body body;
   PlanetFiles files;
@@ -300,6 +303,7 @@ bool check_sky(const Settings& settings, DiagnosticLog& log) {
   }
   std::set<std::string_view> names;
   for (const auto& [name, text] : *settings.planet) {
+    if (text == kNoPlanet) continue;
     PlanetText planet;
     std::string wrong = read_planet(name, text, planet);
     if (!names.insert(name).second) wrong = "each body once";
@@ -430,6 +434,7 @@ Result<std::shared_ptr<const SkyState>> SkyReader::read(
     sky->bodies.push_back(std::move(body));
   };
   for (const auto& [name, text] : *settings.planet) {
+    if (text == kNoPlanet) continue;
     PlanetText planet;
     if (!read_planet(name, text, planet).empty() || (!planet.placed && !dated)) return failed;
     if (!read_maps(planet.files, planet.body, log)) return failed;

@@ -68,6 +68,35 @@ CarrierFrame frame_of_camera(const Camera& camera) {
 
 }  // namespace
 
+std::vector<Lamp> lamps_of(const std::string& target, const pan::Model& model) {
+  std::vector<Lamp> lamps;
+  for (std::size_t i = 0; i < model.lamps().size(); ++i) {
+    const pan::layout::Lamp& record = model.lamps()[i];
+    const auto vector = [](const double(&v)[3]) { return Vec3(v[0], v[1], v[2]); };
+    const Vec3 position = vector(record.position), axis = vector(record.axis),
+               intensity = vector(record.intensity);
+    Lamp& lamp = lamps.emplace_back();
+    switch (static_cast<pan::layout::LampKind>(record.kind)) {
+      case pan::layout::LampKind::spot:
+        lamp.source = light::Spot{position,        axis,         intensity, record.half_angle,
+                                  record.exponent, record.radius};
+        break;
+      case pan::layout::LampKind::point:
+        lamp.source = light::Point{position, intensity, record.radius};
+        break;
+      case pan::layout::LampKind::disc:
+        lamp.source = light::Disc{position, axis, intensity, record.radius};
+        break;
+    }
+    lamp.carrier = Lamp::Carrier::node;
+    lamp.target = target;
+    lamp.node = record.node;
+    lamp.on = (record.flags & pan::layout::kLampOff) == 0;
+    lamp.name = model.lamp_name(i);
+  }
+  return lamps;
+}
+
 std::vector<light::Source> placed_lamps(const World& world, const Camera& camera) {
   std::vector<light::Source> placed;
   NodeFrames nodes(world);

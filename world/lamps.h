@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "world/world.h"
 
 namespace panwright::world {
+
+// Returns the lamps of a model, on a target of this name. Expects: checked().
+std::vector<Lamp> lamps_of(const std::string& target, const pan::Model& model);
 
 // Returns the lamps that are on, in their order and in world axes.
 // Cost: O(nodes + meshes) for each target that carries a lamp.

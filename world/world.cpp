@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "world/internal/missing_name.h"
+#include "world/lamps.h"
 
 namespace panwright::world {
 namespace {
@@ -71,12 +72,16 @@ Result<std::size_t> World::add(std::string name, ModelPtr model, const Pose& pos
   instance.pose_ = pose;
   instance.pose_stamp_ = next_stamp();
   instance.shape_stamp_ = next_stamp();
+  for (Lamp& lamp : lamps_of(instance.name_, *instance.model_)) lamps_.push_back(std::move(lamp));
   stamp_ = next_stamp();
   return size() - 1;
 }
 
 void World::remove(std::size_t index) {
   assert(index < size());
+  std::erase_if(lamps_, [&](const Lamp& lamp) {
+    return lamp.carrier == Lamp::Carrier::node && lamp.target == instances_[index].name_;
+  });
   instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(index));
   stamp_ = next_stamp();
 }
@@ -182,7 +187,7 @@ void World::set_sun(const Sun& sun) {
 }
 
 void World::set_lamps(std::vector<Lamp> lamps) {
-  assert(lamps.size() <= kMaxLamps &&
+  assert(std::ranges::count(lamps, true, &Lamp::on) <= static_cast<std::ptrdiff_t>(kMaxLamps) &&
          std::ranges::all_of(lamps, [](const Lamp& lamp) { return light::is_sound(lamp.source); }));
   if (lamps_ == lamps) return;
   lamps_ = std::move(lamps);

@@ -104,6 +104,7 @@ struct Lamp {
   std::string target;      // of a node
   std::uint32_t node = 0;  // index in its model; its scale moves the lamp, and leaves its radius
   bool on = true;
+  std::string name;  // of a lamp of the target's model; empty: none
   bool operator==(const Lamp&) const = default;
 };
 
@@ -112,7 +113,7 @@ struct Lamp {
 // be used on distinct threads; one world allows many readers or one writer.
 class World {
  public:
-  // Adds a target at the origin, or at `pose`.
+  // Adds a target at the origin, or at `pose`, with the lamps of its model.
   //
   //   name     not empty; identifies it in options, diagnostics and ids
   //   returns  its index: targets keep theirs until one before them is removed
@@ -120,6 +121,7 @@ class World {
   // Fails: E5009 when a target has this name, E5010 beyond kMaxInstances.
   Result<std::size_t> add(std::string name, ModelPtr model, DiagnosticLog& log);
   Result<std::size_t> add(std::string name, ModelPtr model, const Pose& pose, DiagnosticLog& log);
+  // Removes a target, and the lamps on it.
   void remove(std::size_t index);
 
   static constexpr std::size_t kMaxInstances = 4096;
@@ -150,8 +152,9 @@ class World {
   const Sun& sun() const { return std::get<Sun>(sun_.source()); }
 
   static constexpr std::size_t kMaxLamps = 64;
-  // Lamps whose target or node does not exist, or is hidden, are off.
-  // Expects: at most kMaxLamps, all light::is_sound().
+  // Replaces all lamps, those of models too. Lamps whose target or node does not exist, or is
+  // hidden, are off.
+  // Expects: at most kMaxLamps that are on, all light::is_sound().
   void set_lamps(std::vector<Lamp> lamps);
   std::span<const Lamp> lamps() const { return lamps_; }
   // Expects: an index of lamps().

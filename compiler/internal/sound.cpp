@@ -85,6 +85,9 @@ bool is_sound(const scene::Scene& scene, DiagnosticLog& log) {
     if (!is_near(Vec3(matrix * Vec4(point.position, 1))))
       return report(point.source, "keypoint " + in_quotes(point.name));
   }
+  for (const scene::Lamp& lamp : scene.lamps)
+    if (!is_near(Vec3(world[static_cast<std::size_t>(lamp.node)] * Vec4(lamp.position, 1))))
+      return report(lamp.source, "lamp " + in_quotes(lamp.name));
   return true;
 }
 

@@ -79,6 +79,7 @@ std::size_t mend_names(scene::Scene& scene) {
   for (auto& joint : scene.joints) mend(joint.name);
   for (auto& frame : scene.frames) mend(frame.name);
   for (auto& keypoint : scene.keypoints) mend(keypoint.name);
+  for (auto& lamp : scene.lamps) mend(lamp.name);
   return count;
 }
 

@@ -67,6 +67,28 @@ layout::Label record_of(const LabelContent& content, StringTable& strings) {
   return record;
 }
 
+layout::Lamp record_of(const LampContent& content, StringTable& strings) {
+  layout::Lamp record{};
+  store(record.position, content.position);
+  store(record.axis, content.axis);
+  store(record.intensity, content.intensity);
+  record.half_angle = content.half_angle;
+  record.exponent = content.exponent;
+  record.radius = content.radius;
+  record.node = content.node;
+  record.kind = content.kind;
+  record.flags = content.flags;
+  record.name = strings.id(content.name);
+  return record;
+}
+
+layout::SceneSetting record_of(const SceneSettingContent& content, StringTable& strings) {
+  layout::SceneSetting record{};
+  record.name = strings.id(content.name);
+  record.value = strings.id(content.value);
+  return record;
+}
+
 }  // namespace
 
 void add_records(const TableContents& contents, layout::SectionKind kind, StringTable& strings,
@@ -104,6 +126,12 @@ void add_records(const TableContents& contents, layout::SectionKind kind, String
       break;
     case layout::SectionKind::labels:
       for (const auto& content : contents.labels) append(to, record_of(content, strings));
+      break;
+    case layout::SectionKind::lamps:
+      for (const auto& content : contents.lamps) append(to, record_of(content, strings));
+      break;
+    case layout::SectionKind::scene:
+      for (const auto& content : contents.scene) append(to, record_of(content, strings));
       break;
     default:
       break;

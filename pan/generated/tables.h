@@ -101,6 +101,38 @@ struct LabelContent {
   std::uint32_t node = 0;
 };
 
+// A lamp on a node, in its coordinates; scales move it and leave its radius.
+struct LampContent {
+  // not empty, unique
+  std::string name;
+  std::uint32_t node = 0;
+  // LampKind
+  std::uint32_t kind = 0;
+  // LampFlags
+  std::uint32_t flags = 0;
+  // m: in the node's coordinates
+  Vec3 position{0};
+  // of its light, unit to 1e-12 in its squared length; of a point without meaning
+  Vec3 axis{0};
+  // W/sr: on the axis, in each band; without a unit of the Sun's irradiance in parts of it at 1
+  // m
+  Vec3 intensity{0};
+  // rad: of a spot, above 0 to pi; others: 0
+  double half_angle = 0;
+  // of a spot; others: 0
+  double exponent = 0;
+  // m: of a sphere, or a disc; 0: a point
+  double radius = 0;
+};
+
+// A setting of views that hold none of it: Sun, planets, stars.
+struct SceneSettingContent {
+  // of a setting of views
+  std::string name;
+  // as an option takes it; files relative to the folder of this one
+  std::string value;
+};
+
 // Tables of a model whose records follow from their contents alone, by section.
 struct TableContents {
   // The files that were read, in order of first use.
@@ -125,6 +157,10 @@ struct TableContents {
   std::vector<layout::Level> levels;
   // The labelled parts; absent where there are none.
   std::vector<LabelContent> labels;
+  // The lamps; absent where there are none.
+  std::vector<LampContent> lamps;
+  // The scene: settings of views; absent where there is none.
+  std::vector<SceneSettingContent> scene;
 };
 
 // Sections in memory, and the records of their tables.
@@ -271,6 +307,22 @@ class ModelTables {
   }
   std::string_view label_name(std::size_t index) const {
     return string(labels()[index].name);
+  }
+
+  // The lamps; absent where there are none.
+  std::span<const layout::Lamp> lamps() const {
+    return array<layout::Lamp>(layout::SectionKind::lamps);
+  }
+  std::string_view lamp_name(std::size_t index) const {
+    return string(lamps()[index].name);
+  }
+
+  // The scene: settings of views; absent where there is none.
+  std::span<const layout::SceneSetting> scene() const {
+    return array<layout::SceneSetting>(layout::SectionKind::scene);
+  }
+  std::string_view scene_setting_name(std::size_t index) const {
+    return string(scene()[index].name);
   }
 
  protected:

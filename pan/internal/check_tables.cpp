@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <set>
+#include <string_view>
 
 #include "base/parallel.h"
 #include "base/text.h"
@@ -129,6 +131,28 @@ std::optional<Problem> world_problem(const Model& model) {
     if (!panwright::is_finite(Vec3(world[keypoints[i].node] * Vec4(p[0], p[1], p[2], 1.0))))
       return Problem{Code::E4012,
                      fmt::format("keypoints[{}] has world coordinates that are not finite", i)};
+  }
+  return {};
+}
+
+std::optional<Problem> lamp_problem(const Model& model) {
+  const std::vector<Mat4> world = model.world_from_nodes();
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < model.lamps().size(); ++i) {
+    const layout::Lamp& lamp = model.lamps()[i];
+    const auto wrong = [&](std::string_view what) {
+      return Problem{Code::E4012, fmt::format("lamps[{}] {}", i, what)};
+    };
+    if (model.lamp_name(i).empty() || !names.insert(model.lamp_name(i)).second)
+      return wrong("has no name of its own");
+    const auto kind = static_cast<layout::LampKind>(lamp.kind);
+    if (kind == layout::LampKind::spot && !(lamp.half_angle > 0 && lamp.half_angle <= kPi))
+      return wrong("is a spot with a half_angle outside 0 to pi");
+    if (kind == layout::LampKind::disc && !(lamp.radius > 0))
+      return wrong("is a disc with a radius that is not above 0");
+    const double* p = lamp.position;
+    if (!panwright::is_finite(Vec3(world[lamp.node] * Vec4(p[0], p[1], p[2], 1.0))))
+      return wrong("has world coordinates that are not finite");
   }
   return {};
 }
@@ -396,6 +420,7 @@ Problems table_problems(const Model& model) {
   add(stream_problem(model));
   add(decal_problem(model));
   add(level_problem(model));
+  add(lamp_problem(model));
   if (problems.empty()) add(joint_problem(model));
   if (!problems.empty()) return problems;
   // these follow references, so they come when all of them hold

@@ -115,6 +115,9 @@ void Assembler::item(Use& use, std::uint32_t index, const Context& context) {
     case ItemKind::keypoint:
       keypoint(use, item, context);
       return;
+    case ItemKind::lamp:
+      lamp(use, item, context);
+      return;
     case ItemKind::decal:
       use.decals.push_back(index);
       return;
@@ -328,6 +331,22 @@ void Assembler::keypoint(Use& use, const Item& item, const Context& context) {
     return;
   }
   scene_.keypoints.push_back({name, context.node, known.position, source_of(use, item)});
+}
+
+void Assembler::lamp(Use& use, const Item& item, const Context& context) {
+  scene::Lamp lamp = use.part->lamps[item.data];
+  lamp.name = context.prefix + lamp.name;
+  if (!lamps_.insert(lamp.name).second) {
+    if (!taken_.insert({use.part, item.element}).second) return;
+    report(Code::E1210, use, item, [&] {
+      return Reporter::Text(
+          fmt::format("duplicate lamp {}; this one is left out", in_quotes(lamp.name)));
+    });
+    return;
+  }
+  lamp.node = context.node;
+  lamp.source = source_of(use, item);
+  scene_.lamps.push_back(std::move(lamp));
 }
 
 void Assembler::part(Use& use, const Item& item, Context& context) {

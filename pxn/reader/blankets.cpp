@@ -115,6 +115,7 @@ void put_depth_first(scene::Scene& scene) {
   for (scene::Instance& one : scene.instances) move(one.node);
   for (scene::Frame& frame : scene.frames) move(frame.node);
   for (scene::Keypoint& point : scene.keypoints) move(point.node);
+  for (scene::Lamp& lamp : scene.lamps) move(lamp.node);
   for (scene::Joint& joint : scene.joints) move(joint.node);
   std::vector<std::size_t> order(scene.instances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

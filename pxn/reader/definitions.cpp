@@ -1,4 +1,5 @@
-// What stands directly below the root: parameters, named materials, parts and the budget.
+// What stands directly below the root: parameters, named materials, parts, the budget and the
+// scene.
 
 #include <fmt/format.h>
 
@@ -65,6 +66,7 @@ void Loader::read_root(File& file) {
   each(ElementId::part,
        [&](std::uint32_t c) { define(file, c, attribute::part_name, file.parts); });
   each(ElementId::budget, [&](std::uint32_t c) { read_budget(file, c); });
+  each(ElementId::scene, [&](std::uint32_t c) { read_scene(file, c); });
 }
 
 // Brings over what a file defines that the root includes. Whatever is wrong with the include itself

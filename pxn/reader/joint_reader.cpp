@@ -9,12 +9,21 @@
 #include "base/text.h"
 #include "pxn/reader/loader.h"
 #include "pxn/reader/pattern.h"
+#include "pxn/reader/shapes.h"
 
 namespace panwright::pxn {
 
 using geometry::JointKind;
 using schemas::Dimension;
 using schemas::ElementId;
+
+std::optional<Vec3> unit_vector(const Vec3& v) {
+  const double scale = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  if (!(scale > 0)) return std::nullopt;
+  // one that was made so comes back bit for bit
+  if (std::fabs(glm::length(v) - 1) <= 1e-15) return v;
+  return glm::normalize(v / scale);
+}
 
 namespace {
 
@@ -42,14 +51,6 @@ std::string in_words(JointKind kind, std::size_t index, double value) {
       break;
   }
   return fmt::format("{:.6g}", value);
-}
-
-std::optional<Vec3> unit_vector(const Vec3& v) {
-  const double scale = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-  if (!(scale > 0)) return std::nullopt;
-  // one that was made so comes back bit for bit
-  if (std::fabs(glm::length(v) - 1) <= 1e-15) return v;
-  return glm::normalize(v / scale);
 }
 
 // What is wrong with the limits and the initial values; empty: nothing. Values that are not given

@@ -71,6 +71,7 @@ bool makes_item(ElementId id) {
     case ElementId::frame_s:
     case ElementId::frame:
     case ElementId::keypoint:
+    case ElementId::lamp:
     case ElementId::decal:
       return true;
     default:
@@ -267,6 +268,9 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
       break;
     case ElementId::keypoint:
       read_keypoint(work, element);
+      break;
+    case ElementId::lamp:
+      read_lamp(work, element);
       break;
     case ElementId::decal:
       read_decal(work, element);

@@ -127,6 +127,9 @@ class Loader {
   void read_frame_s(Work& work, std::uint32_t element);
   void read_frame(Work& work, std::uint32_t element);
   void read_keypoint(Work& work, std::uint32_t element);
+  // lights.cpp
+  void read_lamp(Work& work, std::uint32_t element);
+  void read_scene(File& file, std::uint32_t element);
   void read_shape(Work& work, std::uint32_t element);
   void read_blanket(Work& work, std::uint32_t element);
   FoilShapes foil_shapes(Work& work, std::uint32_t element);

@@ -32,6 +32,7 @@ enum class ItemKind : std::uint8_t {
   shape,       // data: index into scene::Scene::shapes
   frame,       // data: index into frames
   keypoint,    // data: index into keypoints
+  lamp,        // data: index into lamps
   decal,       // data: index into decals
   include,     // data: index of the included file's part
   use,         // data: index of the used part
@@ -176,6 +177,7 @@ struct Part {
   std::vector<materials::Fields> fields;
   std::vector<PartFrame> frames;
   std::vector<PartKeypoint> keypoints;
+  std::vector<scene::Lamp> lamps;  // without nodes
   std::vector<PartDecal> decals;
   std::vector<PartImport> imports;
   std::vector<PartWrap> wraps;

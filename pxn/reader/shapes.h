@@ -29,6 +29,9 @@ std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uin
 // parallel.
 std::optional<Quat> looking(Vec3 forward, Vec3 up);
 
+// Returns a vector of length 1 in a direction; none for 0. One of unit length keeps its bits.
+std::optional<Vec3> unit_vector(const Vec3& v);
+
 // Returns true if a text can be a name in expressions. Reports E1221 otherwise, and E1210 for that
 // of a constant or a function.
 bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan where,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "base/text.h"
@@ -273,14 +274,19 @@ class Checker {
 
   // Elements of scene formats that a model does not hold.
   static std::string elsewhere(std::string_view name) {
+    constexpr std::string_view kLights[] = {"light", "lights", "directional_light", "pointlight",
+                                            "spotlight"};
     constexpr std::pair<std::string_view, std::string_view> kElsewhere[] = {
-        {"light", "--sun \"X Y Z\""},        {"lights", "--sun \"X Y Z\""},
-        {"sun", "--sun \"X Y Z\""},          {"directional_light", "--sun \"X Y Z\""},
-        {"camera", "--camera \"X Y Z\""},    {"view", "--camera \"X Y Z\""},
-        {"viewpoint", "--camera \"X Y Z\""}, {"sensor", "--camera \"X Y Z\""}};
+        {"camera", "--camera \"X Y Z\""},
+        {"view", "--camera \"X Y Z\""},
+        {"viewpoint", "--camera \"X Y Z\""},
+        {"sensor", "--camera \"X Y Z\""}};
     std::string plain(name);
     for (char& c : plain)
       if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (std::ranges::find(kLights, plain) != std::end(kLights))
+      return "a lamp on a node is <lamp>, the Sun that of <scene>, or of `panwright render --sun "
+             "\"X Y Z\"`";
     for (const auto& [other, option] : kElsewhere)
       if (plain == other)
         return fmt::format(

@@ -37,7 +37,7 @@ class View(TypedDict, total=False):
     sun: Sequence[float] | str  # Direction to the Sun, world axes (from behind the camera's left shoulder).
     sun_distance: float | str  # Distance to the Sun, AU (1).
     sun_irradiance: float | Sequence[float] | str  # In-band irradiance at the target, with `orbit` at 1 AU, W/m²: radiance is then W/(m² sr).
-    lamp: Sequence[str]  # Lights beside the Sun, each as `spot on camera at 0.3 0 0 intensity 100 half-angle 20deg`. docs/lamps.md.
+    lamp: Sequence[str]  # Lights beside the Sun, each as `spot on camera at 0.3 0 0 intensity 100 half-angle 20deg`; or changes of those of models, as `* off`. docs/lamps.md.
     white: float | Sequence[float] | str  # Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (1; with `sun-irradiance` 158.6 186.2 191.4).
     limb_darkening: float | str  # Coefficient u of I = 1 − u (1 − cos) over the Sun's disc (0).
     planet: Mapping[str, str | Sequence[float]]  # Bodies of the sky by name: `earth`, `moon`, or others with `radius=`. Their centre (of `earth` and `moon` by `date` and `orbit`), then if need be a quaternion, `radius=`, `albedo=`, `law=`, `air=`, and last `map=FILE`, `clouds=FILE`, `night=FILE`. docs/sky.md.

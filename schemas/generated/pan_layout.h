@@ -100,6 +100,14 @@ enum class ChunkForm : std::uint32_t {
 };
 inline constexpr const char* kChunkFormNames[] = {"plain", "zstd", "planes"};
 
+// Kind of a lamp.
+enum class LampKind : std::uint32_t {
+  spot = 0,  // intensity cos(angle to the axis)^exponent, up to half_angle; with an exponent above 0 up to 90 degrees
+  point = 1,  // the intensity to all directions; of a sphere, where there is a radius
+  disc = 2,  // a flat disc of one side and even radiance: intensity cos(angle to the axis)
+};
+inline constexpr const char* kLampKindNames[] = {"spot", "point", "disc"};
+
 // Bits of Mesh.flags.
 inline constexpr std::uint32_t kMeshClosed = 1u << 0;  // every edge is shared by two triangles in opposite directions
 inline constexpr std::uint32_t kMeshTexcoords = 1u << 1;  // the mesh has a run in texcoords
@@ -108,6 +116,9 @@ inline constexpr std::uint32_t kMeshColors = 1u << 2;  // the mesh has a run in 
 // Bits of Joint.flags.
 inline constexpr std::uint32_t kJointLimited = 1u << 0;  // between lower and upper
 inline constexpr std::uint32_t kJointPointsAtSun = 1u << 1;  // aims its pointing direction at the Sun, unless a value is given
+
+// Bits of Lamp.flags.
+inline constexpr std::uint32_t kLampOff = 1u << 0;  // dark until it is switched on
 
 // Bits of Texture.flags.
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
@@ -120,7 +131,8 @@ inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // initial joint 
 inline constexpr std::uint32_t kFeatureMeshStreams = 1u << 4;  // positions, normals and indices are stored as streams, mesh by mesh
 inline constexpr std::uint32_t kFeatureBacks = 1u << 5;  // instances have back materials: a reader without them would draw another model
 inline constexpr std::uint32_t kFeatureLongRuns = 1u << 6;  // runs of meshes begin at 2^32 or beyond: first_vertex, first_texcoord and first_color are the low 32 bits of their places
-inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000007fu;
+inline constexpr std::uint32_t kFeatureLights = 1u << 7;  // lamps are on, or there is a scene: a reader without them would light the model otherwise
+inline constexpr std::uint64_t kKnownRequiredFeatures = 0x000000ffu;
 
 // Bits of DirectoryEntry.flags.
 inline constexpr std::uint32_t kSectionOptional = 1u << 0;  // a reader that does not know the kind ignores the section
@@ -448,6 +460,42 @@ static_assert(sizeof(Label) == 8);
 static_assert(offsetof(Label, node) == 0);
 static_assert(offsetof(Label, name) == 4);
 
+// A lamp on a node, in its coordinates; scales move it and leave its radius.
+struct Lamp {
+  double position[3];  // m: in the node's coordinates
+  double axis[3];  // of its light, unit to 1e-12 in its squared length; of a point without meaning
+  // W/sr: on the axis, in each band; without a unit of the Sun's irradiance in parts of it at 1
+  // m
+  double intensity[3];
+  double half_angle;  // rad: of a spot, above 0 to pi; others: 0
+  double exponent;  // of a spot; others: 0
+  double radius;  // m: of a sphere, or a disc; 0: a point
+  std::uint32_t node;
+  std::uint32_t kind;  // LampKind
+  std::uint32_t flags;  // LampFlags
+  std::uint32_t name;  // not empty, unique
+};
+static_assert(sizeof(Lamp) == 112);
+static_assert(offsetof(Lamp, position) == 0);
+static_assert(offsetof(Lamp, axis) == 24);
+static_assert(offsetof(Lamp, intensity) == 48);
+static_assert(offsetof(Lamp, half_angle) == 72);
+static_assert(offsetof(Lamp, exponent) == 80);
+static_assert(offsetof(Lamp, radius) == 88);
+static_assert(offsetof(Lamp, node) == 96);
+static_assert(offsetof(Lamp, kind) == 100);
+static_assert(offsetof(Lamp, flags) == 104);
+static_assert(offsetof(Lamp, name) == 108);
+
+// A setting of views that hold none of it: Sun, planets, stars.
+struct SceneSetting {
+  std::uint32_t name;  // of a setting of views
+  std::uint32_t value;  // as an option takes it; files relative to the folder of this one
+};
+static_assert(sizeof(SceneSetting) == 8);
+static_assert(offsetof(SceneSetting, name) == 0);
+static_assert(offsetof(SceneSetting, value) == 4);
+
 // A texture projected onto an instance. A point of its mesh, in the decal's frame, takes the
 // texel at texcoord (x/width + 1/2, y/height + 1/2). Both must lie in 0 to 1, |z| <= depth, and
 // the normal of the visible side must have z > 0. The texture's alpha mixes it with the diffuse
@@ -713,8 +761,10 @@ enum class SectionKind : std::uint32_t {
   stream_bytes = 26,
   backs = 27,
   labels = 28,
+  lamps = 29,
+  scene = 30,
 };
-inline constexpr std::size_t kSectionKinds = 28;
+inline constexpr std::size_t kSectionKinds = 30;
 
 struct SectionInfo {
   SectionKind kind;
@@ -756,6 +806,8 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::stream_bytes, "stream_bytes", 1, 1, 1, false, true},
     {SectionKind::backs, "backs", 8, 8, 4, true, true},
     {SectionKind::labels, "labels", 8, 8, 4, true, true},
+    {SectionKind::lamps, "lamps", 112, 112, 8, true, true},
+    {SectionKind::scene, "scene", 8, 8, 4, true, true},
 };
 
 // Rules of the records of a section beside those of their fields, and how they are shown. Lists of
@@ -802,6 +854,8 @@ inline constexpr TableInfo kTables[kSectionKinds] = {
     {"", "", "", "", "", false, 0, 0, SectionKind::stream_bytes},
     {"instance", "", "", "", "", false, 0, 0, SectionKind::backs},
     {"node", "node", "label {name}", "label {name}", "", true, 0, 0, SectionKind::labels},
+    {"", "name", "lamp {name}", "", "name node kind flags position axis intensity half_angle exponent radius", true, 0, 0, SectionKind::lamps},
+    {"", "name value", "setting {name} of the scene", "scene     {name} {value}", "name value", true, 0, 0, SectionKind::scene},
 };
 
 // Kind of a later format, which readers may ignore.
@@ -811,7 +865,7 @@ struct ReservedKind {
 };
 
 inline constexpr std::array<ReservedKind, 1> kReservedKinds{{
-    {29, "lights"},
+    {31, "tiles"},
 }};
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -1187,6 +1241,30 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::nodes, 0, 0, "at", nullptr},
     {SectionKind::labels, "name", 4, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
+    {SectionKind::lamps, "position", 0, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "axis", 24, FieldType::f64, 3,
+     FieldRuleKind::unit, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "intensity", 48, FieldType::f64, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "half_angle", 72, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "exponent", 80, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "radius", 88, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0, "", nullptr},
+    {SectionKind::lamps, "node", 96, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::nodes, 0, 0, "at", nullptr},
+    {SectionKind::lamps, "kind", 100, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 2u, "", kLampKindNames},
+    {SectionKind::lamps, "flags", 104, FieldType::u32, 1,
+     FieldRuleKind::mask, SectionKind::build, 0, 0x00000001u, "", nullptr},
+    {SectionKind::lamps, "name", 108, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
+    {SectionKind::scene, "name", 0, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
+    {SectionKind::scene, "value", 4, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
 };
 
 // A required feature and the minor version that added it.
@@ -1196,7 +1274,7 @@ struct FeatureInfo {
   const char* name;
 };
 
-inline constexpr std::array<FeatureInfo, 7> kRequiredFeatures{{
+inline constexpr std::array<FeatureInfo, 8> kRequiredFeatures{{
     {kFeatureCompressed, 1, "Compressed"},
     {kFeatureRecordSizes, 1, "RecordSizes"},
     {kFeatureBrdfRetroreflector, 1, "BrdfRetroreflector"},
@@ -1204,6 +1282,7 @@ inline constexpr std::array<FeatureInfo, 7> kRequiredFeatures{{
     {kFeatureMeshStreams, 1, "MeshStreams"},
     {kFeatureBacks, 1, "Backs"},
     {kFeatureLongRuns, 2, "LongRuns"},
+    {kFeatureLights, 2, "Lights"},
 }};
 
 // Default of a field missing in the shorter records of a file; exact.

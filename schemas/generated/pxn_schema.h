@@ -80,6 +80,11 @@ enum class ElementId : std::uint16_t {
   transform_1,
   frame,
   keypoint,
+  lamp,
+  scene,
+  sun,
+  planet,
+  stars,
   decal,
   sphere_1,
   ellipsoid,
@@ -367,6 +372,31 @@ inline constexpr std::size_t frame_forward = 4;
 inline constexpr std::size_t frame_up = 5;
 inline constexpr std::size_t keypoint_name = 0;
 inline constexpr std::size_t keypoint_at = 1;
+inline constexpr std::size_t lamp_name = 0;
+inline constexpr std::size_t lamp_type = 1;
+inline constexpr std::size_t lamp_at = 2;
+inline constexpr std::size_t lamp_direction = 3;
+inline constexpr std::size_t lamp_intensity = 4;
+inline constexpr std::size_t lamp_power = 5;
+inline constexpr std::size_t lamp_half_angle = 6;
+inline constexpr std::size_t lamp_exponent = 7;
+inline constexpr std::size_t lamp_radius = 8;
+inline constexpr std::size_t lamp_state = 9;
+inline constexpr std::size_t scene_date = 0;
+inline constexpr std::size_t sun_direction = 0;
+inline constexpr std::size_t sun_distance = 1;
+inline constexpr std::size_t sun_irradiance = 2;
+inline constexpr std::size_t sun_limb_darkening = 3;
+inline constexpr std::size_t sun_visible = 4;
+inline constexpr std::size_t planet_body = 0;
+inline constexpr std::size_t planet_at = 1;
+inline constexpr std::size_t planet_quat = 2;
+inline constexpr std::size_t planet_radius = 3;
+inline constexpr std::size_t planet_albedo = 4;
+inline constexpr std::size_t planet_law = 5;
+inline constexpr std::size_t planet_map = 6;
+inline constexpr std::size_t stars_to = 0;
+inline constexpr std::size_t stars_catalogue = 1;
 inline constexpr std::size_t decal_on = 0;
 inline constexpr std::size_t decal_image = 1;
 inline constexpr std::size_t decal_at = 2;
@@ -696,6 +726,7 @@ inline constexpr ElementId kChoice_pangu_model_0[] = {
     ElementId::transform_1,
     ElementId::frame,
     ElementId::keypoint,
+    ElementId::lamp,
     ElementId::decal,
     ElementId::sphere_1,
     ElementId::ellipsoid,
@@ -726,6 +757,9 @@ inline constexpr ElementId kChoice_pangu_model_3[] = {
 inline constexpr ElementId kChoice_pangu_model_4[] = {
     ElementId::budget,
 };
+inline constexpr ElementId kChoice_pangu_model_5[] = {
+    ElementId::scene,
+};
 inline constexpr Attribute kAttributes_pangu_model[] = {
     {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}, {}, "m", false},
@@ -738,6 +772,7 @@ inline constexpr Slot kSlots_pangu_model[] = {
     {kChoice_pangu_model_2, "", 0, 0, ""},
     {kChoice_pangu_model_3, "", 0, 0, ""},
     {kChoice_pangu_model_4, "", 0, 1, ""},
+    {kChoice_pangu_model_5, "", 0, 1, ""},
 };
 inline constexpr Number kNumbers_group_count[] = {
     {"count", 0, 4294967295, false, false},
@@ -1704,14 +1739,116 @@ inline constexpr Attribute kAttributes_keypoint[] = {
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
 };
-inline constexpr Number kNumbers_decal_size[] = {
-    {"width", 0, 1e+30, true, false},
-    {"height", 0, 1e+30, true, false},
+inline constexpr std::string_view kWords_lamp_type[] = {
+    "spot",
+    "point",
+    "disc",
+    "led",
 };
-inline constexpr double kInitial_decal_up[] = {
+inline constexpr double kInitial_lamp_direction[] = {
     0,
     0,
     1,
+};
+inline constexpr Number kNumbers_lamp_intensity[] = {
+    {"r", 0, 1e+30, false, false},
+    {"g", 0, 1e+30, false, false},
+    {"b", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_lamp_half_angle[] = {
+    {"half_angle", 1e-06, 3.141592653589793, false, false},
+};
+inline constexpr double kInitial_lamp_half_angle[] = {
+    30,
+};
+inline constexpr Number kNumbers_lamp_exponent[] = {
+    {"exponent", 0, 1000000.0, false, false},
+};
+inline constexpr Number kNumbers_lamp_radius[] = {
+    {"radius", 0, 1000000000.0, false, false},
+};
+inline constexpr std::string_view kWords_lamp_state[] = {
+    "on",
+    "off",
+};
+inline constexpr std::string_view kMembers_lamp_0[] = {
+    "@intensity",
+    "@power",
+};
+inline constexpr Attribute kAttributes_lamp[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_lamp_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"at", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"direction", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, kInitial_lamp_direction, "", false},
+    {"intensity", 1, true, false, {ValueKind::real, 3, kNumbers_lamp_intensity, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
+    {"power", 1, true, false, {ValueKind::real, 3, kNumbers_lamp_intensity, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
+    {"half_angle", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_half_angle, {}, Dimension::angle, false, false, 1, 0}, kInitial_lamp_half_angle, "", true},
+    {"exponent", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_exponent, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"state", 1, true, false, {ValueKind::word, 1, {}, kWords_lamp_state, Dimension::none, false, false, 1, 0}, {}, "on", false},
+};
+inline constexpr Rule kRules_lamp[] = {
+    {RuleKind::one_of, kMembers_lamp_0},
+};
+inline constexpr ElementId kChoice_scene_0[] = {
+    ElementId::sun,
+};
+inline constexpr ElementId kChoice_scene_1[] = {
+    ElementId::planet,
+};
+inline constexpr ElementId kChoice_scene_2[] = {
+    ElementId::stars,
+};
+inline constexpr Attribute kAttributes_scene[] = {
+    {"date", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr Slot kSlots_scene[] = {
+    {kChoice_scene_0, "", 0, 1, ""},
+    {kChoice_scene_1, "", 0, 0, ""},
+    {kChoice_scene_2, "", 0, 1, ""},
+};
+inline constexpr Number kNumbers_sun_distance[] = {
+    {"distance", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_sun_irradiance[] = {
+    {"r", 0, 1e+20, false, false},
+    {"g", 0, 1e+20, false, false},
+    {"b", 0, 1e+20, false, false},
+};
+inline constexpr Number kNumbers_sun_limb_darkening[] = {
+    {"limb_darkening", 0, 1, false, false},
+};
+inline constexpr Attribute kAttributes_sun[] = {
+    {"direction", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"distance", 1, true, false, {ValueKind::real, 1, kNumbers_sun_distance, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"irradiance", 1, true, false, {ValueKind::real, 3, kNumbers_sun_irradiance, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
+    {"limb_darkening", 1, true, false, {ValueKind::real, 1, kNumbers_sun_limb_darkening, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"visible", 1, true, false, {ValueKind::word, 1, {}, kWords_lamp_state, Dimension::none, false, false, 1, 0}, {}, "off", false},
+};
+inline constexpr Number kNumbers_planet_radius[] = {
+    {"x", 0, 1e+30, true, false},
+    {"y", 0, 1e+30, true, false},
+    {"z", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_planet[] = {
+    {"body", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 3, kNumbers_planet_radius, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"albedo", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
+    {"law", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr Number kNumbers_stars_to[] = {
+    {"to", -30, 40, false, false},
+};
+inline constexpr Attribute kAttributes_stars[] = {
+    {"to", 1, true, true, {ValueKind::real, 1, kNumbers_stars_to, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"catalogue", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr Number kNumbers_decal_size[] = {
+    {"width", 0, 1e+30, true, false},
+    {"height", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_decal[] = {
     {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -1719,7 +1856,7 @@ inline constexpr Attribute kAttributes_decal[] = {
     {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, kInitial_lamp_direction, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_sphere_1_radius[] = {
@@ -1772,11 +1909,6 @@ inline constexpr Rule kRules_sphere_1[] = {
     {RuleKind::together, kMembers_sphere_1_0},
     {RuleKind::exclusive, kMembers_mesh_0},
 };
-inline constexpr Number kNumbers_ellipsoid_radii[] = {
-    {"x", 0, 1e+30, true, false},
-    {"y", 0, 1e+30, true, false},
-    {"z", 0, 1e+30, true, false},
-};
 inline constexpr Number kNumbers_ellipsoid_segments[] = {
     {"segments", 1, 1000000, false, false},
 };
@@ -1784,7 +1916,7 @@ inline constexpr Number kNumbers_ellipsoid_rings[] = {
     {"rings", 1, 1000000, false, false},
 };
 inline constexpr Attribute kAttributes_ellipsoid[] = {
-    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_planet_radius, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -1806,7 +1938,7 @@ inline constexpr std::string_view kWords_box_edges[] = {
     "round",
 };
 inline constexpr Attribute kAttributes_box[] = {
-    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_planet_radius, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -2171,7 +2303,7 @@ inline constexpr Attribute kAttributes_joint[] = {
     {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_lamp_direction, "", false},
     {"lower", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"upper", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"value", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -2206,7 +2338,7 @@ inline constexpr Attribute kAttributes_import_joint[] = {
     {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::none, false, false, 1, 0}, kInitial_lamp_direction, "", false},
     {"lower", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"upper", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"value", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -2274,7 +2406,7 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"length", 1, true, false, {ValueKind::real, 1, kNumbers_mli_length, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"flange", 1, true, false, {ValueKind::real, 1, kNumbers_mli_flange, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
-    {"size", 1, true, false, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"size", 1, true, false, {ValueKind::real, 3, kNumbers_planet_radius, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"label", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -2672,6 +2804,21 @@ inline constexpr Element kElements[] = {
     {"keypoint", 1, true,
      {},
      kAttributes_keypoint, {}, {}, false},
+    {"lamp", 1, true,
+     {},
+     kAttributes_lamp, {}, kRules_lamp, false},
+    {"scene", 1, true,
+     {},
+     kAttributes_scene, kSlots_scene, {}, false},
+    {"sun", 1, true,
+     {},
+     kAttributes_sun, {}, {}, false},
+    {"planet", 1, true,
+     {},
+     kAttributes_planet, {}, {}, false},
+    {"stars", 1, true,
+     {},
+     kAttributes_stars, {}, {}, false},
     {"decal", 1, true,
      {},
      kAttributes_decal, {}, {}, false},

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
 
 #include "world/camera.h"
 
@@ -111,6 +114,32 @@ TEST(ViewState, PosesOfTargets) {
       workspace::setting_texts(workspace::SettingId::pose, settings_of(view, 64, 48));
   ASSERT_EQ(poses.size(), 1u);
   EXPECT_NE(command.find("'" + poses[0] + "'"), std::string::npos) << command;
+}
+
+// The tab Sky writes options of `render`; what is left out is that of the models.
+TEST(ViewState, SkyAndLampsAreOptions) {
+  ViewState view;
+  view.scene_distance = view.sun_distance = 2;
+  view.sky.lamps = {{"port/nav red", "off"}, {"port/flood", "intensity 8"}};
+  view.sky.camera_lamp = 1.5;
+  DiagnosticLog log;
+  for (const auto& [id, text] : std::initializer_list<std::pair<workspace::SettingId, const char*>>{
+           {workspace::SettingId::planet, "earth=off"},
+           {workspace::SettingId::planet, "moon=1e8 0 0"},
+           {workspace::SettingId::stars, "4.5"},
+           {workspace::SettingId::sky, "sun"}})
+    EXPECT_TRUE(workspace::read_setting(id, text, view.sky.settings, log));
+  const std::string command = command_line(view, 64, 48, {"port.pxn"}, "out.png");
+  for (const char* option :
+       {"--lamp 'port/flood intensity 8' --lamp 'port/nav red off' --lamp 'spot on camera "
+        "intensity "
+        "1.5'",
+        "--planet earth=off --planet 'moon=1e8 0 0'", "--stars 4.5", "--sky sun"})
+    EXPECT_NE(command.find(option), std::string::npos) << option << "\n" << command;
+  EXPECT_EQ(command.find("--sun-distance"), std::string::npos) << command;
+  view.sun_distance = 1;
+  EXPECT_NE(command_line(view, 64, 48, {"port.pxn"}, "out.png").find("--sun-distance 1"),
+            std::string::npos);
 }
 
 }  // namespace

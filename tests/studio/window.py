@@ -27,6 +27,13 @@ MODEL = """<pangu_model ver="1">
   <sphere name="ball" radius="0.4" translate="0 0 1.2" material="grey"/>
 </pangu_model>
 """
+PORT = """<pangu_model ver="1">
+  <scene> <sun direction="0 1 1" distance="2"/> <planet body="earth" at="0 0 -6778km"/> </scene>
+  <sphere name="ball" radius="0.5"/>
+  <lamp name="flood" type="spot" at="0 -2 0" direction="0 1 0" intensity="4" half_angle="20"/>
+  <lamp name="nav" type="led" at="0 0 0.6" power="1 0 0" state="off"/>
+</pangu_model>
+"""
 failures = []
 
 
@@ -171,10 +178,32 @@ def main():
         {"wait": "exact"}, {"type": ["camera/field of view", "1000"]}, {"expect": ["fov", "170"]},
         {"expect": ["limited", "field of view takes 0.001 to 170: 1000 was brought to 170"]},
         {"type": ["camera/field of view", "20"]}, {"expect": ["limited", ""]},
-        *({"click": f"tab/{tab}"} for tab in ("Sun", "Image", "Parts", "Joints", "Materials", "Save")),
+        *({"click": f"tab/{tab}"} for tab in ("Sun", "Sky", "Image", "Parts", "Joints", "Materials", "Save")),
         {"wait": "exact"}, {"screenshot": "small.png"},
         {"click": "panel/shown"}, {"expect": ["panel", "hidden"]}, {"wait": "exact"}, {"key": "P"},
         {"expect": ["panel", "384"]}], "door.pxn", size="640x480")
+
+    # the sky and the lamps of a model: changes stand in the command, which makes the same image
+    with open(os.path.join(folder, "port.pxn"), "w", encoding="utf-8") as file:
+        file.write(PORT)
+    report = view(program, folder, [
+        {"wait": "exact"}, {"screenshot": "scene.png"}, {"click": "tab/Sky"}, {"wait": 3},
+        {"click": "sky/stars"}, {"type": ["sky/down to magnitude", "4"]}, {"click": "sky/the Sun's disc"},
+        {"click": "planet/moon"}, {"type": ["planet/moon/azimuth", "30"]}, {"click": "planet/earth"},
+        {"click": "lamp/port/nav"}, {"expect": ["lamp/port/nav", "on"]},
+        {"type": ["intensity/port/flood", "8"]}, {"expect": ["lamp/port/flood", "intensity 8"]},
+        {"click": "lamp/at the camera"}, {"wait": "exact"}, {"screenshot": "sky.png"},
+        {"click": "lamps/all off"}, {"expect": ["lamp/port/nav", ""]}, {"expect": ["lamp/port/flood", "off"]},
+        {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20}, {"wait": "saved"}], "port.pxn")
+    words = report["render"]
+    for each in ("--planet earth=off", "--planet 'moon=", "--stars 4", "--sky sun", "--lamp 'port/flood off'",
+                 "--lamp 'spot on camera intensity 1'", "--sun '"):
+        expect(f"{each} in {words}", each in words)
+    expect(f"no distance in {words}", "--sun-distance" not in words)
+    subprocess.run(["sh", "-c", words.replace("panwright", program, 1).replace(
+        "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
+    with open(saved, "rb") as a, open(same, "rb") as b:
+        expect("the file with a sky is that of the command", a.read() == b.read())
 
     # two targets side by side, also in the command; levels and triangles
     report = view(program, folder, [

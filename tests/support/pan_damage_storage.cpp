@@ -73,7 +73,7 @@ void record_sizes(Collection& add) {
     f.at<Instance>(SectionKind::instances, 1).node = 99;
     f.restride_section(SectionKind::instances, 32);
   });
-  add.changed(Code::E4004, "lights that may not be ignored", [](OpenPan& f) {
+  add.changed(Code::E4004, "tiles that may not be ignored", [](OpenPan& f) {
     f.add_section(pan::layout::kReservedKinds[0].value, false, 64, std::vector<std::byte>(64));
   });
 }

@@ -41,10 +41,11 @@ TEST_F(Answers, PresetsAreFoundByTheirWords) {
   EXPECT_THAT(panwright({"material", "kapton_tape"}).err, HasSubstr("'mli_kapton_tape'"));
 }
 
-TEST_F(Answers, LightsAndCamerasArePartsOfNoModel) {
-  for (const char* name : {"light", "sun", "Light"})
+TEST_F(Answers, LightsHaveTheirNamesAndCamerasArePartsOfNoModel) {
+  for (const char* name : {"light", "Light", "SpotLight"})
     EXPECT_THAT(check("<" + std::string(name) + "/><box/>"),
-                HasSubstr("a file holds a model alone: `panwright render` takes --sun \"X Y Z\""));
+                HasSubstr("a lamp on a node is <lamp>, the Sun that of <scene>"));
+  EXPECT_THAT(check("<sun/><box/>"), HasSubstr("'sun' belongs in <scene>"));
   EXPECT_THAT(check("<camera/><box/>"), HasSubstr("takes --camera \"X Y Z\", and --camera-frame"));
 }
 

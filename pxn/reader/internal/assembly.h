@@ -31,7 +31,7 @@ class Assembler {
   struct Context {
     std::int32_t node = 0;
     Surface surface;
-    std::string prefix;  // of names of frames and keypoints: the uses around
+    std::string prefix;  // of names of frames, keypoints and lamps: the uses around
     std::int32_t texture = scene::kNone;
     Mat4 texture_from_node{1};
     Mat4 world_from_node{1};
@@ -46,7 +46,7 @@ class Assembler {
     Use* outer;
     SourceSpan included_at;
     bool used = false;   // a part in its file, not an included file
-    bool named = false;  // in names of frames and keypoints inside
+    bool named = false;  // in names of frames, keypoints and lamps inside
     // for decals: items and instances by the names of their shapes, in the order of items; and the
     // items of those decals
     std::map<std::string, std::vector<std::pair<std::uint32_t, std::int32_t>>, std::less<>> shapes;
@@ -122,6 +122,7 @@ class Assembler {
   // Those of the CAD file that was attached last.
   void import_frames(Use& use, const Item& item);
   void keypoint(Use& use, const Item& item, const Context& context);
+  void lamp(Use& use, const Item& item, const Context& context);
 
   // Once the shapes of the part are there.
   void decal(Use& use, const Item& item);
@@ -158,6 +159,7 @@ class Assembler {
   std::map<std::string, std::uint32_t> counters_;
   std::set<std::string> labels_;
   std::set<std::string> keypoints_;
+  std::set<std::string> lamps_;
   std::set<std::pair<const Part*, std::uint32_t>>
       missing_;                                            // decals without a shape, reported once
   std::set<std::pair<const Part*, std::uint32_t>> taken_;  // names of these, reported once
