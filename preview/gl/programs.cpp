@@ -38,8 +38,10 @@ std::string planets_text(const materials::BrdfModel& brdf_model) {
     return defined(name, brdf_model.specular == model);
   };
   return defined("PLANETS", true) + defined("COATED", brdf_model.coated) +
-         lobe("LOBE_BLINN_PHONG", blinn_phong) + lobe("LOBE_COOK_TORRANCE", cook_torrance) +
-         lobe("LOBE_SLOPES", beckmann) + lobe("LOBE_SLOPES", ggx) + lobe("LOBE_MIRROR", mirror) +
+         defined("COMPENSATED", brdf_model.compensated) +
+         defined("LOBE_ANY", brdf_model.specular != none) + lobe("LOBE_BLINN_PHONG", blinn_phong) +
+         lobe("LOBE_COOK_TORRANCE", cook_torrance) + lobe("LOBE_SLOPES", beckmann) +
+         lobe("LOBE_HEAVY", ggx) + lobe("LOBE_MIRROR", mirror) +
          lobe("LOBE_RETURNS", retroreflector) + planets_glsl;
 }
 

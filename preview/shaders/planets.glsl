@@ -1,8 +1,8 @@
 // Light of planets, which is wide beside most lobes. Diffuse surfaces take it in parts, each an even disc; lobes
 // by a table of its radiance (sky/shine_table.h), times what they reflect in all. Groups of parts, each with a
-// shadow map, say what share of it other surfaces leave. Defined in front: any of SHADOWED (with
-// shadow.glsl) and COATED, and of lobes one of LOBE_BLINN_PHONG, LOBE_COOK_TORRANCE, LOBE_SLOPES (two slopes),
-// LOBE_MIRROR, LOBE_RETURNS, or none.
+// shadow map, say what share of it other surfaces leave. Defined in front: any of SHADOWED (with shadow.glsl),
+// COATED and COMPENSATED (for what microfacets scatter more than once), and where there are lobes LOBE_ANY and one of
+// LOBE_BLINN_PHONG, LOBE_COOK_TORRANCE, LOBE_SLOPES, LOBE_HEAVY (GGX), LOBE_MIRROR, LOBE_RETURNS.
 
 PLANETS_BLOCK
 
@@ -27,11 +27,10 @@ vec3 planet_radiance(vec3 direction, float square) {
   return mix(planet_layer(place, first), planet_layer(place, first + 1.0), layer - first);
 }
 
-// Where wide lobes have their middle: microfacets hide what lies flat.
-vec3 planet_middle(vec3 mirror, vec3 normal, float slope2) {
-  float slope = min(sqrt(slope2), 1.0);
-  float smooth_share = 1.0 - slope;
-  vec3 middle = mix(normal, mirror, smooth_share * (sqrt(smooth_share) + slope));
+// Where wide lobes of microfacets have their middle: their horizon cuts what lies flat. Fitted to means over the
+// lobes of GGX, 5 degrees.
+vec3 planet_middle(vec3 mirror, vec3 normal, float slope, float cosine) {
+  vec3 middle = mirror + normal * (1.25 * slope * sqrt(slope) / cosine);
   return middle * inversesqrt(max(dot(middle, middle), 1e-30));
 }
 
@@ -82,12 +81,13 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
     vec4 disc = planets.group[group];
     float visible = 1.0;
 #ifdef SHADOWED
-    // the map looks along the group's middle: surfaces whose horizon cuts it would shade themselves
-    float above = clamp(dot(normal, disc.xyz) / disc.w, 0.0, 1.0);
+    // the map looks along the group's middle: surfaces whose horizon cuts it there would shade themselves
+    float above = clamp(3.0 * dot(normal, disc.xyz) / disc.w, 0.0, 1.0);
     if (above > 0.0) visible = mix(1.0, planet_visibility(group, at, own_normal), above);
 #endif
     vec2 members = planets.members[group].xy;
     float near = 0.5 + 0.5 * dot(mirror, disc.xyz);
+    near *= near;
     near *= near;
     near *= near;
     float weight = members.x * near * near;
@@ -110,26 +110,68 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
   return sums;
 }
 
-// What lobes without a coat, or under one, send of light from everywhere, F apart; and their squared slopes.
-vec2 planet_lobe(Surface s, float cosine) {
+// Lobes without a coat, or under one, as seen from outside.
+struct PlanetLobe {
+  float share;   // what they send of light from everywhere, F apart
+  float slope;
+  float square;  // of angles along each axis
+};
+
+// Microfacets that scatter once lose what they hide, and under a coat what meets it too flat to leave: of slopes as
+// GGX has them, those in a circle beside their middle. Within 0.05 of a mean over the lobe.
+float planet_share(float slope2, float cosine, float index) {
+#if defined(COMPENSATED)
+  return 1.0;
+#elif defined(COATED)
+  float steepest = 1.0 / (index + sqrt(max(index * index - 1.0, 0.0)));
+  float sine2 = max(1.0 - cosine * cosine, 0.0);
+  float beside2 = sine2 / (index + sqrt(max(index * index - sine2, 0.0)));
+  beside2 *= 1.0 / (index + sqrt(max(index * index - sine2, 0.0)));
+  float within2 = steepest * steepest;
+  float apart = within2 - beside2 - slope2;
+  return max(within2 / (slope2 + within2 + beside2),
+             0.5 + 0.5 * apart * inversesqrt(max(apart * apart + 4.0 * slope2 * within2, 1e-30)));
+#elif defined(LOBE_HEAVY)
+  return 1.0 / (1.0 + 1.6 * slope2);
+#else
+  return 1.0 / (1.0 + 0.8 * slope2);
+#endif
+}
+
+PlanetLobe planet_lobe(Surface s, float cosine) {
 #ifdef COATED
   float index = s.coat_index;
+  const float kBounded = 1.3;  // by the horizon inside
 #else
   const float index = 1.0;
+  const float kBounded = 0.0;
 #endif
-#if defined(LOBE_BLINN_PHONG)
-  return vec2(1.0, 2.0 / max(s.shine, 1e-3) * index * index);
-#elif defined(LOBE_COOK_TORRANCE)
-  return vec2(s.d_scale * s.f_scale * s.g_scale, s.alpha_x * s.alpha_x * index * index);
+  // slopes turn light by twice themselves in the plane of incidence, by less across it
+  float turned = index * index * (1.0 + cosine * cosine);
+#if defined(LOBE_HEAVY)
+  float slope2 = s.alpha_x * s.alpha_y;
+  // the spread about the mean over the hemisphere, of the tail most
+  float square = 0.65 * index * sqrt(slope2);
+  return PlanetLobe(planet_share(slope2, cosine, index), index * sqrt(slope2), square / (1.0 + kBounded * square));
 #elif defined(LOBE_SLOPES)
-  return vec2(1.0, 0.5 * (s.alpha_x * s.alpha_x + s.alpha_y * s.alpha_y) * index * index);
+  float slope2 = s.alpha_x * s.alpha_y;
+  float square = turned * slope2;
+  return PlanetLobe(planet_share(0.6 * slope2, cosine, index), 0.7 * index * sqrt(slope2),
+                    square / (1.0 + kBounded * square));
+#elif defined(LOBE_COOK_TORRANCE)
+  float square = turned * s.alpha_x * s.alpha_x;
+  return PlanetLobe(s.d_scale * s.f_scale * s.g_scale, 0.7 * index * s.alpha_x, square / (1.0 + kBounded * square));
+#elif defined(LOBE_BLINN_PHONG)
+  float slope2 = 2.0 / max(s.shine, 1e-3);
+  float square = turned * slope2;
+  return PlanetLobe(1.0, 0.7 * index * sqrt(slope2), square / (1.0 + kBounded * square));
 #elif defined(LOBE_MIRROR)
   float bent = (index - 1.0) * s.coat_alpha;
-  return vec2(1.0, 0.5 * bent * bent);
+  return PlanetLobe(1.0, 0.0, 0.5 * bent * bent * (1.0 + cosine * cosine));
 #elif defined(LOBE_RETURNS)
-  return vec2(retro_efficiency(s, cosine), s.retro_width * s.retro_width);
+  return PlanetLobe(retro_efficiency(s, cosine), 0.0, s.retro_width * s.retro_width);
 #else
-  return vec2(0.0);
+  return PlanetLobe(0.0, 0.0, 0.0);
 #endif
 }
 
@@ -153,24 +195,22 @@ PlanetLight planet_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal)
   vec3 middle = sums.middle * inversesqrt(dot(sums.middle, sums.middle));
   light.irradiance = sums.irradiance;
   float bumps = 0.5 * (max(s.bump_x, 0.0) + max(s.bump_y, 0.0));
-  // slopes turn light by twice themselves in the plane of incidence, by less across it
-  float turned = 1.0 + cosine * cosine;
-  vec2 lobe = planet_lobe(s, cosine);
-  float slope2 = lobe.y + bumps;
+  bumps *= 1.0 + cosine * cosine;
+  PlanetLobe lobe = planet_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, middle, seen_from, normal);
-  float outer2 = s.coat_alpha * s.coat_alpha + bumps;
-  float outer = coat_first(s, cosine);
-  light.mirrored = outer * planet_radiance(planet_middle(mirror, normal, outer2), outer2 * turned);
-  vec3 share = lobe.x > 0.0 ? lobe.x * coated_reflection(s, cosine, cosine, cosine) : vec3(0.0);
+  light.mirrored = coat_first(s, cosine) *
+                   planet_radiance(planet_middle(mirror, normal, 0.5 * s.coat_alpha, cosine),
+                                   s.coat_alpha * s.coat_alpha * (1.0 + cosine * cosine) + bumps);
+  vec3 share = lobe.share > 0.0 ? lobe.share * coated_reflection(s, cosine, cosine, cosine) : vec3(0.0);
 #else
   light.diffuse = bare_diffuse(s, middle, seen_from, normal);
-  vec3 share = lobe.x > 0.0 ? lobe.x * bare_reflection(s, cosine) : vec3(0.0);
+  vec3 share = lobe.share > 0.0 ? lobe.share * bare_reflection(s, cosine) : vec3(0.0);
 #endif
 #if defined(LOBE_RETURNS)
-  light.mirrored += share * planet_radiance(seen_from, slope2);
-#elif defined(LOBE_BLINN_PHONG) || defined(LOBE_COOK_TORRANCE) || defined(LOBE_SLOPES) || defined(LOBE_MIRROR)
-  light.mirrored += share * planet_radiance(planet_middle(mirror, normal, slope2), slope2 * turned);
+  light.mirrored += share * planet_radiance(seen_from, lobe.square);
+#elif defined(LOBE_ANY)
+  light.mirrored += share * planet_radiance(planet_middle(mirror, normal, lobe.slope, cosine), lobe.square + bumps);
 #endif
   light.mirrored *= sums.mirrored;
   light.diffuse *= light.irradiance;
