@@ -19,7 +19,7 @@ struct ShineTable {
   static constexpr int kLayers = 4;
   std::vector<float> rgba;  // kLayers·kRow·kRow·4; the last channel is 0
 };
-// What the sharpest layer has of its own is half a texel, 0.02.
+// Texels blur the sharpest layer by half of one, 0.02.
 inline constexpr double kShineWidths[] = {0, 0.2, 0.4, 0.8};
 
 // Returns the light of all bodies at a point. Those smaller than 6 degrees are as wide as a texel.
