@@ -93,7 +93,9 @@ std::string glsl_formulas(std::span<const BrdfModel> brdf_models) {
                                     "coated_reflection",
                                     "coated_mirror",
                                     "surface_brdf",
-                                    "surface_radiance"};
+                                    "surface_radiance",
+                                    "bare_diffuse",
+                                    "bare_reflection"};
   for (std::size_t i = 0; i < brdf_models.size(); ++i) {
     for (const char* name : kNames) text += fmt::format("#define {0} {0}_{1}\n", name, i);
     text += surface_functions(brdf_models[i]);

@@ -18,6 +18,9 @@ namespace panwright::materials {
 //   vec3 surface_radiance(Surface s, Incidence light, vec3 to_viewer, vec3 normal)   reflected,
 //                                                                               irradiance/sr
 //   vec3 surface_emission(Surface s, vec3 white)                                     white/sr
+//   vec3 bare_diffuse(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)         1/sr
+//   vec3 bare_reflection(Surface s, float cosine)                                    of mirrors
+//   and coated_diffuse, coated_reflection, coat_first of coats (materials/formulas)
 //
 // Directions are unit vectors that point away from the surface. A texture's or vertex's colour is
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in

@@ -100,3 +100,14 @@ FORMULA Vec3 surface_radiance(Surface s, Incidence light, Vec3 to_viewer, Vec3 n
   Real cos_nl = max(dot3(normal, light.to_light), Real(0));
   return light.irradiance * (cos_nl * surface_brdf(s, light, to_viewer, normal));
 }
+
+// Of light that is wide beside lobes, and needs no more of them than what they send in all: the
+// diffuse part, and microfacets without a coat as a mirror. `coated_diffuse` and `coated_reflection`
+// are those of coats.
+FORMULA Vec3 bare_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return s.weights.x * PANWRIGHT_DIFFUSE(s, to_light, to_viewer, normal);
+}
+
+FORMULA Vec3 bare_reflection(Surface s, Real cosine) {
+  return s.weights.y * s.specular * PANWRIGHT_FRESNEL(s, cosine, Real(1));
+}

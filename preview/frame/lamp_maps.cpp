@@ -38,6 +38,24 @@ void set_map_side(LampMap& map, unsigned side) {
 
 }  // namespace
 
+Quat looking_along(const Vec3& z) {
+  Vec3 up(0);
+  up[std::fabs(z.z) < 0.8 ? 2 : 0] = 1;
+  const Vec3 x = glm::normalize(glm::cross(z, up));
+  return glm::normalize(glm::quat_cast(Mat3(x, glm::cross(z, x), z)));
+}
+
+LampMap parallel_map(const Vec3& centre, double radius, const Vec3& to_light,
+                     std::uint32_t target) {
+  LampMap map;
+  map.camera.projection = world::Projection::orthographic;
+  map.camera.position = centre + 1.01 * radius * to_light;
+  map.camera.world_from_camera = looking_along(-to_light);
+  map.extent = std::max(radius, 1e-300);
+  map.target = target;
+  return map;
+}
+
 void LampMaps::forget() { slots_.assign(slots_.size(), {}); }
 
 // Sets the range of depths, and casters_.

@@ -25,6 +25,13 @@ struct LampMap {
   std::uint32_t layer = 0;
 };
 
+// Returns the map of a target from a light at infinity.
+//
+//   centre, radius  a sphere around it
+LampMap parallel_map(const Vec3& centre, double radius, const Vec3& to_light, std::uint32_t target);
+// Returns an attitude, world_from_camera, of that axis.
+Quat looking_along(const Vec3& z);
+
 // Layers of depths and slopes, as those of the Sun (shadow.h) but for the projection. Each holds
 // the shadows of one lamp on one target, from all targets. Insides of closed meshes stop light.
 class LampMaps {

@@ -82,13 +82,6 @@ double most_irradiance(const light::Source& source, const Sphere& sphere) {
   return angle > reach ? 0 : irradiance;
 }
 
-Quat looking_along(const Vec3& z) {
-  Vec3 up(0);
-  up[std::fabs(z.z) < 0.8 ? 2 : 0] = 1;
-  const Vec3 x = glm::normalize(glm::cross(z, up));
-  return glm::normalize(glm::quat_cast(Mat3(x, glm::cross(z, x), z)));
-}
-
 // The tangent of the widest angle from an axis to a corner of a box; infinite: 90 degrees or more.
 double widest_tangent(const Vec3& from, const Vec3& axis, const Mat4& world_from_model,
                       const AxisBox& box) {
@@ -118,11 +111,7 @@ std::vector<LampMap> maps_of(const light::Source& source, const FrameScene& scen
   const std::optional<Emitter> emitter = emitter_of(source);
   if (!emitter) {
     const Vec3 to_light = glm::normalize(std::get<light::Sun>(source).direction);
-    map.camera.projection = world::Projection::orthographic;
-    map.camera.position = sphere.centre + 1.01 * sphere.radius * to_light;
-    map.camera.world_from_camera = looking_along(-to_light);
-    map.extent = std::max(sphere.radius, 1e-300);
-    return {map};
+    return {parallel_map(sphere.centre, sphere.radius, to_light, 0)};
   }
   const double seen = nearest_depth(scene, r);
   if (scene.camera.projection == world::Projection::perspective && seen > 0 &&
@@ -161,17 +150,13 @@ void Lamps::begin_scene(const FrameScene& scene) {
   points_ = true;
   left_out_ = 0;
   receivers_.assign(scene.visible.targets.size(), {});
-  if (sources_.empty() && of_targets_.empty()) return;
+  if (sources_.empty()) return;
   for (std::size_t r = 0; r < receivers_.size(); ++r) {
     std::vector<Lamp>& lamps = receivers_[r].lamps;
     const Sphere sphere = sphere_of(scene, r);
-    const auto add = [&](const std::vector<light::Source>& sources) {
-      for (const light::Source& source : sources)
-        if (const double irradiance = most_irradiance(source, sphere); irradiance > 0)
-          lamps.push_back({source, irradiance, 0, 0});
-    };
-    add(sources_);
-    if (!of_targets_.empty()) add(of_targets_[scene.visible.targets[r].target]);
+    for (const light::Source& source : sources_)
+      if (const double irradiance = most_irradiance(source, sphere); irradiance > 0)
+        lamps.push_back({source, irradiance, 0, 0});
     if (lamps.size() > kMostLamps) {
       left_out_ = std::max(left_out_, static_cast<unsigned>(lamps.size() - kMostLamps));
       std::ranges::stable_sort(lamps, std::greater{}, &Lamp::irradiance);

@@ -23,13 +23,7 @@ namespace panwright::preview {
 class Lamps {
  public:
   // Begins another image: the lamps that are on, in world axes (world/lamps.h).
-  //
-  //   of_targets  further lights, of each target of the world, as a planet's; empty: none
-  void begin_image(std::vector<light::Source> sources,
-                   std::vector<std::vector<light::Source>> of_targets = {}) {
-    sources_ = std::move(sources);
-    of_targets_ = std::move(of_targets);
-  }
+  void begin_image(std::vector<light::Source> sources) { sources_ = std::move(sources); }
 
   // Chooses the lights of each receiver of a scene.
   void begin_scene(const FrameScene& scene);
@@ -71,7 +65,6 @@ class Lamps {
             LampsBlock& block) const;
 
   std::vector<light::Source> sources_;
-  std::vector<std::vector<light::Source>> of_targets_;
   bool any_ = false;
   bool points_ = true;
   unsigned left_out_ = 0;

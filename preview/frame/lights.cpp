@@ -6,7 +6,6 @@
 
 #include "light/light.h"
 #include "preview/frame/blocks.h"
-#include "sky/planetshine.h"
 #include "sky/sky.h"
 #include "world/lamps.h"
 
@@ -14,6 +13,7 @@ namespace panwright::preview {
 namespace {
 
 constexpr std::uint64_t kLampBytes = 1ull << 26;  // two maps of 2048, or 32 of 512
+constexpr unsigned kPlanetSide = 512;
 constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
 
 // What coarse texels lose of the light of foil and trusses is in docs/accuracy/shadows.md.
@@ -42,43 +42,20 @@ void copy_light(const light::Incidence& light, LightBlock& block) {
 }
 
 // Sets the shadow's edge of a body across a receiver; without shadow maps, and so without places of
-// samples, its light at the middle.
-void add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places,
+// samples, its light at the middle. Returns whether the receiver has nothing of the Sun.
+bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places,
                  LightBlock& block) {
   if (!places) {
     const auto share = static_cast<float>(sky.sun_share(origin));
     for (float& band : block.irradiance) band *= share;
-    return;
+    return share == 0;
   }
   const auto edge = sky.eclipse_edge(origin, std::max(radius, 1e-3));
-  if (!edge) return;
+  if (!edge) return false;
   copy_floats(edge->gradient, block.eclipse);
   block.eclipse[3] = static_cast<float>(edge->value);
-}
-
-// Number of lights that stand for the planets: on plates off by 0.65 and 0.35 % of the largest
-// irradiance.
-std::size_t planet_lights_for(const RenderOptions& options) {
-  constexpr double kExact = 0.01;
-  return options.samples == 0 && options.pixel_error <= kExact ? 16 : 4;
-}
-
-// The light of the bodies on each target of a world, as at its origin.
-std::vector<std::vector<light::Source>> planetshine(const world::World& world,
-                                                    const RenderOptions& options) {
-  if (world.bodies().empty()) return {};
-  const sky::Sky sky(world);
-  std::vector<std::vector<light::Source>> lights(world.size());
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    if (!world[i].visible()) continue;
-    const Vec3& point = world[i].pose().translation;
-    for (const light::Incidence& from : sky::planet_lights(sky, point, planet_lights_for(options)))
-      lights[i].push_back(
-          light::Sun{.direction = from.to_light,
-                     .distance = std::sqrt(materials::kSunAlpha2 / std::max(from.alpha2, 1e-30)),
-                     .irradiance = from.irradiance});
-  }
-  return lights;
+  // samples may stand a whole width of the bounds off
+  return edge->value + 2 * radius * glm::length(edge->gradient) < -1;
 }
 
 }  // namespace
@@ -87,7 +64,8 @@ void Lights::begin_image(const world::World& world, const world::Camera& camera,
                          const RenderOptions& options) {
   const world::Sun& sun = world.sun();
   maps_.begin_image();
-  lamps_.begin_image(world::placed_lamps(world, camera), planetshine(world, options));
+  lamps_.begin_image(world::placed_lamps(world, camera));
+  planets_.begin_image(world, options);
   SunDisc& disc = limits_.disc;
   disc = {};
   if (options.shadows == Shadows::hard ||
@@ -109,20 +87,19 @@ void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) 
   lamp_bytes_ = options.max_shadow_bytes / 2;
   if (!options.shadow_side) lamp_bytes_ = std::min(lamp_bytes_, kLampBytes);
   lamps_.begin_scene(scene);
+  planets_.begin_scene(scene);
 }
 
 bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingReport& report,
                     DiagnosticLog& log, const Job& job) {
   const GladGLContext& gl = device.context->gl();
-  if (shadows()) {
-    if (!maps_.update(device, scene, limits_, log, job)) return false;
-    add_shadows(maps_, report);
-  }
   const std::size_t receivers = scene.visible.targets.size();
   samples_.clear();
   views_.assign(receivers, {});
   // from infinity: the same everywhere
   const light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  const bool shines = max_component(sunlight.irradiance) > 0;
+  std::size_t dark = 0;  // receivers without the Sun
   std::optional<sky::Sky> sky;
   if (!scene.world.bodies().empty()) sky.emplace(scene.world);
   for (std::size_t r = 0; r < receivers; ++r) {
@@ -131,13 +108,21 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
                                                   *scene.state(r).bounds, visible));
     copy_light(sunlight, views_[r].block);
     views_[r].block.eclipse[3] = 1;
+    bool eclipsed = false;
     if (sky) {
       const AxisBox& bounds = *scene.state(r).bounds;
       const Mat4 world_from_sample = scene.world[visible.target].pose().matrix() * samples_[r];
-      add_eclipse(*sky, Vec3(world_from_sample[3]), 0.5 * glm::length(bounds.high - bounds.low),
-                  shadows(), views_[r].block);
+      eclipsed =
+          add_eclipse(*sky, Vec3(world_from_sample[3]), 0.5 * glm::length(bounds.high - bounds.low),
+                      shadows(), views_[r].block);
     }
-    if (shadows()) maps_.add_to(views_[r], r, samples_[r]);
+    if (!shines || eclipsed) ++dark;
+  }
+  // a light that is off casts no shadows: blocks without points read no maps
+  if (shadows() && dark < receivers) {
+    if (!maps_.update(device, scene, limits_, log, job)) return false;
+    add_shadows(maps_, report);
+    for (std::size_t r = 0; r < receivers; ++r) maps_.add_to(views_[r], r, samples_[r]);
   }
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(LightBlock));
@@ -150,12 +135,15 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     first_ = stream_->upload(blocks_);
     uploaded_.swap(blocks_);
   }
-  return lamps_.update(device, scene, samples_, std::min(limits_.side, kShadowSide), lamp_bytes_,
-                       report, log, job);
+  const unsigned side = std::min(limits_.side, kShadowSide);
+  return planets_.update(device, scene, samples_, std::min(side, kPlanetSide), lamp_bytes_, log,
+                         job) &&
+         lamps_.update(device, scene, samples_, side, lamp_bytes_, report, log, job);
 }
 
 void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {
   if (pass > 0) return lamps_.bind(gl, receiver);
+  if (planets_.any()) planets_.bind(gl, receiver);
   gl.BindBufferRange(GL_UNIFORM_BUFFER, kLightBinding, stream_->id(),
                      static_cast<GLintptr>(first_ + receiver * stride_), sizeof(LightBlock));
   if (views_[receiver].depths == 0) return;

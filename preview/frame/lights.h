@@ -9,13 +9,14 @@
 #include "base/job.h"
 #include "preview/frame/lamps.h"
 #include "preview/frame/light_view.h"
+#include "preview/frame/planetshine.h"
 #include "preview/frame/shadow.h"
 #include "preview/renderer.h"
 
 namespace panwright::preview {
 
-// The Sun, its shadow maps, and the blocks of its light; and all others (lamps.h). Shading adds the
-// others to the Sun in one pass.
+// The Sun, its shadow maps, and the blocks of its light; planets (planetshine.h), which are shaded
+// with it; and lamps (lamps.h), which another pass adds.
 class Lights {
  public:
   // Begins another image, of one or several scenes.
@@ -27,8 +28,10 @@ class Lights {
   bool shadows() const { return limits_.side > 0; }
   // True if samples need positions.
   bool placed() const { return shadows() || lamps_.any(); }
+  bool planets() const { return planets_.any(); }
 
-  // Draws the missing maps and uploads the views of a scene. Adds to a report.
+  // Draws the missing maps and uploads the views of a scene. Adds to a report. Where nothing of the
+  // Sun arrives, it has no maps.
   //
   // Expects: begin_scene() of the same scene, with targets in view.
   // Reports, fails: as ShadowMaps::update().
@@ -50,11 +53,15 @@ class Lights {
   void forget() {
     maps_.forget();
     lamps_.forget();
+    planets_.forget();
   }
-  std::uint64_t maps_drawn() const { return maps_.drawn() + lamps_.maps_drawn(); }
+  std::uint64_t maps_drawn() const {
+    return maps_.drawn() + lamps_.maps_drawn() + planets_.maps_drawn();
+  }
 
  private:
   Lamps lamps_;
+  Planetshine planets_;
   std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};

@@ -61,7 +61,7 @@ bool has_shadows(const FrameScene& scene) { return scene.lights && scene.lights-
 bool has_places(const FrameScene& scene) { return scene.lights && scene.lights->placed(); }
 
 Programs::Lit lit_by(const FrameScene& scene, bool added) {
-  if (!added) return Programs::Lit::sun;
+  if (!added) return scene.lights->planets() ? Programs::Lit::sun_and_planets : Programs::Lit::sun;
   return scene.lights->points() ? Programs::Lit::point_lamps : Programs::Lit::lamps;
 }
 

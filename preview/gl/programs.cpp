@@ -31,6 +31,20 @@ std::string cutout_text(bool cutout) {
   return cutout ? std::string("#define CUTOUT\n") + cutout_glsl : std::string();
 }
 
+// of shading.frag
+std::string planets_text(const materials::BrdfModel& brdf_model) {
+  using enum materials::SpecularModel;
+  const auto lobe = [&](const char* name, materials::SpecularModel model) {
+    return defined(name, brdf_model.specular == model);
+  };
+  return defined("PLANETS", true) + defined("COATED", brdf_model.coated) +
+         defined("COMPENSATED", brdf_model.compensated) +
+         defined("LOBE_ANY", brdf_model.specular != none) + lobe("LOBE_BLINN_PHONG", blinn_phong) +
+         lobe("LOBE_COOK_TORRANCE", cook_torrance) + lobe("LOBE_SLOPES", beckmann) +
+         lobe("LOBE_HEAVY", ggx) + lobe("LOBE_MIRROR", mirror) +
+         lobe("LOBE_RETURNS", retroreflector) + planets_glsl;
+}
+
 }  // namespace
 
 GlProgram Programs::requested(const std::string& vertex, const std::string& fragment) {
@@ -103,17 +117,19 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
                          bool shadows, Lit lit) {
   const auto number = static_cast<unsigned>(lit);
   GlProgram& program =
-      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 3 + number}];
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 4 + number}];
   if (!program) {
     std::string head =
         sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
         defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
                                   brdf_model.specular == materials::SpecularModel::ggx) +
-        defined("ONE_MATERIAL", one_material) + defined("ADDED", lit != Lit::sun) +
+        defined("ONE_MATERIAL", one_material) +
+        defined("ADDED", lit == Lit::lamps || lit == Lit::point_lamps) +
         defined("POINTS", lit == Lit::point_lamps);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
+    if (lit == Lit::sun_and_planets) head += planets_text(brdf_model);
     program = requested(screen_vert, head + shading_frag);
   }
   return program.id();

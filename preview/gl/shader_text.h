@@ -15,6 +15,7 @@ extern const char* const ids_frag;
 extern const char* const decal_frag;
 extern const char* const bare_frag;
 extern const char* const shadow_glsl;
+extern const char* const planets_glsl;
 extern const char* const sample_position_glsl;
 extern const char* const shadow_frag;
 extern const char* const sample_place_glsl;

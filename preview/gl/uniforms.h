@@ -14,6 +14,8 @@ inline constexpr unsigned kMostSunPoints = 256;  // of the Sun's disc
 inline constexpr unsigned kInstancesAtOnce = 64;  // items of one draw: blocks that every context can bind, 16 KiB
 inline constexpr unsigned kMostLamps = 64;  // lights after the Sun on one target
 inline constexpr unsigned kMostLampMaps = 64;  // layers of their shadow maps
+inline constexpr unsigned kMostPlanetParts = 16;  // parts of the light of planets, and groups of them, each with a shadow map
+inline constexpr unsigned kPlanetTableSide = 64;  // of a layer of planet_light, without the border of a texel all round
 inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of samples have 30 bits
 
 // Flags.
@@ -61,6 +63,8 @@ inline constexpr unsigned kReflectanceMapUnit = 16;  // of the material
 inline constexpr unsigned kColorSamplesUnit = 18;  // shaded samples, to be averaged
 inline constexpr unsigned kPixelPlacesUnit = 19;  // pixels of blocks: x | y << 16; of runs also their length
 inline constexpr unsigned kSlopeMapUnit = 20;  // squared slopes of the normal map
+inline constexpr unsigned kPlanetLightUnit = 21;  // by direction (sky/shine_table.h)
+inline constexpr unsigned kPlanetDepthsUnit = 22;  // as shadow_depths, of planets' light
 
 // Uniforms outside blocks.
 inline constexpr int kItemRangeLocation = 0;  // of a target: its first item, their number, and what precedes its classes; 1 for the first target
@@ -77,6 +81,7 @@ inline constexpr unsigned kMaterialBinding = 2;
 inline constexpr unsigned kDecalBinding = 3;
 inline constexpr unsigned kLightBinding = 4;
 inline constexpr unsigned kLampsBinding = 5;
+inline constexpr unsigned kPlanetsBinding = 6;
 
 // Camera and tile. std140.
 struct alignas(16) ViewBlock {
@@ -210,4 +215,27 @@ static_assert(offsetof(LampsBlock, kind) == 3104);
 static_assert(offsetof(LampsBlock, map_from_sample) == 4128);
 static_assert(offsetof(LampsBlock, map_plane_from_sample) == 8224);
 static_assert(offsetof(LampsBlock, texel_depth) == 11296);
+
+// Light of planets on one receiver, and its shadow maps (planetshine.h). Positions as of its samples. std140.
+struct alignas(16) PlanetsBlock {
+  std::int32_t groups;  // of parts; 0: no light
+  float half_map;  // half the side of a map, texels
+  float texel_size[2];  // in the texture, which may be larger than the maps
+  float part[64];  // of each: unit direction, angular radius
+  float irradiance[64];  // of each: RGB
+  float group[64];  // of each: unit direction, angular radius
+  float members[64];  // of each: irradiance, end of its parts
+  float map[64];  // of each: layer, below 0: none; depth of a texel's width; square of depths over widths
+  float map_from_sample[192];  // rows, three of each map
+};
+static_assert(sizeof(PlanetsBlock) == 2064);
+static_assert(offsetof(PlanetsBlock, groups) == 0);
+static_assert(offsetof(PlanetsBlock, half_map) == 4);
+static_assert(offsetof(PlanetsBlock, texel_size) == 8);
+static_assert(offsetof(PlanetsBlock, part) == 16);
+static_assert(offsetof(PlanetsBlock, irradiance) == 272);
+static_assert(offsetof(PlanetsBlock, group) == 528);
+static_assert(offsetof(PlanetsBlock, members) == 784);
+static_assert(offsetof(PlanetsBlock, map) == 1040);
+static_assert(offsetof(PlanetsBlock, map_from_sample) == 1296);
 }  // namespace panwright::preview

@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), PLANETS (with planets.glsl), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
@@ -105,7 +105,7 @@ vec3 to_mean_light(vec3 normal, Incidence from) {
 }
 
 #ifdef ADDED
-// Of an alpha2 beyond it, discs of lights count as bumps of the surface: those of planets, not the Sun's.
+// Of an alpha2 beyond it, discs of lights count as bumps of the surface: those of lamps close by.
 const float kWideDisc = 1e-3;
 
 void widen(inout Surface surface, inout Incidence from, vec3 normal) {
@@ -298,6 +298,29 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   return sent;
 }
 
+#ifdef PLANETS
+// What planets' light sends to the viewer.
+vec3 sent_of_planets(Surface surface, const Seen seen) {
+#ifdef ROUGH
+  bool has_cells = material_cell_count(seen.first_row).x > 0.0;
+  if (has_cells) {
+    surface.weights.x = 1.0;
+    surface.weights.y *= seen.cells.w;
+  }
+#endif
+  PlanetLight light = planet_sent(surface, seen.place, seen.to_viewer, seen.normal);
+  vec3 sent = light.diffuse + light.mirrored;
+#ifdef ROUGH
+  // Lambert's gaps between cells, without cover glass
+  if (has_cells)
+    sent = seen.cells.z * sent +
+           (1.0 - seen.cells.z) * seen.gap * 0.31830988618379067 * material_gap_color(seen.first_row) *
+               light.irradiance;
+#endif
+  return sent;
+}
+#endif
+
 void main() {
   Seen seen;
   seen.place = sample_place();
@@ -350,5 +373,8 @@ void main() {
     radiance += sent_of(surface, light_at(seen.at, lamp), seen, lamp, vec3(0.0));
 #else
   radiance = sent_of(surface, light_at(), seen, 0, surface_emission(surface, view.white));
+#ifdef PLANETS
+  radiance.rgb += sent_of_planets(surface, seen);
+#endif
 #endif
 }

@@ -4,6 +4,8 @@ const int kMostSunPoints = 256;
 const int kInstancesAtOnce = 64;
 const int kMostLamps = 64;
 const int kMostLampMaps = 64;
+const int kMostPlanetParts = 16;
+const int kPlanetTableSide = 64;
 const int kMostItems = 1073741823;
 const uint kTurns = 2147483648u;
 const uint kPredictsErrors = 1u;
@@ -43,6 +45,8 @@ layout(binding = 16) uniform sampler2D reflectance_map;
 layout(binding = 18) uniform sampler2D color_samples;
 layout(binding = 19) uniform usamplerBuffer pixel_places;
 layout(binding = 20) uniform sampler2D slope_map;
+layout(binding = 21) uniform sampler2DArray planet_light;
+layout(binding = 22) uniform sampler2DArray planet_depths;
 layout(location = 0) uniform uvec4 item_range;
 layout(location = 1) uniform float screen_depth;
 layout(location = 2) uniform uvec2 sample_blocks;
@@ -116,3 +120,15 @@ const int kLampsBinding = 5;
   vec4 map_plane_from_sample[192]; \
   vec4 texel_depth[64]; \
 } lamps;
+const int kPlanetsBinding = 6;
+#define PLANETS_BLOCK layout(std140, binding = 6) uniform Planets { \
+  int groups; \
+  float half_map; \
+  vec2 texel_size; \
+  vec4 part[16]; \
+  vec4 irradiance[16]; \
+  vec4 group[16]; \
+  vec4 members[16]; \
+  vec4 map[16]; \
+  vec4 map_from_sample[48]; \
+} planets;

@@ -2,11 +2,14 @@
 #include "materials/sample.h"
 #include "reference_models.h"
 #include "sky/backdrop.h"
+#include "tests/support/earthshine.h"
 
 namespace panwright::preview::sky_test {
 namespace {
 
 using namespace testing_support;
+using panwright::testing_support::Earthshine;
+using panwright::testing_support::gold;
 
 constexpr double kRadius = 6371e3;
 
@@ -127,6 +130,29 @@ TEST(ReferenceSky, GoldReflectsTheEarth) {
       EXPECT_NEAR(mean.value, want, 4 * mean.error + 5e-3 * want) << roughness << ' ' << tilt;
       EXPECT_LT(mean.error, 0.01 * want);
     }
+  }
+}
+
+TEST(ReferenceSky, GoldSphereReflectsTheEarth) {
+  for (const double slope : {0.15, 0.4}) {
+    const materials::Material material = gold(slope);
+    world::World world = over_earth(model_of(single(sphere(300, 400), material)), 400e3, 30);
+    const Vec3 to_viewer = glm::normalize(Vec3(0.9, -0.3, 0.3));
+    DiagnosticLog log;
+    world::Camera camera;
+    world::set_orthographic(camera, 32, 32, 2.05);
+    camera.position = 5.0 * to_viewer;
+    camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), {}, log);
+    const ReferenceImage both = traced(world, camera, direct(256));
+    world.set_sky({}, false);
+    const ReferenceImage sun = traced(world, camera, direct(256));
+    const Earthshine earth{.to_sun = glm::normalize(world.sun().direction)};
+    const double want = earth.intensity(material, to_viewer);
+    const double error = glm::length(Vec2(both.flux_error.x, sun.flux_error.x));
+    std::printf("%g: %.5f of %.5f, %.5f\n", slope, both.flux.x - sun.flux.x, want, error);
+    // measured: 0.1 %
+    EXPECT_NEAR(both.flux.x - sun.flux.x, want, 0.01 * want) << slope;
+    EXPECT_LT(error, 0.004 * want);
   }
 }
 
