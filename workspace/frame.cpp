@@ -192,16 +192,6 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
   return bool(attitude);
 }
 
-void set_lamps(const Settings& settings, const world::World& world, Frame& frame,
-               DiagnosticLog& log) {
-  for (const std::string& text : *settings.lamp)
-    if (const auto lamp = lamp_of(text, world, log)) frame.lamps.push_back(*lamp);
-  if (frame.lamps.size() + world.lamps().size() > world::World::kMaxLamps)
-    log.report(Code::E0201, {},
-               fmt::format("{} lamps, expected {} at most",
-                           frame.lamps.size() + world.lamps().size(), world::World::kMaxLamps));
-}
-
 // "TARGET/FRAME", or "FRAME" of the one target that has it.
 bool place_in_frame(const std::string& text, const world::World& world, world::Camera& camera,
                     DiagnosticLog& log) {
@@ -435,7 +425,7 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   auto sky = sky_.read(settings, log);
   if (!sky) return failed;
   frame.sky = *std::move(sky);
-  set_lamps(settings, posed, frame, log);
+  if (auto lamps = lamps_of(settings, posed, {}, log)) frame.lamps = *std::move(lamps);
   joints.set_aims(camera.position, log);
   if (log.errors() != errors) return failed;
   for (const world::Instance& target : posed.instances())

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "workspace/internal/forward.h"
 #include "workspace/quantities.h"
 #include "world/lamps.h"
 
@@ -178,6 +179,23 @@ class LampReader {
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
                                    DiagnosticLog& log) {
   return LampReader(text, world, log).read();
+}
+
+std::optional<std::vector<world::Lamp>> lamps_of(const Settings& settings,
+                                                 const world::World& world, std::string_view file,
+                                                 DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  std::vector<world::Lamp> lamps;
+  for (const std::string& text : *settings.lamp)
+    if (const auto lamp = lamp_of(text, world, apart)) lamps.push_back(*lamp);
+  const std::size_t count = settings.lamp->size() + world.lamps().size();
+  if (count > world::World::kMaxLamps)
+    apart.report(Code::E0201, {},
+                 fmt::format("{} lamps, expected {} at most", count, world::World::kMaxLamps));
+  const bool good = !apart.has_errors();
+  forward(apart, file.empty() ? "" : "view", file, log);
+  if (!good) return std::nullopt;
+  return lamps;
 }
 
 }  // namespace panwright::workspace

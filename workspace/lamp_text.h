@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/diagnostic.h"
+#include "workspace/settings.h"
 #include "world/world.h"
 
 namespace panwright::workspace {
@@ -21,5 +23,13 @@ namespace panwright::workspace {
 // Fails: E0201, E5005, E5011.
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
                                    DiagnosticLog& log);
+
+// Returns the lamps of settings, beside those of a world.
+//
+//   file  of the settings, named in the messages; empty: the command line
+// Fails: as lamp_of(), E0201 beyond world::World::kMaxLamps; E0203 in its place with a file.
+std::optional<std::vector<world::Lamp>> lamps_of(const Settings& settings,
+                                                 const world::World& world, std::string_view file,
+                                                 DiagnosticLog& log);
 
 }  // namespace panwright::workspace
