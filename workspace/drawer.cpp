@@ -11,6 +11,7 @@
 #include "sky/backdrop.h"
 #include "sky/stars.h"
 #include "workspace/internal/forward.h"
+#include "workspace/internal/lamp_points.h"
 
 namespace panwright::workspace {
 
@@ -43,13 +44,14 @@ struct Drawer::Impl {
   };
   std::deque<Done> done;  // and not collected; older than those of the renderer
 
-  // Behind the images under way; none: black.
+  // Behind the images under way, none: black; and lamps in front.
   struct Behind {
     std::optional<sky::Sky> sky;
     bool bodies = false;  // not drawn yet
     light::Stars stars;
     world::Camera camera;
     double psf_sigma = 0;
+    std::vector<LampPoint> lamps;
   };
   std::deque<Behind> behind;
   std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
@@ -170,12 +172,20 @@ Result<Drawn> Drawer::Impl::collect(DiagnosticLog& log, const Job& job) {
 
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
-  const bool good = impl_->submit(world, camera, ground_truth, log, job);
+  constexpr double kReach = 6;  // of a PSF, in sigma
+  const double sigma =
+      impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
+  std::vector<LampPoint> lamps;
+  const bool good = run_job(job, log,
+                            [&] {
+                              lamps =
+                                  lamp_points(world, camera, kReach * sigma, impl_->reference, job);
+                              return true;
+                            }) &&
+                    impl_->submit(world, camera, ground_truth, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) {
-    const double sigma =
-        impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
-    behind.push_back({{}, false, world.stars(), camera, sigma});
+    behind.push_back({{}, false, world.stars(), camera, sigma, std::move(lamps)});
     Impl::Behind& last = behind.back();
     // the reference has bodies of its own
     last.bodies = world.has_sky() && impl_->renderer.has_value();
@@ -188,13 +198,15 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
 Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   auto drawn = impl_->collect(log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
-  if (drawn && behind.front().sky) {
+  if (drawn && (behind.front().sky || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
       if (here.bodies)
         sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), drawn->image);
       if (here.stars.catalogue)
         sky::add_stars(*here.sky, here.stars, here.camera, here.psf_sigma, drawn->image);
+      for (const LampPoint& lamp : here.lamps)
+        sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);
       return true;
     });
     if (!good) drawn = failed;
