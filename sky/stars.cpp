@@ -121,6 +121,30 @@ void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& 
   }
 }
 
+void add_point(const Vec2& pixel, const Vec3& irradiance, const world::Camera& camera,
+               double psf_sigma, image::Image& image) {
+  constexpr double kMost = 1e30;  // of radiance: floats stay finite
+  const auto width = static_cast<std::int64_t>(image.width);
+  const auto height = static_cast<std::int64_t>(image.height);
+  const Shares across = shares_of(pixel.x, psf_sigma);
+  const Shares down = shares_of(pixel.y, psf_sigma);
+  for (std::size_t j = 0; j < down.of.size(); ++j) {
+    const std::int64_t y = down.first + static_cast<std::int64_t>(j);
+    if (y < 0 || y >= height) continue;
+    for (std::size_t i = 0; i < across.of.size(); ++i) {
+      const std::int64_t x = across.first + static_cast<std::int64_t>(i);
+      if (x < 0 || x >= width) continue;
+      const double angle = world::pixel_solid_angle(camera, static_cast<std::uint32_t>(x),
+                                                    static_cast<std::uint32_t>(y));
+      if (!(angle > 0)) continue;
+      float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + x)];
+      for (int band = 0; band < 3; ++band)
+        radiance[band] += static_cast<float>(
+            std::min(irradiance[band] * down.of[j] * across.of[i] / angle, kMost));
+    }
+  }
+}
+
 void add_stars(std::span<const StarInView> stars, const world::Camera& camera, double psf_sigma,
                const Vec3& unit, image::Image& image) {
   assert(image.width == camera.width && image.height == camera.height);
@@ -135,23 +159,7 @@ void add_stars(std::span<const StarInView> stars, const world::Camera& camera, d
     const double open =
         1 - static_cast<double>(image.coverage[static_cast<std::size_t>(row * width + column)]);
     if (!(open > 0)) continue;
-    const Vec3 light = open * star.irradiance / unit;
-    const Shares across = shares_of(star.pixel.x, psf_sigma);
-    const Shares down = shares_of(star.pixel.y, psf_sigma);
-    for (std::size_t j = 0; j < down.of.size(); ++j) {
-      const std::int64_t y = down.first + static_cast<std::int64_t>(j);
-      if (y < 0 || y >= height) continue;
-      for (std::size_t i = 0; i < across.of.size(); ++i) {
-        const std::int64_t x = across.first + static_cast<std::int64_t>(i);
-        if (x < 0 || x >= width) continue;
-        const double angle = world::pixel_solid_angle(camera, static_cast<std::uint32_t>(x),
-                                                      static_cast<std::uint32_t>(y));
-        if (!(angle > 0)) continue;
-        float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + x)];
-        for (int band = 0; band < 3; ++band)
-          radiance[band] += static_cast<float>(light[band] * down.of[j] * across.of[i] / angle);
-      }
-    }
+    add_point(star.pixel, open * star.irradiance / unit, camera, psf_sigma, image);
   }
 }
 

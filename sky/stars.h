@@ -55,4 +55,10 @@ void add_stars(const Sky& sky, const light::Stars& stars, const world::Camera& c
 void add_stars(std::span<const StarInView> stars, const world::Camera& camera, double psf_sigma,
                const Vec3& unit, image::Image& image);
 
+// Adds one point of light in the same way, in front of everything.
+//
+//   irradiance  in the image's unit
+void add_point(const Vec2& pixel, const Vec3& irradiance, const world::Camera& camera,
+               double psf_sigma, image::Image& image);
+
 }  // namespace panwright::sky

@@ -17,6 +17,7 @@
 #include "tools/run_album.h"
 #include "tools/run_folder.h"
 #include "tools/scenario_options.h"
+#include "workspace/lamp_text.h"
 #include "workspace/record.h"
 #include "workspace/session.h"
 #include "workspace/sky_settings.h"
@@ -108,6 +109,11 @@ class SequenceRun {
     if (!workspace::check(any, log_)) return false;
     const world::World* world = session.world(any, listener, log_, context_.job());
     if (world == nullptr || log_.has_errors()) return false;
+    // once, before the folder is begun
+    const auto& settings_file = opened_->scenario.files.front();
+    if (!workspace::lamps_of(any.settings, *world,
+                             options_.view.lamps.empty() ? settings_file : std::string(), log_))
+      return false;
     RunFolder folder(options_.folder, types_, labelling_);
     folder_ = &folder;
     std::string manifest, settings;

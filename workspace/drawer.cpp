@@ -11,6 +11,7 @@
 #include "sky/backdrop.h"
 #include "sky/stars.h"
 #include "workspace/internal/forward.h"
+#include "workspace/internal/lamp_points.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -44,7 +45,7 @@ struct Drawer::Impl {
   };
   std::deque<Done> done;  // and not collected; older than those of the renderer
 
-  // Behind the images under way; none: black.
+  // Behind the images under way, none: black; and lamps in front.
   struct Behind {
     std::optional<sky::Sky> sky;
     bool bodies = false;  // not drawn yet
@@ -53,6 +54,7 @@ struct Drawer::Impl {
     light::Stars stars;
     world::Camera camera;
     double psf_sigma = 0;
+    std::vector<LampPoint> lamps;
   };
   std::deque<Behind> behind;
   world::Evaluation evaluation;
@@ -207,14 +209,21 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
 
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
-  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0};
+  constexpr double kReach = 6;  // of a PSF, in sigma
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}};
   next.psf_sigma =
       impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
   // the reference has bodies of its own
   next.bodies = world.has_sky() && impl_->renderer.has_value();
   if (next.bodies || next.stars.catalogue) next.sky.emplace(world);
   next.before = next.bodies && impl_->may_stand_before(*next.sky, world, camera.position);
-  const bool good = impl_->submit(world, camera, ground_truth || next.before, log, job);
+  const bool good = run_job(job, log,
+                            [&] {
+                              next.lamps = lamp_points(world, camera, kReach * next.psf_sigma,
+                                                       impl_->reference, job);
+                              return true;
+                            }) &&
+                    impl_->submit(world, camera, ground_truth || next.before, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) behind.push_back(std::move(next));
   while (behind.size() > impl_->in_flight()) behind.pop_front();
@@ -224,10 +233,12 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
 Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   auto drawn = impl_->collect(log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
-  if (drawn && behind.front().sky) {
+  if (drawn && (behind.front().sky || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
       impl_->add_sky(here, drawn->image, job);
+      for (const LampPoint& lamp : here.lamps)
+        sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);
       return true;
     });
     if (!good) drawn = failed;

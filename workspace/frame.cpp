@@ -204,19 +204,6 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
   return bool(attitude);
 }
 
-void set_lamps(const Settings& settings, const world::World& world, Frame& frame,
-               DiagnosticLog& log) {
-  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
-  for (const std::string& text : *settings.lamp) (void)set_lamp(text, world, lamps, log);
-  const auto on = static_cast<std::size_t>(std::ranges::count(lamps, true, &world::Lamp::on));
-  if (on > world::World::kMaxLamps)
-    log.report(Code::E0201, {},
-               fmt::format("{} lamps are on, expected {} at most", on, world::World::kMaxLamps),
-               "--lamp \"* off\" switches those of models off");
-  else
-    frame.lamps = std::move(lamps);
-}
-
 // Which of the scene's settings a view has taken over.
 void note_scene(const Settings& own, const Settings& scene, Frame& frame) {
   for (std::size_t i = 0; i < std::size(kSettings); ++i) {
@@ -529,7 +516,7 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   auto sky = sky_.read(settings, *dated, log);
   if (!sky) return failed;
   frame.sky = *std::move(sky);
-  set_lamps(settings, posed, frame, log);
+  if (auto lamps = lamps_of(settings, posed, {}, log)) frame.lamps = *std::move(lamps);
   joints.set_aims(camera.position, log);
   if (log.errors() != errors) return failed;
   for (const world::Instance& target : posed.instances())

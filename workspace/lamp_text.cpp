@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "scene/scene.h"
+#include "workspace/internal/forward.h"
 #include "workspace/quantities.h"
 #include "world/lamps.h"
 
@@ -339,6 +340,23 @@ bool set_lamp(std::string_view text, const world::World& world, std::vector<worl
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
                                    DiagnosticLog& log) {
   return LampReader(text, world, log).read();
+}
+
+std::optional<std::vector<world::Lamp>> lamps_of(const Settings& settings,
+                                                 const world::World& world, std::string_view file,
+                                                 DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  std::vector<world::Lamp> lamps(world.lamps().begin(), world.lamps().end());
+  for (const std::string& text : *settings.lamp) (void)set_lamp(text, world, lamps, apart);
+  const auto on = static_cast<std::size_t>(std::ranges::count(lamps, true, &world::Lamp::on));
+  if (on > world::World::kMaxLamps)
+    apart.report(Code::E0201, {},
+                 fmt::format("{} lamps are on, expected {} at most", on, world::World::kMaxLamps),
+                 "--lamp \"* off\" switches those of models off");
+  const bool good = !apart.has_errors();
+  forward(apart, file.empty() ? "" : "view", file, log);
+  if (!good) return std::nullopt;
+  return lamps;
 }
 
 }  // namespace panwright::workspace

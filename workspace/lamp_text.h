@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "workspace/settings.h"
 #include "world/world.h"
 
 namespace panwright::workspace {
@@ -38,5 +39,14 @@ bool set_lamp(std::string_view text, const world::World& world, std::vector<worl
 
 // Returns "TARGET/NAME" of a lamp of a model.
 std::string lamp_path(const world::Lamp& lamp);
+
+// Returns the lamps of a world, those of settings added or changed.
+//
+//   file  of the settings, named in the messages; empty: the command line
+// Fails: as set_lamp(), E0201 for more than world::World::kMaxLamps that are on; E0203 in its place
+// with a file.
+std::optional<std::vector<world::Lamp>> lamps_of(const Settings& settings,
+                                                 const world::World& world, std::string_view file,
+                                                 DiagnosticLog& log);
 
 }  // namespace panwright::workspace

@@ -517,7 +517,7 @@ class ScenarioReader {
     }
     const nlohmann::json read = as_json(value);
     if (const std::string wrong = wrong_type(id, read); !wrong.empty())
-      return reader.fail(value, fmt::format("{} has the wrong type{}", in_quotes(name), wrong));
+      return reader.fail(value, in_quotes(name) + wrong);
     DiagnosticLog apart = log_.apart();
     if (!read_setting(id, read, settings, apart))
       for (const Diagnostic& problem : apart.entries()) reader.fail(value, problem.message);

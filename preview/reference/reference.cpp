@@ -221,6 +221,25 @@ bool Reference::add_ground_truth(const world::World& world, const world::Camera&
   });
 }
 
+std::vector<std::uint8_t> Reference::hidden(const world::World& world, const world::Camera& camera,
+                                            std::span<const Vec3> points,
+                                            std::span<const double> beside, const Job& job) {
+  assert(points.size() == beside.size());
+  impl_->scene.update(world, job);
+  impl_->scene.place_camera(camera);
+  std::vector<trace::Ray> rays;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 to = glm::conjugate(camera.world_from_camera) * (points[i] - camera.position);
+    const double distance = glm::length(to);
+    rays.push_back({{Vec3(0), distance > 0 ? to / distance : Vec3(0, 0, 1), 0,
+                     std::max(distance - beside[i], 0.0)},
+                    trace::Ray::kObserver});
+  }
+  std::vector<std::uint8_t> found(rays.size());
+  impl_->scene.rays().any(rays, found, trace::Insides::pass, job);
+  return found;
+}
+
 Result<ReferenceImage> Reference::rendered(const world::World& world, const world::Camera& camera,
                                            const ReferenceOptions& options, DiagnosticLog& log,
                                            const Job& job) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "base/diagnostic.h"
@@ -111,6 +112,14 @@ class Reference {
   // Expects, fails: as render(), without a limit of memory. Cost: a ray a pixel.
   bool add_ground_truth(const world::World& world, const world::Camera& camera, bool flat,
                         image::Image& image, DiagnosticLog& log, const Job& job = {});
+
+  // Returns whether targets hide points from a camera: 1, or 0.
+  //
+  //   beside  metres in front of each point where surfaces do not count, its own among them
+  // Expects: as many as points; a perspective camera. Throws Cancelled. Cost: a ray a point.
+  std::vector<std::uint8_t> hidden(const world::World& world, const world::Camera& camera,
+                                   std::span<const Vec3> points, std::span<const double> beside,
+                                   const Job& job = {});
 
   // Counts of acceleration structures built so far.
   const trace::Work& work() const;

@@ -321,6 +321,20 @@ vec3 sent_of_planets(Surface surface, const Seen seen) {
 }
 #endif
 
+#ifdef ADDED
+// Whether a lamp, as far as its disc, stands above the horizon of a sample and shines there: no fewer than
+// light_at() and surface_brdf() say.
+bool may_light(const Seen seen, int lamp) {
+  vec4 place = lamps.place[lamp];
+  if (lamps.kind[lamp].x == 2.0) return dot(seen.normal, place.xyz) > -sqrt(8.0 * place.w);
+  vec4 axis = lamps.axis[lamp];
+  vec3 toward = place.xyz - seen.at;
+  float above = dot(seen.normal, toward);
+  bool in_cone = -dot(axis.xyz, toward) >= (axis.w - 1e-6) * length(toward);
+  return in_cone && (above > 0.0 || above * above < place.w);
+}
+#endif
+
 void main() {
   Seen seen;
   seen.place = sample_place();
@@ -369,8 +383,25 @@ void main() {
 #ifdef ADDED
   seen.at = uintBitsToFloat(texelFetch(position_samples, seen.place, 0).xyz);
   radiance = vec4(0.0);
-  for (int lamp = 0; lamp < lamps.count; ++lamp)
-    radiance += sent_of(surface, light_at(seen.at, lamp), seen, lamp, vec3(0.0));
+  // Software contexts run both sides of a branch: lamps that do not light a sample are found first, by a few
+  // operations each, and each sample goes on to the next of its own.
+  int first = 0;
+  do {
+    uint lit = 0u;
+    int lamp = first;
+    int end = min(first + 32, lamps.count);
+    do {
+      if (may_light(seen, lamp)) lit |= 1u << (lamp - first);
+      ++lamp;
+    } while (lamp < end);
+    do {
+      int next = first + max(findLSB(lit), 0);
+      vec4 sent = sent_of(surface, light_at(seen.at, next), seen, next, vec3(0.0));
+      if (lit != 0u) radiance += sent;
+      lit &= lit - 1u;
+    } while (lit != 0u);
+    first = end;
+  } while (first < lamps.count);
 #else
   radiance = sent_of(surface, light_at(), seen, 0, surface_emission(surface, view.white));
 #ifdef PLANETS

@@ -294,7 +294,7 @@ TEST(Lamps, AddUp) {
     }
     return sum;
   };
-  for (const int count : {2, 32, 64}) {
+  for (const int count : {2, 32, 33, 64}) {
     const std::vector<double> sum = sum_of(count);
     std::vector<world::Lamp> all;
     for (int k = 0; k < count; ++k) all.push_back(lamp_at(k));

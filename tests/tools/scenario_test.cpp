@@ -53,6 +53,23 @@ class Scenarios : public testing::Test {
   }
 };
 
+// Once, whatever the number of frames, and before the folder is begun.
+TEST_F(Scenarios, MistakesOfLamps) {
+  const Outcome done = panwright({"run", scenario_, "-o", folder_ / "lamps", "--lamp", "spt"});
+  EXPECT_EQ(done.code, 2) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("has 'spt', expected spot, point, disc or led"));
+  EXPECT_EQ(done.err.find("expected spot"), done.err.rfind("expected spot")) << done.err;
+  EXPECT_FALSE(fs::exists(folder_ / "lamps"));
+  std::string text = contents(scenario_);
+  const std::string own =
+      folder_.write("own.toml", text + "lamp = [\"led on box/nowhere power 1\"]\n");
+  const Outcome from_file = panwright({"run", own, "-o", folder_ / "own"});
+  EXPECT_EQ(from_file.code, 1) << from_file.err;
+  EXPECT_THAT(from_file.err, HasSubstr("nowhere"));
+  EXPECT_EQ(from_file.err.find("nowhere"), from_file.err.rfind("nowhere")) << from_file.err;
+  EXPECT_FALSE(fs::exists(folder_ / "own"));
+}
+
 TEST_F(Scenarios, FramesAreThoseOfRender) {
   const Outcome done = run("frames");
   ASSERT_EQ(done.code, 0) << done.err;
@@ -235,7 +252,9 @@ TEST_F(Scenarios, MistakesAreAtTheirPlaces) {
   EXPECT_THAT(problem("[[source]]\nfile = \"box.pxn\"\n"), HasSubstr("E0202"));
   EXPECT_THAT(problem("[view]\nfof = 3\n"), HasSubstr("did you mean 'fov'?"));
   EXPECT_THAT(problem("[view]\nfov = 300\n"), HasSubstr("bad.toml:2:7: error: --fov is"));
-  EXPECT_THAT(problem("[view]\nfov = [1]\n"), HasSubstr("wrong type"));
+  EXPECT_THAT(problem("[view]\nfov = [1]\n"), HasSubstr("error: 'fov' has the wrong type, exp"));
+  EXPECT_THAT(problem("[view]\nlamp = 5\n"),
+              HasSubstr("error: 'lamp' has the wrong type, expected a"));
   // only a run needs models
   const std::string bare = folder_.write("bare.toml", "[[source]]\nfile = \"way.csv\"\n");
   EXPECT_EQ(panwright({"scenario", bare}).code, 0);
