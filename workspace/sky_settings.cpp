@@ -222,8 +222,9 @@ bool check_words(const Settings& settings, DiagnosticLog& log) {
 
 // Returns whether a text of `planet` leaves the place to the date.
 bool is_dated(const std::string& name, std::string_view text) {
-  std::string map;
-  return light::body_preset(name) && words_by_key(text, map)[0].values.empty();
+  PlanetText ignored;
+  bool empty_file = false;
+  return light::body_preset(name) && words_by_key(text, ignored, empty_file)[0].values.empty();
 }
 
 // A body of `sky` that `planet` does not name; or one of `planet` without a place; empty: none.
