@@ -138,7 +138,7 @@ TEST(SkySettings, Maps) {
   EXPECT_NEAR(body.night->at({0, -1, 0}, 0).x, 0.5776, 1e-3);  // sRGB 200
   const auto codes = [&](const std::string& text) {
     DiagnosticLog log;
-    EXPECT_TRUE(SkyReader().read(with(text), log)) << first_error(log);
+    EXPECT_TRUE(SkyReader().read(with(text), {}, log)) << first_error(log);
     std::vector<Code> out;
     for (const auto& entry : log.entries()) out.push_back(entry.code);
     return out;
