@@ -10,7 +10,7 @@
 
 #include "pxn/format.h"
 #include "pxn/text/element_writer.h"
-#include "pxn/writer_lights.h"
+#include "pxn/text/writer_lights.h"
 
 namespace panwright::pxn {
 

@@ -1,4 +1,4 @@
-#include "pxn/writer_lights.h"
+#include "pxn/text/writer_lights.h"
 
 #include <cstddef>
 #include <iterator>

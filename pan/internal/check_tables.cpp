@@ -420,12 +420,12 @@ Problems table_problems(const Model& model) {
   add(stream_problem(model));
   add(decal_problem(model));
   add(level_problem(model));
-  add(lamp_problem(model));
   if (problems.empty()) add(joint_problem(model));
   if (!problems.empty()) return problems;
   // these follow references, so they come when all of them hold
   add(instance_problem(model));
   add(world_problem(model));
+  add(lamp_problem(model));
   add(build_problem(model));
   return problems;
 }

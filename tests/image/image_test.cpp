@@ -68,7 +68,7 @@ TEST(ImageFormats, ByExtension) {
   EXPECT_EQ(image_format("b.EXR"), ImageFormat::exr);
   EXPECT_EQ(image_format("b.x.npy"), ImageFormat::npy);
   EXPECT_EQ(image_format("b.Npz"), ImageFormat::npz);
-  EXPECT_EQ(image_format("b.tif"), std::nullopt);
+  EXPECT_EQ(image_format("b.bmp"), std::nullopt);
   EXPECT_EQ(image_format("png"), std::nullopt);
   EXPECT_FALSE(stores_ground_truth(ImageFormat::png));
   EXPECT_FALSE(stores_ground_truth(ImageFormat::npy));

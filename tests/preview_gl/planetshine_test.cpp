@@ -29,6 +29,8 @@ Scene scene_of(const pan::Model& model, double tilt, const Vec3& to_sun) {
   view.to_sun = to_sun;
   Scene scene{panwright::testing_support::world_of(model, view), {}, {}};
   light::Body body = *light::body_preset("earth");
+  body.air = false;
+  body.albedo = Vec3(0.3);
   body.air = false;  // closed forms are of rough ground alone
   body.albedo = Vec3(0.3);
   body.centre = {0, 0, -6771e3};
@@ -92,6 +94,8 @@ TEST(Planetshine, GoldSphere) {
     const pan::Model model = model_of(single(sphere(100, 140), material));
     world::World world = panwright::testing_support::world_of(model, view);
     light::Body body = *light::body_preset("earth");
+    body.air = false;
+    body.albedo = Vec3(0.3);
     body.centre = {0, 0, 6771e3};
     body.radii = Vec3(6371e3);
     world::Camera camera;

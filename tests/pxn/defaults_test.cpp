@@ -81,6 +81,7 @@ const std::map<ElementId, std::string>& models() {
        "<joint name='l' type='continuous' value='0.5rad'/>"},
       {ElementId::transform_1, "<transform @><box size='1'/></transform>"},
       {ElementId::frame, "<frame name='f' @/>"},
+      {ElementId::sun, "<scene><sun direction='1 0 0' @/></scene>"},
       {ElementId::coat,
        "<material name='m'><coat n='1.5' thickness='1mm' @/></material>"
        "<box size='1' material='m'/>"},
@@ -103,7 +104,8 @@ const std::map<ElementId, std::string>& models() {
 
 // Elements whose defaults no scene shows: they are held elsewhere.
 //   budget, decal   the compiler takes them: tests/compiler
-const std::set<ElementId> kElsewhere = {ElementId::budget, ElementId::decal};
+//   planet          a scene keeps its words as they are given
+const std::set<ElementId> kElsewhere = {ElementId::budget, ElementId::decal, ElementId::planet};
 
 Reading read_model(const std::string& nodes, const std::string& root = "") {
   std::string texture = "P6 2 2 255\n";
@@ -178,6 +180,8 @@ TEST(Defaults, OthersDoChangeSomething) {
            {ElementId::import, "units='mm'"},
            {ElementId::import, "primitives='5'"},
            {ElementId::frame, "translate='1 2 3'"},
+           {ElementId::lamp, "at='1 2 3'"},
+           {ElementId::lamp, "state='off'"},
            {ElementId::node, "scale='2'"}}) {
     const std::string& nodes = models().at(id);
     const Reading without = read_model(with(nodes, ""));

@@ -354,7 +354,7 @@ TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
   const Reading element = read_model("<spere radius=\"1\"/>");
   EXPECT_THAT(element.summary(),
               HasSubstr("frame_s, appearance, texture, sphere, mesh, node, use, "
-                        "repeat, import, frame, keypoint, decal, ellipsoid, box"));
+                        "repeat, import, frame, keypoint, lamp, decal, ellipsoid, box"));
 }
 
 TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {

@@ -18,6 +18,8 @@ constexpr double kRadius = 6371e3;
 world::World world_at(double height, double zenith_deg) {
   world::World world;
   light::Body body = *light::body_preset("earth");
+  body.air = false;
+  body.albedo = Vec3(0.3);
   body.radii = Vec3(kRadius);
   body.centre = Vec3(0, 0, -kRadius - height);
   world.set_sky({body}, false);

@@ -119,7 +119,7 @@ TEST_F(Answers, TextsThatAreNoViews) {
   EXPECT_THAT(views("{\"fov\": 3}\n{\"fov\": 4}\n"),
               HasSubstr("views a line each go to --views -"));
   EXPECT_THAT(views("[{\"noise\": 3, \"output\": \"a.png\"}]"),
-              HasSubstr("apply the detector to the .npz"));
+              HasSubstr("makes numbers with noise"));
   EXPECT_THAT(
       panwright({"render", box, "-o", "a.png", "--joints", folder_.write("j.csv", "a,3")}).err,
       HasSubstr("write an object of joint values"));

@@ -57,7 +57,9 @@ class Scenarios : public testing::Test {
 TEST_F(Scenarios, MistakesOfLamps) {
   const Outcome done = panwright({"run", scenario_, "-o", folder_ / "lamps", "--lamp", "spt"});
   EXPECT_EQ(done.code, 2) << done.err;
-  EXPECT_THAT(done.err, HasSubstr("has 'spt', expected spot, point, disc or led"));
+  EXPECT_THAT(
+      done.err,
+      HasSubstr("has 'spt', expected spot, point, disc, led or the name of a lamp of a model"));
   EXPECT_EQ(done.err.find("expected spot"), done.err.rfind("expected spot")) << done.err;
   EXPECT_FALSE(fs::exists(folder_ / "lamps"));
   std::string text = contents(scenario_);

@@ -133,7 +133,7 @@ TEST(SkySettings, Maps) {
   const light::Body& body = sky->bodies[0];
   ASSERT_TRUE(body.map && body.night);
   // all cloud in the west: 0.75 of a mean of 0.5
-  EXPECT_NEAR(body.map->at({0, -1, 0}, 0).y, 0.75 / 0.5, 1e-6);
+  EXPECT_NEAR(body.map->at({0, -1, 0}, 0).x, 0.75 / 0.5, 1e-6);
   EXPECT_NEAR(body.map->at({0, 1, 0}, 0).x, 0.25 / 0.5, 1e-6);
   EXPECT_NEAR(body.night->at({0, -1, 0}, 0).x, 0.5776, 1e-3);  // sRGB 200
   const auto codes = [&](const std::string& text) {
