@@ -81,6 +81,7 @@ const std::map<ElementId, std::string>& models() {
        "<joint name='l' type='continuous' value='0.5rad'/>"},
       {ElementId::transform_1, "<transform @><box size='1'/></transform>"},
       {ElementId::frame, "<frame name='f' @/>"},
+      {ElementId::lamp, "<lamp name='l' type='spot' half_angle='0.3' intensity='2' @/>"},
       {ElementId::sun, "<scene><sun direction='1 0 0' @/></scene>"},
       {ElementId::coat,
        "<material name='m'><coat n='1.5' thickness='1mm' @/></material>"
