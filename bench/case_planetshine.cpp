@@ -86,6 +86,7 @@ void add_frames(Context& context, world::World world, const world::Camera& camer
 void add_tables(Context& context) {
   world::World world;
   light::Body earth = *light::body_preset("earth");
+  earth.air = false;  // the closed form is of the ground alone
   earth.centre = {0, 0, -kAway};
   world.set_sky({earth}, false);
   const sky::Sky sky(world);
