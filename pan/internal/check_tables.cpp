@@ -143,8 +143,11 @@ std::optional<Problem> lamp_problem(const Model& model) {
     const auto wrong = [&](std::string_view what) {
       return Problem{Code::E4012, fmt::format("lamps[{}] {}", i, what)};
     };
-    if (model.lamp_name(i).empty() || !names.insert(model.lamp_name(i)).second)
-      return wrong("has no name of its own");
+    // note: not lamp_name(), which is of checked models; the table of strings is sound here
+    const auto offsets = model.string_offsets();
+    const std::string_view name(model.string_bytes().data() + offsets[lamp.name],
+                                offsets[lamp.name + 1] - offsets[lamp.name]);
+    if (name.empty() || !names.insert(name).second) return wrong("has no name of its own");
     const auto kind = static_cast<layout::LampKind>(lamp.kind);
     if (kind == layout::LampKind::spot && !(lamp.half_angle > 0 && lamp.half_angle <= kPi))
       return wrong("is a spot with a half_angle outside 0 to pi");
