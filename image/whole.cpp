@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "image/image.h"
 #include "image/internal/image_codecs.h"
+#include "image/internal/writers.h"
 #include "image/internal/zip.h"
 #include "image/npy.h"
 
@@ -84,6 +85,10 @@ bool is_whole(const std::filesystem::path& path) {
       return is_whole_npy(file->bytes());
     case ImageFormat::npz:
       return ZipReader(file->bytes()).is_whole();
+    case ImageFormat::tiff:
+      return is_whole_tiff(text_of(file->bytes()));
+    case ImageFormat::fits:
+      return is_whole_fits(text_of(file->bytes()));
   }
   return false;
 }

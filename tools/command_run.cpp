@@ -71,7 +71,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .one_value();
   arguments
       .add("--type", options.types,
-           "Type of the image files: png (default), exr, npy or npz; may be repeated")
+           "Type of the image files: png (default), exr, npy, npz; of a detector also tif and "
+           "fits; may be repeated")
       .type("TYPE")
       .one_value();
   arguments.flag(
@@ -161,19 +162,32 @@ class SequenceRun {
     if (options_.labels && !opened_->scenario.labels) opened_->scenario.labels.emplace();
     if (opened_->scenario.labels)
       labelling_ = std::make_shared<const workspace::Labelling>(*opened_->scenario.labels);
-    types_ = options_.types.empty() ? std::vector<std::string>{"png"} : options_.types;
-    for (const std::string& type : types_)
-      if (type != "png" && type != "exr" && type != "npy" && type != "npz") {
-        log_.report(Code::E0201, {},
-                    "--type is " + in_quotes(type) + ", expected png, exr, npy or npz");
-        return false;
-      }
+    if (!choose_types(settings)) return false;
     if (options_.album.any() && std::ranges::find(types_, "png") == types_.end()) {
       log_.report(Code::E0201, {},
                   "--sheet and --video are made of PNG files, expected --type png");
       return false;
     }
     return check(options_.album, log_);
+  }
+
+  bool choose_types(const workspace::Settings& settings) {
+    types_ = options_.types.empty() ? std::vector<std::string>{"png"} : options_.types;
+    for (const std::string& type : types_) {
+      const bool numbers = type == "tif" || type == "fits";
+      if (!numbers && type != "png" && type != "exr" && type != "npy" && type != "npz") {
+        log_.report(Code::E0201, {},
+                    "--type is " + in_quotes(type) + ", expected png, exr, npy, npz, tif or fits");
+        return false;
+      }
+      if (numbers && !settings.detector && !settings.camera_file) {
+        log_.report(Code::E0202, {},
+                    "--type " + type + " holds numbers of a detector, and the camera has none",
+                    "docs/detector.md");
+        return false;
+      }
+    }
+    return true;
   }
 
   // Names of files: by the frame's own name where that is one, else by its number.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 
 #include "image/internal/writers.h"
@@ -100,6 +101,23 @@ std::optional<std::string> record_of_fits(std::string_view bytes) {
     out += part;
   }
   return found ? std::optional(out) : std::nullopt;
+}
+
+bool is_whole_fits(std::string_view bytes) {
+  if (!bytes.starts_with("SIMPLE  =")) return false;
+  std::size_t size = 1, bits = 0;
+  for (std::size_t at = 0; at + kCard <= bytes.size(); at += kCard) {
+    const std::string_view card = bytes.substr(at, kCard);
+    const auto value = [&] {
+      return std::strtoull(std::string(card.substr(10, 20)).c_str(), nullptr, 10);
+    };
+    if (card.starts_with("BITPIX  =")) bits = value();
+    if (card.starts_with("NAXIS1  =") || card.starts_with("NAXIS2  =")) size *= value();
+    if (!card.starts_with("END     ")) continue;
+    const std::size_t head = (at + kCard + kBlock - 1) / kBlock * kBlock;
+    return bytes.size() == head + (size * bits / 8 + kBlock - 1) / kBlock * kBlock;
+  }
+  return false;
 }
 
 }  // namespace panwright::image

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -91,6 +92,46 @@ TEST(DetectorFiles, HoldTheSameNumbers) {
   ASSERT_EQ(signal.size(), 1200u);
   ASSERT_EQ(shot.size(), 1200u);
   EXPECT_TRUE(layer<float>(folder / "a.npz", "radiance").empty());
+}
+
+// Runs keep whole files of numbers, and make cut ones again.
+TEST(DetectorFiles, AreTypesOfRuns) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  folder.write("camera.toml", std::string(kCamera) + kDetector);
+  const std::string scenario = folder.write("run.toml", R"(begin = 0
+end = 1
+step = 1
+look_at = "ball"
+[targets]
+ball = "ball.pxn"
+[[source]]
+formula = "fixed"
+position = [0, -400, 0]
+sun = [0, -1, 0]
+[view]
+camera_file = "camera.toml"
+)");
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"run", scenario, "-o", folder / "frames"};
+    words.insert(words.end(), more.begin(), more.end());
+    return panwright(words);
+  };
+  const Outcome done = run({"--type", "fits", "--type", "tif"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "frames"))
+    if (entry.path().extension() == ".fits" || entry.path().extension() == ".tif")
+      files.push_back(entry.path());
+  ASSERT_EQ(files.size(), 4u);
+  const std::string whole = contents(files[0]);
+  std::filesystem::resize_file(files[0], whole.size() / 2);
+  const Outcome again = run({"--type", "fits", "--type", "tif", "--resume"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("1 frame was not whole"));
+  EXPECT_EQ(contents(files[0]), whole);
+  const Outcome none = panwright({"run", scenario, "-o", folder / "others", "--type", "jpeg"});
+  EXPECT_EQ(none.code, 2);
 }
 
 // A white plate facing the Sun: the electrons of the lens equation.
