@@ -1,7 +1,6 @@
 // Conversion from double to the shaders' uniform blocks. Private to preview.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -51,14 +50,6 @@ inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
     block.repeat[axis] = static_cast<float>(item.repeat[axis]);
     if ((item.repeat[axis] < 0) != (item.sides == Sides::back)) block.flags |= kTurned[axis];
   }
-}
-
-// Returns the stride of uniform blocks in a buffer, bytes.
-inline std::size_t block_stride(const GladGLContext& gl, std::size_t block_bytes) {
-  GLint alignment = 1;
-  gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  const auto step = static_cast<std::size_t>(std::max(alignment, 1));
-  return (block_bytes + step - 1) / step * step;
 }
 
 }  // namespace panwright::preview

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "preview/frame/block_stream.h"
 #include "preview/frame/blocks.h"
 #include "preview/gl/programs.h"
 

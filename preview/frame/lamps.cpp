@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <type_traits>
 #include <variant>
@@ -287,23 +286,13 @@ bool Lamps::update(Device::Impl& device, const FrameScene& scene, const std::vec
   }
   report.lamps_left_out = std::max(report.lamps_left_out, left_out_);
   if (!maps_.update(device, scene, wanted_, side, bytes, log, job)) return false;
-  if (!stream_) {
-    stride_ = block_stride(gl, sizeof(LampsBlock));
-    stream_.emplace(gl);
-  }
-  blocks_.assign(receivers_.size() * stride_, std::byte{});
-  for (std::size_t r = 0; r < receivers_.size(); ++r) {
-    LampsBlock block{};
-    fill(scene, r, samples[r], block);
-    std::memcpy(blocks_.data() + r * stride_, &block, sizeof block);
-  }
-  first_ = stream_->upload(blocks_);
+  blocks_.upload(gl, receivers_.size(),
+                 [&](std::size_t r, LampsBlock& block) { fill(scene, r, samples[r], block); });
   return true;
 }
 
 void Lamps::bind(const GladGLContext& gl, std::size_t receiver) const {
-  gl.BindBufferRange(GL_UNIFORM_BUFFER, kLampsBinding, stream_->id(),
-                     static_cast<GLintptr>(first_ + receiver * stride_), sizeof(LampsBlock));
+  blocks_.bind(gl, kLampsBinding, receiver);
   if (receivers_[receiver].maps == 0) return;
   gl.BindTextureUnit(kShadowDepthsUnit, maps_.layers().depths.id());
   gl.BindTextureUnit(kShadowSlopesUnit, maps_.layers().slopes.id());

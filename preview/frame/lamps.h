@@ -3,13 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "light/light.h"
+#include "preview/frame/block_stream.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/lamp_maps.h"
 #include "preview/gl/uniforms.h"
@@ -71,10 +71,7 @@ class Lamps {
   std::vector<Receiver> receivers_;
   std::vector<LampMap> wanted_;  // of all receivers; extent 0: a face that nothing is in
   LampMaps maps_;
-  std::vector<std::byte> blocks_;
-  std::optional<StreamBuffer> stream_;
-  std::size_t stride_ = 0;
-  std::size_t first_ = 0;
+  BlockStream<LampsBlock> blocks_;
 };
 
 }  // namespace panwright::preview

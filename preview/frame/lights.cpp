@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "light/light.h"
 #include "preview/frame/blocks.h"
@@ -124,17 +123,8 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     add_shadows(maps_, report);
     for (std::size_t r = 0; r < receivers; ++r) maps_.add_to(views_[r], r, samples_[r]);
   }
-  if (!stream_) {
-    stride_ = block_stride(gl, sizeof(LightBlock));
-    stream_.emplace(gl);
-  }
-  blocks_.resize(views_.size() * stride_);
-  for (std::size_t i = 0; i < views_.size(); ++i)
-    std::memcpy(blocks_.data() + i * stride_, &views_[i].block, sizeof(LightBlock));
-  if (blocks_ != uploaded_) {
-    first_ = stream_->upload(blocks_);
-    uploaded_.swap(blocks_);
-  }
+  blocks_.upload(gl, views_.size(),
+                 [&](std::size_t i, LightBlock& block) { block = views_[i].block; });
   const unsigned side = std::min(limits_.side, kShadowSide);
   return planets_.update(device, scene, samples_, std::min(side, kPlanetSide), lamp_bytes_, log,
                          job) &&
@@ -144,8 +134,7 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
 void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {
   if (pass > 0) return lamps_.bind(gl, receiver);
   if (planets_.any()) planets_.bind(gl, receiver);
-  gl.BindBufferRange(GL_UNIFORM_BUFFER, kLightBinding, stream_->id(),
-                     static_cast<GLintptr>(first_ + receiver * stride_), sizeof(LightBlock));
+  blocks_.bind(gl, kLightBinding, receiver);
   if (views_[receiver].depths == 0) return;
   gl.BindTextureUnit(kShadowDepthsUnit, views_[receiver].depths);
   gl.BindTextureUnit(kShadowSlopesUnit, views_[receiver].slopes);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
+#include "preview/frame/block_stream.h"
 #include "preview/frame/lamps.h"
 #include "preview/frame/light_view.h"
 #include "preview/frame/planetshine.h"
@@ -65,13 +65,9 @@ class Lights {
   std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};
-  std::vector<Mat4> samples_;        // of the receivers
-  std::vector<LightView> views_;     // of the receivers
-  std::vector<std::byte> uploaded_;  // blocks of these, in stream_
-  std::vector<std::byte> blocks_;    // those of the next update()
-  std::optional<StreamBuffer> stream_;
-  std::size_t stride_ = 0;  // bytes, of blocks_
-  std::size_t first_ = 0;   // bytes, in stream_
+  std::vector<Mat4> samples_;     // of the receivers
+  std::vector<LightView> views_;  // of the receivers
+  BlockStream<LightBlock> blocks_;
 };
 
 }  // namespace panwright::preview

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "light/light.h"
+#include "preview/frame/block_stream.h"
 #include "preview/frame/blocks.h"
 #include "preview/frame/lights.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "preview/frame/blocks.h"
@@ -189,24 +188,14 @@ bool Planetshine::update(Device::Impl& device, const FrameScene& scene,
     receiver.maps = light.groups.size();
   }
   if (!maps_.update(device, scene, wanted_, side, bytes, log, job)) return false;
-  if (!stream_) {
-    stride_ = block_stride(gl, sizeof(PlanetsBlock));
-    stream_.emplace(gl);
-  }
-  blocks_.assign(receivers_.size() * stride_, std::byte{});
-  for (std::size_t r = 0; r < receivers_.size(); ++r) {
-    PlanetsBlock block{};
-    fill(scene, r, samples[r], block);
-    std::memcpy(blocks_.data() + r * stride_, &block, sizeof block);
-  }
-  first_ = stream_->upload(blocks_);
+  blocks_.upload(gl, receivers_.size(),
+                 [&](std::size_t r, PlanetsBlock& block) { fill(scene, r, samples[r], block); });
   return true;
 }
 
 void Planetshine::bind(const GladGLContext& gl, std::size_t receiver) const {
   const Light& light = lights_[receivers_[receiver].light];
-  gl.BindBufferRange(GL_UNIFORM_BUFFER, kPlanetsBinding, stream_->id(),
-                     static_cast<GLintptr>(first_ + receiver * stride_), sizeof(PlanetsBlock));
+  blocks_.bind(gl, kPlanetsBinding, receiver);
   if (light.texture) gl.BindTextureUnit(kPlanetLightUnit, light.texture.id());
   if (receivers_[receiver].maps > 0)
     gl.BindTextureUnit(kPlanetDepthsUnit, maps_.layers().depths.id());

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/stamp.h"
+#include "preview/frame/block_stream.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/lamp_maps.h"
 #include "preview/gl/gl_objects.h"
@@ -75,10 +75,7 @@ class Planetshine {
   std::vector<Receiver> receivers_;
   std::vector<LampMap> wanted_;
   LampMaps maps_;
-  std::vector<std::byte> blocks_;
-  std::optional<StreamBuffer> stream_;
-  std::size_t stride_ = 0;
-  std::size_t first_ = 0;
+  BlockStream<PlanetsBlock> blocks_;
 };
 
 }  // namespace panwright::preview
