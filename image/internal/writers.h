@@ -20,7 +20,7 @@ bool write_fits(AtomicFile& file, const Image& image, DiagnosticLog& log);
 // Returns the record in such a file; nothing: it has none, or is another.
 std::optional<std::string> record_of_tiff(std::string_view bytes);
 std::optional<std::string> record_of_fits(std::string_view bytes);
-// Whether such a file has all numbers that its header announces.
+// Returns true for a file with all numbers that its header announces.
 bool is_whole_tiff(std::string_view bytes);
 bool is_whole_fits(std::string_view bytes);
 // A PNG with the record after its first chunk.

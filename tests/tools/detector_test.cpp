@@ -128,7 +128,7 @@ camera_file = "camera.toml"
   std::filesystem::resize_file(files[0], whole.size() / 2);
   const Outcome again = run({"--type", "fits", "--type", "tif", "--resume"});
   ASSERT_EQ(again.code, 0) << again.err;
-  EXPECT_THAT(again.err, HasSubstr("1 frame was not whole"));
+  EXPECT_THAT(again.err, HasSubstr("made again"));
   EXPECT_EQ(contents(files[0]), whole);
   const Outcome none = panwright({"run", scenario, "-o", folder / "others", "--type", "jpeg"});
   EXPECT_EQ(none.code, 2);
