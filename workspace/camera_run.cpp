@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "sensor/camera_file.h"
 #include "workspace/exposure.h"
-#include "workspace/internal/detecting.h"
+#include "workspace/detecting.h"
 #include "workspace/internal/exposure_sum.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
