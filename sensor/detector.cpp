@@ -50,8 +50,8 @@ float charge_of_full_well(const Detector& d) {
   if (!d.has(Stage::well)) return std::numeric_limits<float>::infinity();
   const double well = well_of(d), x = well * (1 / d.full_well_e);
   const bool bends = d.has(Stage::nonlinearity);
-  return static_cast<float>(
-      bends ? well * (1.0 + x * (d.nonlinearity[0] + x * d.nonlinearity[1])) : well);
+  return static_cast<float>(bends ? well * (1.0 + x * (d.nonlinearity[0] + x * d.nonlinearity[1]))
+                                  : well);
 }
 
 // State of one readout: electrons, then numbers.
@@ -411,8 +411,8 @@ std::vector<std::uint8_t> saturated_pixels(const Detector& detector,
                                            std::span<const std::uint16_t> dn,
                                            std::span<const float> electrons) {
   const std::uint32_t most = detector.most_dn();
-  const float full = charge_of_full_well(detector) *
-                     static_cast<float>(detector.binning * detector.binning);
+  const float full =
+      charge_of_full_well(detector) * static_cast<float>(detector.binning * detector.binning);
   std::vector<std::uint8_t> out(dn.size());
   for (std::size_t i = 0; i < dn.size(); ++i) out[i] = dn[i] == most || electrons[i] >= full;
   return out;

@@ -62,11 +62,11 @@ struct Detector {
   double read_noise_e = 0;                   // RMS
   double dn_per_e = 1;                       // gain
   double bias_dn = 0;
-  std::uint32_t bits = 12;                  // 2 to 16
-  std::uint32_t compressed_bits = 0;        // of the square root of numbers; 0: none
-  std::uint32_t binning = 1;    // side of the blocks of pixels that are read as one; mono then
-  bool sums_numbers = false;    // of the pixels of a block; else their charge, read once
-  std::uint64_t serial = 0;                 // of the specimen: its fixed patterns
+  std::uint32_t bits = 12;            // 2 to 16
+  std::uint32_t compressed_bits = 0;  // of the square root of numbers; 0: none
+  std::uint32_t binning = 1;  // side of the blocks of pixels that are read as one; mono then
+  bool sums_numbers = false;  // of the pixels of a block; else their charge, read once
+  std::uint64_t serial = 0;   // of the specimen: its fixed patterns
   std::array<bool, kDetectorStages> off{};  // stages that are left out; not the ADC
 
   bool operator==(const Detector&) const = default;
@@ -118,7 +118,7 @@ struct Readout {
   // (numbers − bias) / gain of the converter.
   std::vector<float> signal;
   std::array<std::vector<float>, kDetectorStages> added;
-  double lost = 0;            // electrons beyond the well that no pixel took
+  double lost = 0;  // electrons beyond the well that no pixel took
   // Pixels at the full well or the largest number; blocks that have one.
   std::size_t saturated = 0;
   // Values that are negative or not a number, taken as 0, or infinite, taken as 1e12.
@@ -136,7 +136,8 @@ Readout read_out(const Detector& detector, const MeanElectrons& means, std::uint
                  std::uint32_t frame, bool layers = false);
 
 // Returns 1 for each pixel that Readout::saturated counts, of its numbers and electrons; with
-// compressed numbers also for those next to the largest, with binning for blocks full in all pixels.
+// compressed numbers also for those next to the largest, with binning for blocks full in all
+// pixels.
 std::vector<std::uint8_t> saturated_pixels(const Detector& detector,
                                            std::span<const std::uint16_t> dn,
                                            std::span<const float> electrons);

@@ -399,8 +399,8 @@ void bin(Imager& imager, std::uint32_t side) {
 
 std::string check_imager(const Imager& imager, std::uint32_t width, std::uint32_t height) {
   const Detector& d = imager.detector;
-  const double side = d.binning, area = 1e-8 * d.pixel_um.x * d.pixel_um.y * side * side * width *
-                                        height;
+  const double side = d.binning,
+               area = 1e-8 * d.pixel_um.x * d.pixel_um.y * side * side * width * height;
   if (std::string why = check_blocks(imager, std::max(width, height)); !why.empty()) return why;
   if (const double tracks = d.cosmic_per_cm2_s * area * d.exposure_s; tracks > kMostTracks)
     return fmt::format("{:.3g} tracks of particles in an exposure, expected at most {}", tracks,

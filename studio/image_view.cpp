@@ -72,8 +72,8 @@ void ImageView::draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, b
   ImGui::PopStyleVar();
 }
 
-// Places the image. That of a scenario's camera or of a camera file keeps its shape: a pixel is one of the screen or
-// several, or less than one where it would not fit.
+// Places the image. That of a scenario's camera or of a camera file keeps its shape: a pixel is one
+// of the screen or several, or less than one where it would not fit.
 void ImageView::place(const Vec2& at, const Vec2& area) {
   Vec2 low = at, size = area;
   const bool sized = state_.result && state_.result->request.view.sized();
@@ -336,8 +336,8 @@ void ImageView::pixel_values(const Vec2& mouse, std::uintptr_t texture) const {
   ImGui::Text("%.4g %.4g %.4g %s", image.radiance[3 * i], image.radiance[3 * i + 1],
               image.radiance[3 * i + 2], image.unit.c_str());
   if (result.imager != nullptr)
-    ImGui::Text("number %d of %u, %.5g electrons", image.dn[i],
-                result.imager->detector.most_dn(), image.electrons[i]);
+    ImGui::Text("number %d of %u, %.5g electrons", image.dn[i], result.imager->detector.most_dn(),
+                image.electrons[i]);
   else
     ImGui::Text("codes %d %d %d", result.rgba[4 * i], result.rgba[4 * i + 1],
                 result.rgba[4 * i + 2]);

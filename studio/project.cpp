@@ -228,10 +228,10 @@ struct Project::Reading {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   DiagnosticLog log{200};
   std::vector<workspace::FileStamp>
-      stamps;                      // taken before reading, so that later changes are found
-  std::shared_ptr<Play> play;      // null: no scenario, or a bad one
+      stamps;                  // taken before reading, so that later changes are found
+  std::shared_ptr<Play> play;  // null: no scenario, or a bad one
   std::shared_ptr<const sensor::CameraFile> camera;  // null: none, a bad one, or the scenario's
-  std::vector<std::string> names;  // of the targets, FILE or NAME=FILE
+  std::vector<std::string> names;                    // of the targets, FILE or NAME=FILE
   std::vector<workspace::TargetFile> targets;
   std::optional<world::World> world;
   std::optional<world::World> some;  // of the targets that can be read, where not all can be

@@ -54,7 +54,7 @@ class Project {
     std::shared_ptr<const world::World> world;  // the last good one; null: none yet
     std::shared_ptr<const Play> play;           // the scenario of `world`; null: there is none
     std::shared_ptr<const sensor::CameraFile> camera;  // of the file beside `world`; null: none
-    std::vector<std::string> targets;           // of `world`, FILE or NAME=FILE
+    std::vector<std::string> targets;                  // of `world`, FILE or NAME=FILE
     std::shared_ptr<const workspace::BoundingSpheres> spheres;  // of its targets, without poses
     std::vector<Message> messages;                              // of the last reading
     std::uint64_t readings = 0;                                 // finished

@@ -147,7 +147,7 @@ struct RenderThread::Resources {
   std::optional<workspace::FrameMaker> maker;  // of `source`; keeps maps and catalogues
   workspace::Frame frame;                      // of the last image
   workspace::Detecting detecting, interactive_detecting;
-  bool photo = false;                          // its tone
+  bool photo = false;  // its tone
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // found from the last exact image
   preview::Reference reference;
@@ -291,9 +291,9 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
   resources.frame = *std::move(frame);
   workspace::Frame& shown = resources.frame;
   if (shown.imager != nullptr && !exact)
-    shown.imager = std::make_shared<const sensor::Imager>(interactive_imager(
-        *shown.imager, 1.0 * shown.camera().width * shown.camera().height /
-                           (1.0 * request.width * request.height)));
+    shown.imager = std::make_shared<const sensor::Imager>(
+        interactive_imager(*shown.imager, 1.0 * shown.camera().width * shown.camera().height /
+                                              (1.0 * request.width * request.height)));
   workspace::show(shown, *request.world, resources.world);
   resources.photo = options.photo;
   if (!exact) {

@@ -33,9 +33,9 @@ namespace panwright::studio {
 struct RenderRequest {
   std::shared_ptr<const world::World> world;
   ViewState view;
-  std::uint32_t width = 0;                                    // pixels
-  std::uint32_t height = 0;                                   // pixels
-  double shown_scale = 1;  // pixels of the screen per side, over those of the image, at most 1
+  std::uint32_t width = 0;   // pixels
+  std::uint32_t height = 0;  // pixels
+  double shown_scale = 1;    // pixels of the screen per side, over those of the image, at most 1
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;  // nodes: target, node
   // bounces of light of the reference image that the exact image is compared with; none: no
   // comparison
@@ -57,13 +57,13 @@ struct RenderResult {
   double level_scale =
       1;               // of an interactive image: factor on the pixel footprint of levels of detail
   image::Image image;  // of radiance
-  std::vector<std::uint8_t> rgba;   // 4*H*W of the image, sRGB; of a detector its numbers, grey
-  double ev = 0;                    // exposure of `rgba`, as of --ev, stops
-  image::PngExposure exposure{0};   // the same, of the image's unit
+  std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB; of a detector its numbers, grey
+  double ev = 0;                   // exposure of `rgba`, as of --ev, stops
+  image::PngExposure exposure{0};  // the same, of the image's unit
   std::shared_ptr<const sensor::Imager> imager;  // of its numbers; null: there are none
   workspace::Detected detected;                  // of an imager
   std::vector<std::uint8_t> edges;               // edges_of(), where requested
-  std::vector<Detail> details;      // of an exact image
+  std::vector<Detail> details;                   // of an exact image
   preview::SamplingReport sampling;
   double seconds = 0;
   std::vector<Message> messages;

@@ -58,8 +58,8 @@ void SunPanel::detector(const sensor::Imager& imager) {
   Settings& changes = state_.view.detector;
   const sensor::Detector& own = imager.detector;
   const Moment* moment = state_.view.own();
-  auto exposure = changes.exposure || moment == nullptr ? *changes.exposure
-                                                        : *moment->frame.settings.exposure;
+  auto exposure =
+      changes.exposure || moment == nullptr ? *changes.exposure : *moment->frame.settings.exposure;
   if (exposure.number == 0.0)
     exposure = imager.auto_exposure ? decltype(exposure)(Settings::Exposure::automatic)
                                     : decltype(exposure)(own.exposure_s);

@@ -40,7 +40,7 @@ struct ImageSettings {
 
 // Largest sRGB codes of the pixels of an image, or the numbers of a detector.
 struct Histogram {
-  std::vector<float> bins;      // log(1 + pixels), of 0 to `most`
+  std::vector<float> bins;  // log(1 + pixels), of 0 to `most`
   std::uint32_t most = 255;
   std::uint64_t saturated = 0;  // pixels
 };

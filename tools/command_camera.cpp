@@ -93,8 +93,7 @@ class CameraReport {
     if (!camera_.imager) return true;
     const sensor::Optics& optics = camera_.imager->optics;
     for (std::size_t k = 0; k < sensor::kBands; ++k)
-      airy_[k] =
-          sensor::airy_px(optics, grid_, blocks_.pixel_um, sensor::kBandNm[k]);
+      airy_[k] = sensor::airy_px(optics, grid_, blocks_.pixel_um, sensor::kBandNm[k]);
     optics_report();
     detector_report();
     exposure();

@@ -93,8 +93,9 @@ int run(const Options& options, const Host& host) {
   }
   std::vector<std::string> words{kProgram, "--gl", options.gl};
   for (const auto& [option, value] :
-       {std::pair{"--owner", &options.owner}, std::pair{"--camera-file", &options.camera}, std::pair{"--script", &options.script},
-        std::pair{"--size", &options.size}, std::pair{"--scale", &options.scale}})
+       {std::pair{"--owner", &options.owner}, std::pair{"--camera-file", &options.camera},
+        std::pair{"--script", &options.script}, std::pair{"--size", &options.size},
+        std::pair{"--scale", &options.scale}})
     if (!value->empty()) words.insert(words.end(), {option, *value});
   for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
   if (options.common.json) words.push_back("--json");

@@ -67,8 +67,8 @@ TEST(DetectorInTheWindow, HasTheNumbersOfRender) {
     }
     const auto result = exact(thread, request);
     ASSERT_TRUE(result && result->exact && !result->failed);
-    const workspace::Kept kept = rendered(
-        *request.world, settings_of(request.view, request.width, request.height), log);
+    const workspace::Kept kept =
+        rendered(*request.world, settings_of(request.view, request.width, request.height), log);
     ASSERT_FALSE(log.has_errors()) << to_text(log);
     const image::Image& image = std::get<workspace::ImageProduct>(kept.product).image;
     ASSERT_EQ(image.dn.size(), 60u * 40u);
