@@ -302,16 +302,27 @@ void read_own_imager(TableReader& reader, CameraFile& camera, DiagnosticLog& log
   if (camera.width_m > 0)
     return reader.fail(*detector,
                        "an orthographic camera has no aperture: expected a focal length");
-  if (reader.find("binning") != nullptr)
-    return reader.fail(*detector, "expected a [detector] without binning: state its large pixels");
   ImagerLens lens{camera.lens.focal.x, {}};
   if (const auto pitch = reader.numbers(reader.find("pixel_um"), "pixel_um", {1, 2}))
     lens.pixel_um = Vec2(pitch->front(), pitch->back());
   const auto imager = read_imager(*detector, optics, lens, log);
   if (!imager) return reader.refuse();
   camera.imager = *imager;
-  if (const std::string why = check_imager(*imager, camera.width, camera.height); !why.empty())
-    reader.fail(*detector, why);
+}
+
+// Of what is read: the window of the detector.
+void check_own_imager(TableReader& reader, const Window& window, CameraFile& camera) {
+  if (!camera.imager) return;
+  const Value& detector = *reader.find("detector");
+  const auto [across, down] = window.binning;
+  if (across != down)
+    return reader.fail(detector, fmt::format("binning is {} x {}, expected square blocks with a "
+                                             "[detector]",
+                                             across, down));
+  if (across > 1) bin(*camera.imager, across);
+  if (const std::string why = check_imager(*camera.imager, camera.width, camera.height);
+      !why.empty())
+    reader.fail(detector, why);
 }
 
 void read_own(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
@@ -365,6 +376,7 @@ void read_own(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
                                camera.lens.principal != Vec2(camera.width, camera.height) / 2.0))
       reader.fail(at, "an orthographic camera reads the middle of its image, in square blocks");
   }
+  check_own_imager(reader, window, camera);
   reader.finish();
 }
 

@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "sensor/charge.h"
 #include "sensor/draws.h"
+#include "sensor/internal/binning.h"
 #include "sensor/internal/lanes.h"
 #include "sensor/internal/stages.h"
 #include "sensor/internal/tracks.h"
@@ -37,6 +38,20 @@ double band_gap(double kelvin) {  // eV
 double janesick(double kelvin) {
   constexpr double kBoltzmann = 8.617333262e-5;  // eV/K
   return kelvin * std::sqrt(kelvin) * det::exp(-band_gap(kelvin) / (2 * kBoltzmann * kelvin));
+}
+
+// Electrons that the full well holds: whole ones, where charge is whole.
+double well_of(const Detector& d) {
+  return d.has(Stage::shot) || d.blooming ? std::floor(d.full_well_e) : d.full_well_e;
+}
+
+// The same as Readout::electrons has it.
+float charge_of_full_well(const Detector& d) {
+  if (!d.has(Stage::well)) return std::numeric_limits<float>::infinity();
+  const double well = well_of(d), x = well * (1 / d.full_well_e);
+  const bool bends = d.has(Stage::nonlinearity);
+  return static_cast<float>(bends ? well * (1.0 + x * (d.nonlinearity[0] + x * d.nonlinearity[1]))
+                                  : well);
 }
 
 // State of one readout: electrons, then numbers.
@@ -282,13 +297,11 @@ class ReadoutRun {
     });
   }
 
-  double well() const { return has(Stage::shot) ? std::floor(d_.full_well_e) : d_.full_well_e; }
-
   void clip(const Piece& piece) {
     if (!has(Stage::well)) return;
     double lost = 0;
     stage(Stage::well, piece, [&](std::span<double> now) {
-      const double most = well();
+      const double most = well_of(d_);
       for (double& each : now) {
         lost += each > most ? each - most : 0.0;
         each = each > most ? most : each;
@@ -306,8 +319,9 @@ class ReadoutRun {
   void convert(const Piece& piece, Scratch& scratch) {
     scratch.full.assign(piece.count, 0);
     const std::span<double> now = state(piece);
+    const double well = well_of(d_);
     if (has(Stage::well))
-      for (std::size_t i = 0; i < now.size(); ++i) scratch.full[i] = now[i] >= well();
+      for (std::size_t i = 0; i < now.size(); ++i) scratch.full[i] = now[i] >= well;
     if (has(Stage::nonlinearity) && d_.nonlinearity != std::array<double, 2>{})
       stage(Stage::nonlinearity, piece, [&](std::span<double> q) {
         const double a = d_.nonlinearity[0], b = d_.nonlinearity[1], inverse = 1 / d_.full_well_e;
@@ -389,7 +403,19 @@ double dark_current(double na_per_cm2, const Vec2& pixel_um, double temperature_
 
 Readout read_out(const Detector& detector, const MeanElectrons& means, std::uint64_t seed,
                  std::uint32_t frame, bool layers) {
+  if (detector.binning > 1) return read_out_blocks(detector, means, seed, frame, layers);
   return ReadoutRun(detector, means, seed, frame, layers).run();
+}
+
+std::vector<std::uint8_t> saturated_pixels(const Detector& detector,
+                                           std::span<const std::uint16_t> dn,
+                                           std::span<const float> electrons) {
+  const std::uint32_t most = detector.most_dn();
+  const float full =
+      charge_of_full_well(detector) * static_cast<float>(detector.binning * detector.binning);
+  std::vector<std::uint8_t> out(dn.size());
+  for (std::size_t i = 0; i < dn.size(); ++i) out[i] = dn[i] == most || electrons[i] >= full;
+  return out;
 }
 
 }  // namespace panwright::sensor

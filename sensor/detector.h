@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -61,9 +62,11 @@ struct Detector {
   double read_noise_e = 0;                   // RMS
   double dn_per_e = 1;                       // gain
   double bias_dn = 0;
-  std::uint32_t bits = 12;                  // 2 to 16
-  std::uint32_t compressed_bits = 0;        // of the square root of numbers; 0: none
-  std::uint64_t serial = 0;                 // of the specimen: its fixed patterns
+  std::uint32_t bits = 12;            // 2 to 16
+  std::uint32_t compressed_bits = 0;  // of the square root of numbers; 0: none
+  std::uint32_t binning = 1;  // side of the blocks of pixels that are read as one; mono then
+  bool sums_numbers = false;  // of the pixels of a block; else their charge, read once
+  std::uint64_t serial = 0;   // of the specimen: its fixed patterns
   std::array<bool, kDetectorStages> off{};  // stages that are left out; not the ADC
 
   bool operator==(const Detector&) const = default;
@@ -74,9 +77,13 @@ struct Detector {
   bool moves_charge() const {
     return (blooming && has(DetectorStage::well)) || (smear_row_s > 0 && has(DetectorStage::smear));
   }
-  // Largest number that is stored.
+  // Largest number that is stored, and its bits.
   std::uint32_t most_dn() const {
-    return (1u << (compressed_bits > 0 ? compressed_bits : bits)) - 1;
+    const std::uint32_t one = (1u << (compressed_bits > 0 ? compressed_bits : bits)) - 1;
+    return sums_numbers ? one * binning * binning : one;
+  }
+  std::uint32_t stored_bits() const {
+    return static_cast<std::uint32_t>(std::bit_width(most_dn()));
   }
 };
 
@@ -88,7 +95,12 @@ double dark_ratio(double temperature_k);
 // Dark current of a pixel, e/s, of a density at 300 K.
 double dark_current(double na_per_cm2, const Vec2& pixel_um, double temperature_k);
 
-// Mean photoelectrons of a part of a detector, at the end of its exposure.
+// The detector without binning that blocks are like: its gain, noise and full well, but for defects
+// and tracks, rounding and the wells of single pixels.
+Detector detector_of_blocks(Detector detector);
+
+// Mean photoelectrons of a part of a detector, at the end of its exposure. With binning pixels are
+// blocks, and light is even within each.
 struct MeanElectrons {
   std::uint32_t x = 0, y = 0;           // of its first pixel
   std::uint32_t width = 0, height = 0;  // of the part
@@ -106,8 +118,9 @@ struct Readout {
   // (numbers − bias) / gain of the converter.
   std::vector<float> signal;
   std::array<std::vector<float>, kDetectorStages> added;
-  double lost = 0;            // electrons beyond the well that no pixel took
-  std::size_t saturated = 0;  // pixels at the full well or the largest number
+  double lost = 0;  // electrons beyond the well that no pixel took
+  // Pixels at the full well or the largest number; blocks that have one.
+  std::size_t saturated = 0;
   // Values that are negative or not a number, taken as 0, or infinite, taken as 1e12.
   std::size_t invalid = 0;
 };
@@ -121,5 +134,12 @@ struct Readout {
 // Cost: some 30 ns a pixel and core with Poisson, dark, read noise and ADC; twice that with all.
 Readout read_out(const Detector& detector, const MeanElectrons& means, std::uint64_t seed,
                  std::uint32_t frame, bool layers = false);
+
+// Returns 1 for each pixel that Readout::saturated counts, of its numbers and electrons; with
+// compressed numbers also for those next to the largest, with binning for blocks full in all
+// pixels.
+std::vector<std::uint8_t> saturated_pixels(const Detector& detector,
+                                           std::span<const std::uint16_t> dn,
+                                           std::span<const float> electrons);
 
 }  // namespace panwright::sensor

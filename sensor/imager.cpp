@@ -52,6 +52,7 @@ void each_detector_count(Of& d, const Take& take) {
   take("telegraph_frames", d.telegraph_frames, 1, 1e6);
   take("bits", d.bits, 2, 16);
   take("compressed_bits", d.compressed_bits, 2, 16);
+  take("blocks", d.binning, 2, 16);
 }
 
 template <class Of, class Take>
@@ -120,6 +121,7 @@ class ImagerReader {
       to = static_cast<std::uint32_t>(number);
     });
     each_flag(d, [&](const char* name, bool& to) { to = d_.flag(name).value_or(to); });
+    read_block_sum();
     shares(d_, "qe", out_.optics.qe);
     read_exposure();
     read_dark();
@@ -152,6 +154,16 @@ class ImagerReader {
     if (!(pitch->front() >= 0.1 && pitch->back() >= 0.1 &&
           std::max(pitch->front(), pitch->back()) <= 1000))
       d_.fail(*value, fmt::format("pixel_um is {}, expected 0.1 to 1000", pitch->front()));
+  }
+
+  void read_block_sum() {
+    const ConfigValue* value = d_.find("block_sum");
+    if (value == nullptr) return;
+    const std::string name = d_.text(value, "block_sum").value_or("charge");
+    out_.detector.sums_numbers = name == "numbers";
+    if (name != "numbers" && name != "charge")
+      d_.fail(*value,
+              fmt::format("block_sum is {}, expected \"charge\" or \"numbers\"", in_quotes(name)));
   }
 
   void read_exposure() {
@@ -358,11 +370,38 @@ std::string optics_text(const Optics& o) {
   return out;
 }
 
+// Bounds of a detector that is read in blocks. side: of its image
+std::string check_blocks(const Imager& imager, std::uint32_t side) {
+  const Detector& d = imager.detector;
+  if (d.binning == 1) return {};
+  if (!d.is_mono()) return "a detector with colour filters has blocks, expected a mono one";
+  if (imager.optics.kernel.side > 0)
+    return "a measured kernel with blocks of pixels, expected one without, of the blocks";
+  if (d.sums_numbers && d.compressed_bits > 0)
+    return "sums of numbers are compressed, expected sums of charge or no compressed_bits";
+  if (d.sums_numbers && d.stored_bits() > 16)
+    return fmt::format("sums of {} numbers of {} bits take {} bits, expected at most 16",
+                       d.binning * d.binning, d.bits, d.stored_bits());
+  constexpr std::uint32_t kMostSide = 16384;
+  if (std::uint64_t{side} * d.binning > kMostSide)
+    return fmt::format("the detector has {} pixels across, expected at most {}",
+                       std::uint64_t{side} * d.binning, kMostSide);
+  return {};
+}
+
 }  // namespace
+
+void bin(Imager& imager, std::uint32_t side) {
+  Optics& o = imager.optics;
+  for (double* length : {&o.psf_px, &o.jitter_px, &o.diffusion_px, &o.defocus_px}) *length /= side;
+  imager.detector.binning *= side;
+}
 
 std::string check_imager(const Imager& imager, std::uint32_t width, std::uint32_t height) {
   const Detector& d = imager.detector;
-  const double area = 1e-8 * d.pixel_um.x * d.pixel_um.y * width * height;
+  const double side = d.binning,
+               area = 1e-8 * d.pixel_um.x * d.pixel_um.y * side * side * width * height;
+  if (std::string why = check_blocks(imager, std::max(width, height)); !why.empty()) return why;
   if (const double tracks = d.cosmic_per_cm2_s * area * d.exposure_s; tracks > kMostTracks)
     return fmt::format("{:.3g} tracks of particles in an exposure, expected at most {}", tracks,
                        kMostTracks);
@@ -401,6 +440,7 @@ std::string imager_text(const Imager& imager) {
   out += fmt::format("dn_per_e = {}\n", number(d.dn_per_e));
   if (d.nonlinearity != standard.nonlinearity)
     out += fmt::format("nonlinearity = {}\n", list(d.nonlinearity));
+  if (d.sums_numbers) out += "block_sum = \"numbers\"\n";
   if (!d.is_mono())
     out += fmt::format("bayer = \"{}\"\n", std::string_view(d.bayer.data(), d.bayer.size()));
   if (d.serial > 0) out += fmt::format("serial = {}\n", d.serial);

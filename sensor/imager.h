@@ -21,6 +21,9 @@ struct Imager {
   bool operator==(const Imager&) const = default;
 };
 
+// Reads the pixels of an imager in blocks: lengths of its optics become those of blocks.
+void bin(Imager& imager, std::uint32_t side);
+
 // Lens that f-numbers and focus refer to.
 struct ImagerLens {
   double focal_px = 0;

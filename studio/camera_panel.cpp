@@ -16,18 +16,23 @@ void CameraPanel::draw() {
   if (state_.models.play) scenario();
   ImGui::BeginDisabled(state_.view.own() != nullptr);
   OrbitCamera& camera = state_.view.camera;
-  const double width = std::max(state_.image_size.x, 1.0);
+  const double width = std::max(state_.pixels().x, 1.0);
   widgets.slider("camera/range", camera.range, kNearest, kFarthest, "%.6g m", true,
                  "Distance from the centre. Mouse wheel over the image; Ctrl + click to type");
   widgets.slider("camera/azimuth", camera.azimuth, -180, 180, "%.3f deg", false,
                  "From +x about +z. Left button over the image");
   widgets.slider("camera/elevation", camera.elevation, -89.9, 89.9, "%.3f deg");
+  ImGui::BeginDisabled(state_.view.sized());
   widgets.slider("camera/field of view", camera.fov, 0.001, 170, "%.5g deg", true,
                  "Full horizontal angle");
   double pixel = 2e3 * std::tan(camera.fov * kDegree / 2) / width;
   if (widgets.slider("camera/pixel=pixel angle", pixel, 1e-5, 20, "%.5g mrad", true,
                      "IFOV: angle of the pixel on the axis"))
-    camera.fov = 2 * std::atan(pixel * 1e-3 * state_.image_size.x / 2) / kDegree;
+    camera.fov = 2 * std::atan(pixel * 1e-3 * width / 2) / kDegree;
+  ImGui::EndDisabled();
+  if (const sensor::CameraFile* file = state_.models.camera.get())
+    ImGui::TextDisabled("%s: %u x %u pixels%s", state_.options.camera_file.c_str(), file->width,
+                        file->height, file->imager ? ", with a detector" : "");
   ImGui::TextDisabled("pixel footprint at the centre: %.4g m",
                       2 * camera.range * std::tan(camera.fov * kDegree / 2) / width);
   for (int k = 0; k < 3; ++k)

@@ -112,6 +112,8 @@ void ImagePanel::comparison() {
   Widgets& widgets = state_.widgets;
   ImageSettings& image = state_.image;
   ImGui::TextUnformatted("Comparison with the reference renderer");
+  if (state_.imager() != nullptr)
+    return ImGui::TextDisabled("of radiance: not of the numbers of a detector");
   if (widgets.choice("compare", image.comparison, kComparisons, std::size(kComparisons),
                      "The same view path traced, with more samples while nothing moves") &&
       image.comparison != "off" && state_.layout.layer != "false colours")

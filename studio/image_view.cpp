@@ -19,6 +19,23 @@ namespace {
 
 constexpr double kFlickerSeconds = 0.6;  // of each of the two images
 
+Histogram histogram_of(const RenderResult& result) {
+  Histogram out;
+  out.bins.assign(64, 0);
+  const bool of_numbers = result.imager != nullptr;
+  const std::uint32_t most = of_numbers ? result.imager->detector.most_dn() : 255;
+  for (std::size_t i = 0; i < result.image.pixels(); ++i) {
+    const std::uint8_t* p = &result.rgba[4 * i];
+    const std::uint32_t value = of_numbers ? result.image.dn[i] : std::max({p[0], p[1], p[2]});
+    out.saturated += !of_numbers && value == 255;
+    if (value > 0) out.bins[std::size_t{64} * value / (most + 1)] += 1;
+  }
+  if (of_numbers) out.saturated = result.detected.saturated;
+  for (float& each : out.bins) each = std::log1p(each);
+  out.most = most;
+  return out;
+}
+
 }  // namespace
 
 bool flicker_shows_reference() {
@@ -55,13 +72,13 @@ void ImageView::draw(const Vec2& at, const Vec2& size, std::uintptr_t texture, b
   ImGui::PopStyleVar();
 }
 
-// Places the image. That of a scenario's camera keeps its shape: a pixel is one of the screen or
-// several, or less than one where it would not fit.
+// Places the image. That of a scenario's camera or of a camera file keeps its shape: a pixel is one
+// of the screen or several, or less than one where it would not fit.
 void ImageView::place(const Vec2& at, const Vec2& area) {
   Vec2 low = at, size = area;
-  const ViewState& view = state_.result ? state_.result->request.view : state_.view;
-  if (const Moment* own = view.own()) {
-    const Vec2 pixels(own->frame.camera().width, own->frame.camera().height);
+  const bool sized = state_.result && state_.result->request.view.sized();
+  if (sized) {
+    const Vec2 pixels(state_.result->request.width, state_.result->request.height);
     const double fit = std::min(area.x / pixels.x, area.y / pixels.y);
     size = glm::max(glm::floor(pixels * (fit >= 1 ? std::floor(fit) : fit)), Vec2(1));
     low = glm::floor(at + 0.5 * (area - size));
@@ -149,16 +166,7 @@ bool ImageView::take_result() {
     return false;
   }
   result = std::move(made);
-  Histogram& histogram = state_.histogram;
-  histogram.bins.assign(64, 0);
-  histogram.saturated = 0;
-  for (std::size_t i = 0; i < result->image.pixels(); ++i) {
-    const std::uint8_t* p = &result->rgba[4 * i];
-    const std::uint8_t largest = std::max({p[0], p[1], p[2]});
-    histogram.saturated += largest == 255;
-    if (largest > 0) histogram.bins[largest / 4] += 1;
-  }
-  for (float& each : histogram.bins) each = std::log1p(each);
+  state_.histogram = histogram_of(*result);
   return true;
 }
 
@@ -185,7 +193,12 @@ void ImageView::paint() {
   }
   paint_reference();
   paint_edges();
-  if (state_.layout.mark_white && layer == "light" && image.comparison != "difference")
+  if (!state_.layout.mark_white || layer != "light" || image.comparison == "difference") return;
+  if (result.imager != nullptr)
+    mark_pixels(canvas_.width,
+                saturated_pixels(result.imager->detector, result.image.dn, result.image.electrons),
+                canvas_.rgba);
+  else
     mark_white(canvas_.width, canvas_.rgba);
 }
 
@@ -322,7 +335,12 @@ void ImageView::pixel_values(const Vec2& mouse, std::uintptr_t texture) const {
   ImGui::Text("pixel %u, %u", x, y);
   ImGui::Text("%.4g %.4g %.4g %s", image.radiance[3 * i], image.radiance[3 * i + 1],
               image.radiance[3 * i + 2], image.unit.c_str());
-  ImGui::Text("codes %d %d %d", result.rgba[4 * i], result.rgba[4 * i + 1], result.rgba[4 * i + 2]);
+  if (result.imager != nullptr)
+    ImGui::Text("number %d of %u, %.5g electrons", image.dn[i], result.imager->detector.most_dn(),
+                image.electrons[i]);
+  else
+    ImGui::Text("codes %d %d %d", result.rgba[4 * i], result.rgba[4 * i + 1],
+                result.rgba[4 * i + 2]);
   if (!result.exact || !image.has_ground_truth()) {
     ImGui::TextDisabled("more once the image is exact");
   } else if (image.target_id[i] == 0) {
@@ -346,7 +364,6 @@ void ImageView::pixel_values(const Vec2& mouse, std::uintptr_t texture) const {
 // Names of frames and keypoints at their positions.
 void ImageView::draw_labels() const {
   if (!state_.result || !state_.models.world) return;
-  const world::World& world = *state_.models.world;
   DiagnosticLog ignored;
   world::Camera camera;
   if (const Moment* own = state_.view.own()) {

@@ -142,14 +142,29 @@ Pixels layer_pixels(const image::Image& image, const std::string& layer) {
   return out;
 }
 
-void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba) {
-  for (std::size_t i = 0; 4 * i < rgba.size(); ++i) {
-    std::uint8_t* p = &rgba[4 * i];
-    if (p[0] < 255 && p[1] < 255 && p[2] < 255) continue;
+std::vector<std::uint8_t> dn_pixels(const image::Image& image) {
+  const std::uint32_t most = (1u << image.dn_bits) - 1;
+  return colored_pixels(image, [&](std::size_t i) {
+    Rgb grey{};
+    grey.fill(static_cast<std::uint8_t>((255u * image.dn[i] + most / 2) / most));
+    return grey;
+  });
+}
+
+void mark_pixels(std::uint32_t width, std::span<const std::uint8_t> marked,
+                 std::vector<std::uint8_t>& rgba) {
+  for (std::size_t i = 0; i < marked.size(); ++i) {
     const bool stripe = ((i % width + i / width) / 4) % 2 == 0;
     constexpr Rgb kMagenta = {204, 0, 153};
-    if (stripe) std::copy(kMagenta.begin(), kMagenta.end(), p);
+    if (marked[i] != 0 && stripe) std::copy(kMagenta.begin(), kMagenta.end(), &rgba[4 * i]);
   }
+}
+
+void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba) {
+  std::vector<std::uint8_t> white(rgba.size() / 4);
+  for (std::size_t i = 0; i < white.size(); ++i)
+    white[i] = std::max({rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]}) == 255;
+  mark_pixels(width, white, rgba);
 }
 
 Comparison compared(const image::Image& image, const preview::ReferenceImage& reference) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,13 @@ struct Pixels {
 // Pixels of a layer. layer: one of kLayers, except light and levels (studio/details.h)
 Pixels layer_pixels(const image::Image& image, const std::string& layer);
 
-// Draws stripes over pixels with a code of 255 in a channel.
+// Numbers of a detector as grey, 4*H*W: black is 0, white the largest number.
+std::vector<std::uint8_t> dn_pixels(const image::Image& image);
+
+// Draws stripes over pixels with a code of 255 in a channel; or over those of `marked`, 1 each.
 void mark_white(std::uint32_t width, std::vector<std::uint8_t>& rgba);
+void mark_pixels(std::uint32_t width, std::span<const std::uint8_t> marked,
+                 std::vector<std::uint8_t>& rgba);
 
 // Difference between an image of the preview and a reference image of the same size.
 struct Comparison {

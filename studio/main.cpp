@@ -86,6 +86,8 @@ bool parse_option(std::string_view option, const std::string& value, Arguments& 
       return fail("--scale is '" + value + "', expected 0.5 to 8");
   } else if (option == "--owner") {
     options.owner = value;
+  } else if (option == "--camera-file") {
+    options.camera_file = value;
   } else if (option == "-D") {
     const auto equals = value.find('=');
     if (equals == std::string::npos || equals == 0)

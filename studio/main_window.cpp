@@ -70,6 +70,7 @@ void MainWindow::update_models() {
   if (read) panels_.materials.models_read();
   if (!models.world) return;
   if (world_changed) player_.advance();
+  if (world_changed) state_.take_camera();
   if (!framed_ && state_.image_size.x > 0) {
     state_.frame_all();
     framed_ = true;
@@ -204,12 +205,11 @@ void MainWindow::request_image() {
   RenderRequest request;
   request.world = world;
   request.view = state_.view;
-  request.width = static_cast<std::uint32_t>(state_.image_size.x);
-  request.height = static_cast<std::uint32_t>(state_.image_size.y);
-  if (const Moment* own = state_.view.own()) {
-    request.width = own->frame.camera().width;
-    request.height = own->frame.camera().height;
-  }
+  request.width = static_cast<std::uint32_t>(state_.pixels().x);
+  request.height = static_cast<std::uint32_t>(state_.pixels().y);
+  // in steps, so that no change of the window makes another image
+  const Vec2 shrunk = state_.pixels() / state_.image_size;
+  request.shown_scale = 1 / std::ceil(std::max({1.0, shrunk.x, shrunk.y}) - 1e-9);
   const auto& hidden = state_.parts.hidden;
   for (std::size_t i = 0; i < world->size() && !hidden.empty(); ++i) {
     const world::Instance& target = (*world)[i];
@@ -218,7 +218,7 @@ void MainWindow::request_image() {
         request.hidden.emplace_back(i, node);
   }
   request.edges = state_.image.edges;
-  if (state_.image.comparison != "off")
+  if (state_.image.comparison != "off" && state_.imager() == nullptr)
     request.reference_bounces = state_.image.interreflections ? kReferenceBounces : 0u;
   state_.renderer.request(std::move(request));
 }

@@ -15,6 +15,7 @@ namespace panwright::studio {
 struct Options {
   std::vector<std::string> files;  // FILE or NAME=FILE; one may be a scenario
   std::string owner;               // of a trajectory alone: as of open_play()
+  std::string camera_file;         // size, lens and detector of the image; empty: none
   workspace::OpenOptions open;
   preview::ContextKind context = preview::ContextKind::automatic;  // of the render thread
   Layout layout;                                                   // initial

@@ -25,7 +25,7 @@ class CameraPanel {
   WindowState& state_;
 };
 
-// Sun, exposure, shadows and imposters.
+// Sun, exposure or detector, shadows and imposters.
 class SunPanel {
  public:
   explicit SunPanel(WindowState& state) : state_(state) {}
@@ -33,6 +33,8 @@ class SunPanel {
 
  private:
   void exposure();
+  void detector(const sensor::Imager& imager);
+  void histogram();
   void shadows();
   WindowState& state_;
 };

@@ -33,9 +33,15 @@ bool Play::is_reduced() const {
 }
 
 Result<Play> open_play(const std::string& file, const std::string& owner,
-                       const std::vector<std::string>& models, DiagnosticLog& log) {
+                       const std::vector<std::string>& models, const std::string& camera,
+                       DiagnosticLog& log) {
   auto scenario = workspace::open_scenario(file, {owner, false}, log);
   if (!scenario) return failed;
+  if (!camera.empty()) {
+    workspace::Settings own;
+    own.camera_file = camera;
+    scenario->settings = workspace::with_defaults(std::move(own), scenario->settings);
+  }
   auto times = workspace::frame_times(*scenario, {}, log);
   if (!times) return failed;
   std::vector<std::string> targets;
@@ -69,9 +75,11 @@ Result<std::shared_ptr<const Moment>> moment_of(const Play& play, std::uint64_t 
   if (!frame) return failed;
   auto view = workspace::view_of(play.scenario, *frame, number, world, log);
   if (!view) return failed;
+  const auto exposure = view->settings.exposure;
   leave_out(*view);
   auto made = maker.frame(*view, log);
   if (!made) return failed;
+  if (made->imager != nullptr) view->settings.exposure = made->settings.exposure = exposure;
   if (const auto& epoch = frame->epoch)
     out->date = scenario::epoch_text(scenario::later(*epoch, out->time), frame->system) + " " +
                 std::string(scenario::time_system_name(frame->system));

@@ -38,11 +38,14 @@ struct Play {
 //
 //   owner   of a trajectory alone: a target's name; empty: the camera
 //   models  NAME=FILE: in place of the scenario's targets of the same names, or beside them
+//   camera  file in place of the scenario's camera; empty: its own
 // Fails: as workspace::open_scenario() and frame_times(); E8013 without a model.
 Result<Play> open_play(const std::string& file, const std::string& owner,
-                       const std::vector<std::string>& models, DiagnosticLog& log);
+                       const std::vector<std::string>& models, const std::string& camera,
+                       DiagnosticLog& log);
 
-// A frame as the window shows it: at one time, where an exposure would blur it, and by OpenGL.
+// A frame as the window shows it: at one time, where an exposure would blur it, and by OpenGL. A
+// detector is exposed as long as in the scenario.
 struct Moment {
   std::uint64_t number = 0;  // from 0
   double time = 0;           // seconds; of frames with an order alone: their number

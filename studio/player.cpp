@@ -62,9 +62,9 @@ void Player::make_moment() {
   auto moment = moment_of(*play_, number_, *world_, *maker_, log);
   std::vector<Message>& messages = state_.playback.messages;
   messages = messages_of(log);
-  if (play_->is_reduced())
+  if (play_->is_reduced() || (moment && (*moment)->frame.imager != nullptr))
     messages.push_back({Severity::note, "",
-                        "frames are displayed at one time and by OpenGL, without exposure, line "
+                        "frames are displayed at one time and by OpenGL, without motion blur, line "
                         "time and reference engine of the scenario",
                         "", 0, 0});
   // instead of a frame that cannot be displayed, the last one stays

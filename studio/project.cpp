@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "studio/play.h"
 #include "workspace/scenario.h"
@@ -88,9 +89,10 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
 }
 
 Project::Project(std::vector<std::string> files, workspace::OpenOptions open,
-                 std::function<void()> notify, std::string owner)
+                 std::function<void()> notify, std::string owner, std::string camera)
     : files_(std::move(files)),
       owner_(std::move(owner)),
+      camera_(std::move(camera)),
       open_(std::move(open)),
       notify_(std::move(notify)) {
   state_.reading = true;
@@ -119,6 +121,7 @@ std::shared_ptr<FileUses> Project::inputs() const {
   const std::lock_guard lock(mutex_);
   auto inputs = inputs_->next_run();
   for (const std::string& file : files_) inputs->will_read(workspace::target_file(file).file);
+  if (!camera_.empty()) inputs->will_read(camera_);
   for (const std::filesystem::path& file : state_.watched) inputs->will_read(file);
   return inputs;
 }
@@ -225,9 +228,10 @@ struct Project::Reading {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   DiagnosticLog log{200};
   std::vector<workspace::FileStamp>
-      stamps;                      // taken before reading, so that later changes are found
-  std::shared_ptr<Play> play;      // null: no scenario, or a bad one
-  std::vector<std::string> names;  // of the targets, FILE or NAME=FILE
+      stamps;                  // taken before reading, so that later changes are found
+  std::shared_ptr<Play> play;  // null: no scenario, or a bad one
+  std::shared_ptr<const sensor::CameraFile> camera;  // null: none, a bad one, or the scenario's
+  std::vector<std::string> names;                    // of the targets, FILE or NAME=FILE
   std::vector<workspace::TargetFile> targets;
   std::optional<world::World> world;
   std::optional<world::World> some;  // of the targets that can be read, where not all can be
@@ -238,7 +242,8 @@ struct Project::Reading {
   }
 
   // Opens the scenario, if there is one, and finds the targets. False: see the log.
-  bool find_targets(const std::vector<std::string>& files, const std::string& owner) {
+  bool find_targets(const std::vector<std::string>& files, const std::string& owner,
+                    const std::string& camera_file) {
     std::vector<std::string> scenarios;
     for (const std::string& file : files) (is_scenario(file) ? scenarios : names).push_back(file);
     if (scenarios.size() > 1) {
@@ -248,16 +253,27 @@ struct Project::Reading {
       return false;
     }
     if (!scenarios.empty()) {
-      auto opened = open_play(scenarios[0], owner, names, log);
+      auto opened = open_play(scenarios[0], owner, names, camera_file, log);
       if (!opened) return false;
       play = std::make_shared<Play>(*std::move(opened));
       names = play->targets;
+    } else if (!camera_file.empty() && !read_camera(camera_file)) {
+      return false;
     }
     for (const std::string& name : names) targets.push_back(workspace::target_file(name));
     return true;
   }
 
  private:
+  bool read_camera(const std::string& file) {
+    constexpr std::uint64_t kMostBytes = 1 << 20;
+    const auto text = read_file(file, kMostBytes, log);
+    if (!text) return false;
+    auto read = sensor::read_camera(*text, file, log);
+    if (read) camera = std::make_shared<const sensor::CameraFile>(*std::move(read));
+    return bool(read);
+  }
+
   std::set<std::filesystem::path> stamped_;
 };
 
@@ -268,6 +284,7 @@ void Project::read_once(const std::vector<std::string>& files, workspace::OpenOp
   log.set_files(std::make_shared<FileUses>(job));
   std::set<std::filesystem::path> paths;
   for (const std::string& file : files) paths.insert(workspace::target_file(file).file);
+  if (!camera_.empty()) paths.insert(camera_);
   std::string owner;
   {
     const std::lock_guard lock(mutex_);
@@ -277,7 +294,7 @@ void Project::read_once(const std::vector<std::string>& files, workspace::OpenOp
   }
   reading.stamp(paths);
   std::set<std::filesystem::path> inputs;
-  if (reading.find_targets(files, owner)) {
+  if (reading.find_targets(files, owner, camera_)) {
     paths.clear();
     for (const workspace::TargetFile& target : reading.targets) paths.insert(target.file);
     reading.stamp(paths);
@@ -344,6 +361,7 @@ void Project::publish(Reading reading, const Job& job) {
     state_.spheres = std::move(spheres);
     state_.partial = bad;
     state_.play = bad ? nullptr : std::move(reading.play);
+    state_.camera = std::move(reading.camera);
     state_.targets = std::move(reading.names);
   };
   if (!bad) {

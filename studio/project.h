@@ -17,6 +17,7 @@
 #include "base/diagnostic.h"
 #include "base/file_uses.h"
 #include "base/job.h"
+#include "sensor/camera_file.h"
 #include "workspace/targets.h"
 #include "workspace/watch.h"
 #include "world/world.h"
@@ -41,9 +42,10 @@ std::vector<Message> messages_of(const DiagnosticLog& log);
 class Project {
  public:
   // Begins to read. files: FILE or NAME=FILE, one of which may be a scenario. notify: called by its
-  // threads when state() changes. owner: of a trajectory alone, as of open_play()
+  // threads when state() changes. owner: of a trajectory alone, as of open_play(). camera: file of
+  // the image's camera; empty: none
   Project(std::vector<std::string> files, workspace::OpenOptions open,
-          std::function<void()> notify = {}, std::string owner = {});
+          std::function<void()> notify = {}, std::string owner = {}, std::string camera = {});
   ~Project();
   Project(const Project&) = delete;
   Project& operator=(const Project&) = delete;
@@ -51,7 +53,8 @@ class Project {
   struct State {
     std::shared_ptr<const world::World> world;  // the last good one; null: none yet
     std::shared_ptr<const Play> play;           // the scenario of `world`; null: there is none
-    std::vector<std::string> targets;           // of `world`, FILE or NAME=FILE
+    std::shared_ptr<const sensor::CameraFile> camera;  // of the file beside `world`; null: none
+    std::vector<std::string> targets;                  // of `world`, FILE or NAME=FILE
     std::shared_ptr<const workspace::BoundingSpheres> spheres;  // of its targets, without poses
     std::vector<Message> messages;                              // of the last reading
     std::uint64_t readings = 0;                                 // finished
@@ -89,6 +92,7 @@ class Project {
 
   std::vector<std::string> files_;
   std::string owner_;
+  const std::string camera_;  // file
   workspace::OpenOptions open_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;

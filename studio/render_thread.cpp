@@ -61,12 +61,15 @@ Result<workspace::Frame> frame_of(const RenderRequest& request, double scale,
     return std::max(1u, static_cast<std::uint32_t>(std::lround(full * scale)));
   };
   const std::uint32_t width = side(request.width), height = side(request.height);
-  if (const Moment* own = request.view.own()) {
-    workspace::Frame frame = own->frame;
-    frame.camera() = resized(frame.camera(), width, height);
-    return frame;
-  }
-  return maker.frame(settings_of(request.view, width, height), log);
+  const ViewState& view = request.view;
+  if (!view.sized()) return maker.frame(settings_of(view, width, height), log);
+  workspace::View changed;
+  if (const Moment* own = view.own()) changed = own->view;
+  changed.settings = settings_of(view, width, height);
+  const bool known = view.own() != nullptr && !view.changes_detector();
+  auto frame = known ? Result(view.own()->frame) : maker.frame(changed, log);
+  if (frame) frame->camera() = resized(frame->camera(), width, height);
+  return frame;
 }
 
 // Table of sRGB codes of linear values, finer than the codes.
@@ -88,6 +91,20 @@ class SrgbTable {
 };
 
 }  // namespace
+
+sensor::Imager interactive_imager(sensor::Imager imager, double share) {
+  using Stage = sensor::DetectorStage;
+  sensor::Optics& optics = imager.optics;
+  for (double& each : optics.transmission) each *= share;
+  optics.psf_px = optics.jitter_px = optics.diffusion_px = optics.defocus_px = 0;
+  optics.diffraction = false;
+  optics.kernel = {};
+  for (const Stage stage : {Stage::prnu, Stage::smear, Stage::dsnu, Stage::hot, Stage::telegraph,
+                            Stage::cosmic, Stage::shot, Stage::read})
+    imager.detector.off[static_cast<std::size_t>(stage)] = true;
+  imager.detector.blooming = false;
+  return imager;
+}
 
 std::vector<std::uint8_t> srgb_pixels(const image::Image& image,
                                       const image::PngExposure& exposure) {
@@ -128,12 +145,17 @@ struct RenderThread::Resources {
   std::shared_ptr<const world::World> source;  // `world` is a copy of it
   world::World world;
   std::optional<workspace::FrameMaker> maker;  // of `source`; keeps maps and catalogues
-  world::Camera camera;                        // of the last image
-  bool photo = false;                          // its tone
+  workspace::Frame frame;                      // of the last image
+  workspace::Detecting detecting, interactive_detecting;
+  bool photo = false;  // its tone
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // found from the last exact image
   preview::Reference reference;
   std::shared_ptr<const RenderResult> exact;
+
+  workspace::Detecting& detecting_of(bool whole) {
+    return whole ? detecting : interactive_detecting;
+  }
 
   // Copies the world where it has changed, and hides nodes.
   void update(const RenderRequest& request) {
@@ -266,8 +288,13 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
       status_.problem = log.entries()[0].message;
     if (!resources.drawer) return std::nullopt;
   }
-  resources.camera = frame->camera();
-  workspace::show(*frame, *request.world, resources.world);
+  resources.frame = *std::move(frame);
+  workspace::Frame& shown = resources.frame;
+  if (shown.imager != nullptr && !exact)
+    shown.imager = std::make_shared<const sensor::Imager>(
+        interactive_imager(*shown.imager, 1.0 * shown.camera().width * shown.camera().height /
+                                              (1.0 * request.width * request.height)));
+  workspace::show(shown, *request.world, resources.world);
   resources.photo = options.photo;
   if (!exact) {
     options.samples = 1;
@@ -275,11 +302,12 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
     options.gl.imposters = preview::Imposters::off;
     options.gl.shadow_side =
         std::min(options.gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
-    const double range = range_of(request.view, resources.camera, resources.world);
-    options.gl.level_pixel = effort.level_scale * steady_footprint(resources.camera, range);
+    const double range = range_of(request.view, shown.camera(), resources.world);
+    options.gl.level_pixel = effort.level_scale * steady_footprint(shown.camera(), range);
   }
+  const world::Camera camera = resources.detecting_of(exact).drawn_camera(shown, options);
   resources.drawer->set_options(options);
-  auto drawn = resources.drawer->draw(resources.world, frame->camera(), exact, log, job);
+  auto drawn = resources.drawer->draw(resources.world, camera, exact, log, job);
   if (!drawn) return std::nullopt;
   return *std::move(drawn);
 }
@@ -298,12 +326,17 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
   if (quality == RenderResult::Quality::interactive) {
     const std::lock_guard lock(mutex_);
     effort = kEfforts[effort_];
+    effort.scale *= request.shown_scale;
     result->level_scale = effort.level_scale;
   }
   const bool full = effort.scale == 1 && effort.level_scale == 1;
   std::optional<workspace::Drawn> drawn;
   try {
     drawn = draw(resources, request, exact, effort, log, job);
+    result->imager = resources.frame.imager;
+    if (drawn && result->imager != nullptr)
+      result->detected =
+          resources.detecting_of(exact).develop(resources.frame, false, drawn->image, log);
   } catch (const std::exception&) {
     report_exception(log);
     resources.drawer.reset();  // what it holds may be half made
@@ -325,10 +358,12 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
       resources.ev = workspace::auto_exposure(result->image, of_sun);
     result->ev = request.view.auto_ev ? *resources.ev : request.view.ev;
     result->exposure = {result->ev - of_sun, resources.photo};
-    result->rgba = srgb_pixels(result->image, result->exposure);
-    if (exact) result->details = details_of(resources.world, resources.camera);
+    result->rgba = result->imager != nullptr ? dn_pixels(result->image)
+                                             : srgb_pixels(result->image, result->exposure);
+    const world::Camera& camera = resources.frame.camera();
+    if (exact) result->details = details_of(resources.world, camera);
     if (exact && request.edges)
-      result->edges = edges_of(resources.world, resources.camera, result->image, job);
+      result->edges = edges_of(resources.world, camera, result->image, job);
   }
   result->seconds = seconds_since(start);
   publish(resources, std::move(result));

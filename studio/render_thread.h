@@ -18,10 +18,12 @@
 #include "image/image.h"
 #include "preview/context.h"
 #include "preview/renderer.h"
+#include "sensor/imager.h"
 #include "studio/details.h"
 #include "studio/layers.h"
 #include "studio/project.h"
 #include "studio/view_state.h"
+#include "workspace/detecting.h"
 #include "workspace/drawer.h"
 #include "world/world.h"
 
@@ -31,8 +33,9 @@ namespace panwright::studio {
 struct RenderRequest {
   std::shared_ptr<const world::World> world;
   ViewState view;
-  std::uint32_t width = 0;                                    // pixels
-  std::uint32_t height = 0;                                   // pixels
+  std::uint32_t width = 0;   // pixels
+  std::uint32_t height = 0;  // pixels
+  double shown_scale = 1;    // pixels of the screen per side, over those of the image, at most 1
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;  // nodes: target, node
   // bounces of light of the reference image that the exact image is compared with; none: no
   // comparison
@@ -54,11 +57,13 @@ struct RenderResult {
   double level_scale =
       1;               // of an interactive image: factor on the pixel footprint of levels of detail
   image::Image image;  // of radiance
-  std::vector<std::uint8_t> rgba;   // 4*H*W of the image, sRGB
-  double ev = 0;                    // exposure of `rgba`, as of --ev, stops
-  image::PngExposure exposure{0};   // the same, of the image's unit
-  std::vector<std::uint8_t> edges;  // edges_of(), where requested
-  std::vector<Detail> details;      // of an exact image
+  std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB; of a detector its numbers, grey
+  double ev = 0;                   // exposure of `rgba`, as of --ev, stops
+  image::PngExposure exposure{0};  // the same, of the image's unit
+  std::shared_ptr<const sensor::Imager> imager;  // of its numbers; null: there are none
+  workspace::Detected detected;                  // of an imager
+  std::vector<std::uint8_t> edges;               // edges_of(), where requested
+  std::vector<Detail> details;                   // of an exact image
   preview::SamplingReport sampling;
   double seconds = 0;
   std::vector<Message> messages;
@@ -70,6 +75,11 @@ struct RenderResult {
   double reference_seconds = 0;
   Comparison comparison;
 };
+
+// An imager as interactive images have it: without optics and noise.
+//
+//   share  pixels of the image over those of the detector: as much light falls on each
+sensor::Imager interactive_imager(sensor::Imager imager, double share);
 
 // While requests follow each other, each is rendered quickly, at a reduced resolution where that
 // takes too long. Once they stop, the last one is rendered at full size, then exactly. Where

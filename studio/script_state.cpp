@@ -55,6 +55,9 @@ std::optional<std::string> MainWindow::state(const std::string& name) const {
     return result != nullptr && result->reference ? std::to_string(result->reference_samples) : "";
   if (name == "triangles") return triangles_of(result);
   if (name == "white") return std::to_string(state_.histogram.saturated);
+  if (name == "exposure")
+    return result != nullptr && result->imager ? fmt::format("{}", result->detected.exposure_s)
+                                               : "";
   if (name == "problem") return state_.renderer.status().problem;
   if (name == "pixels")
     return result != nullptr && result->image.width > 0

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "studio/panels.h"
+#include "studio/play.h"
 
 namespace panwright::studio {
 
@@ -29,7 +30,11 @@ void SunPanel::draw() {
   }
   ImGui::EndDisabled();
   ImGui::Separator();
-  exposure();
+  if (const sensor::Imager* imager = state_.imager())
+    detector(*imager);
+  else
+    exposure();
+  histogram();
   ImGui::Separator();
   shadows();
 }
@@ -44,12 +49,64 @@ void SunPanel::exposure() {
   ImGui::BeginDisabled(view.auto_ev);
   if (state_.widgets.slider("exposure/stops", stops, -12, 20, "%.3f")) view.ev = stops;
   ImGui::EndDisabled();
+}
+
+// Exposure time, gain and temperature in place of those of the camera's file, or of the scenario.
+void SunPanel::detector(const sensor::Imager& imager) {
+  using workspace::Settings;
+  Widgets& widgets = state_.widgets;
+  Settings& changes = state_.view.detector;
+  const sensor::Detector& own = imager.detector;
+  const Moment* moment = state_.view.own();
+  auto exposure =
+      changes.exposure || moment == nullptr ? *changes.exposure : *moment->frame.settings.exposure;
+  if (exposure.number == 0.0)
+    exposure = imager.auto_exposure ? decltype(exposure)(Settings::Exposure::automatic)
+                                    : decltype(exposure)(own.exposure_s);
+  ImGui::TextUnformatted("Detector");
+  bool automatic = !exposure.number;
+  const bool drawn = state_.result && state_.result->imager != nullptr;
+  double seconds = exposure.number.value_or(drawn ? state_.result->detected.exposure_s : 1e-3);
+  if (widgets.check("detector/auto=automatic exposure", automatic,
+                    "99 of 100 lit pixels below 0.8 of the full well and of the largest number")) {
+    if (automatic)
+      changes.exposure = Settings::Exposure::automatic;
+    else
+      changes.exposure = seconds;
+  }
+  ImGui::BeginDisabled(automatic);
+  if (widgets.slider("detector/exposure", seconds, std::max(1e-6, 1.001 * own.smear_row_s), 1e3,
+                     "%.4g s", true))
+    changes.exposure = seconds;
+  ImGui::EndDisabled();
+  double gain = changes.gain ? *changes.gain : own.dn_per_e;
+  if (widgets.slider("detector/gain", gain, 1e-6, 1e4, "%.4g DN/e", true, "Numbers per electron"))
+    changes.gain = gain;
+  double kelvin = changes.temperature ? *changes.temperature : own.temperature_k;
+  if (widgets.slider("detector/temperature", kelvin, 100, 350, "%.1f K", false,
+                     "Dark current follows it"))
+    changes.temperature = kelvin;
+  ImGui::BeginDisabled(!state_.view.changes_detector());
+  if (widgets.button("detector/reset=as in the file")) {
+    const Settings standard;
+    changes.exposure = standard.exposure;
+    changes.gain = standard.gain;
+    changes.temperature = standard.temperature;
+  }
+  ImGui::EndDisabled();
+  const double dark = own.dark_e_per_s * sensor::dark_ratio(kelvin);
+  ImGui::TextDisabled("dark current %.3g e/s, %.3g e in the exposure", dark, dark * seconds);
+}
+
+void SunPanel::histogram() {
   const Histogram& histogram = state_.histogram;
+  const std::string title =
+      fmt::format("{} 0 to {}, log of pixels",
+                  state_.imager() != nullptr ? "numbers" : "sRGB codes", histogram.most);
   if (!histogram.bins.empty())
     ImGui::PlotHistogram("##histogram", histogram.bins.data(),
-                         static_cast<int>(histogram.bins.size()), 0,
-                         "sRGB codes 0 to 255, log of pixels", FLT_MAX, FLT_MAX,
-                         {ImGui::GetContentRegionAvail().x, 90});
+                         static_cast<int>(histogram.bins.size()), 0, title.c_str(), FLT_MAX,
+                         FLT_MAX, {ImGui::GetContentRegionAvail().x, 90});
   ImGui::TextDisabled("%llu saturated pixels",
                       static_cast<unsigned long long>(histogram.saturated));
 }

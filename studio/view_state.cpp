@@ -39,6 +39,15 @@ std::string shell_quoted(const std::string& word) {
   return out + "'";
 }
 
+// What is not as in the detector's file.
+workspace::Settings changes_of(workspace::Settings detector) {
+  if (detector.exposure && detector.exposure->number)
+    detector.exposure = typed(*detector.exposure->number);
+  if (detector.gain) detector.gain = typed(*detector.gain);
+  if (detector.temperature) detector.temperature = typed(*detector.temperature);
+  return detector;
+}
+
 // The state of the world of a moment, from outside.
 void add_moment(const Moment& moment, workspace::Settings& out) {
   const workspace::Settings& settings = moment.view.settings;
@@ -90,18 +99,23 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   if (const Moment* own = view.own()) {
     out = own->view.settings;
     expose();
-    return out;
+    workspace::Settings changes = changes_of(view.detector);
+    changes.camera_file = workspace::Settings().camera_file;
+    return workspace::with_defaults(std::move(changes), out);
   }
+  if (view.sized()) out = changes_of(view.detector);
   if (view.camera.frame.empty()) {
     out.camera = typed(view.camera.position());
     out.look_at = typed(view.camera.centre);
   } else {
     out.camera_frame = view.camera.frame;
   }
-  out.fov = typed(view.camera.fov) * kDegree;
+  if (!view.sized()) {
+    out.fov = typed(view.camera.fov) * kDegree;
+    out.size = {width, height};
+  }
   out.sun = typed(view.sun());
   if (view.sun_distance != view.scene_distance) out.sun_distance = typed(view.sun_distance);
-  out.size = {width, height};
   expose();
   if (view.shadows != workspace::Settings::Shadows::automatic) out.shadows = view.shadows;
   if (view.imposters != workspace::Settings::Imposters::automatic) out.imposters = view.imposters;

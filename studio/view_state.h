@@ -41,6 +41,9 @@ struct ViewState {
   double sun_distance = 1;    // AU
   double scene_distance = 1;  // of the Sun in the scene of a model: left out of settings
   SkyChoice sky;
+  // Camera file, unless a scenario plays; and what is not as in its [detector], or the scenario's:
+  // exposure, gain and temperature.
+  workspace::Settings detector;
   double ev = 0;        // stops
   bool auto_ev = true;  // exposure is found from the exact image
   // as of Settings
@@ -59,11 +62,16 @@ struct ViewState {
   void turn_sun(double right, double down);
   // The moment whose camera the image is of; null: `camera`.
   const Moment* own() const { return from_outside ? nullptr : moment.get(); }
+  // The image has a size of its own, that of a scenario's camera or of a file.
+  bool sized() const { return own() != nullptr || (!moment && detector.camera_file); }
+  bool changes_detector() const {
+    return detector.exposure || detector.gain || detector.temperature;
+  }
   bool operator==(const ViewState&) const = default;
 };
 
 // The settings that make the same image, with few enough digits to be typed; those of a scenario
-// with all, and of its camera's size.
+// with all, and of its camera's size. width, height: unless a camera has its own
 workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height);
 
 // `panwright render …`, quoted for a shell. files: NAME=FILE

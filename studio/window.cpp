@@ -119,8 +119,11 @@ class Screen {
     gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(canvas.width),
                    static_cast<GLsizei>(canvas.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                    canvas.rgba.data());
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-      gl_.TexParameteri(GL_TEXTURE_2D, filter, canvas.smooth ? GL_LINEAR : GL_NEAREST);
+    // without levels, mosaics of colour filters beat with the pixels of the screen
+    if (canvas.smooth) gl_.GenerateMipmap(GL_TEXTURE_2D);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+                      canvas.smooth ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, canvas.smooth ? GL_LINEAR : GL_NEAREST);
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
       gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
     shows_[sample] = true;

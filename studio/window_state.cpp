@@ -34,7 +34,7 @@ workspace::BoundingSphere around(const workspace::BoundingSphere& sphere,
 WindowState::WindowState(const Options& from)
     : options(from),
       layout(from.layout),
-      project(from.files, from.open, glfwPostEmptyEvent, from.owner),
+      project(from.files, from.open, glfwPostEmptyEvent, from.owner, from.camera_file),
       renderer(from.context, glfwPostEmptyEvent) {}
 
 world::World WindowState::posed() const {
@@ -74,16 +74,50 @@ void WindowState::take_scene() {
   view.sun_elevation = std::atan2(sun->z, std::hypot(sun->x, sun->y)) / kDegree;
 }
 
+const sensor::Imager* WindowState::imager() const {
+  if (const Moment* own = view.own()) return own->frame.imager.get();
+  const bool has = models.camera && models.camera->imager && view.sized();
+  return has ? &*models.camera->imager : nullptr;
+}
+
+void WindowState::take_camera() {
+  const sensor::CameraFile* camera = models.camera.get();
+  workspace::Settings& detector = view.detector;
+  if (camera == nullptr)
+    detector.camera_file = workspace::Settings().camera_file;
+  else
+    detector.camera_file = options.camera_file;
+  if (camera != nullptr && camera->width_m == 0)
+    view.camera.fov = std::clamp(
+        2 * std::atan(0.5 * camera->width / camera->lens.focal.x) / kDegree, 0.001, 170.0);
+  const bool playing = models.play != nullptr;
+  if (playing ? view.moment && view.moment->frame.imager == nullptr
+              : camera == nullptr || !camera->imager) {
+    workspace::Settings none;
+    none.camera_file = detector.camera_file;
+    detector = none;
+  }
+}
+
+Vec2 WindowState::pixels() const {
+  if (const Moment* own = view.own())
+    return {own->frame.camera().width, own->frame.camera().height};
+  if (models.camera && view.sized()) return {models.camera->width, models.camera->height};
+  return image_size;
+}
+
 void WindowState::frame_targets() {
   if (!models.world) return;
-  view.camera.frame_all(spheres.of(posed()), image_size.y / std::max(image_size.x, 1.0));
+  const Vec2 size = view.sized() && view.own() == nullptr ? pixels() : image_size;
+  view.camera.frame_all(spheres.of(posed()), size.y / std::max(size.x, 1.0));
 }
 
 void WindowState::frame_all() {
   if (!models.world) return;
   workspace::BoundingSphere sphere = spheres.of(posed());
   if (models.play) sphere = around(sphere, models.play->tracks);
-  view.camera.frame_all(sphere, image_size.y / std::max(image_size.x, 1.0));
+  const Vec2 size = view.sized() && view.own() == nullptr ? pixels() : image_size;
+  view.camera.frame_all(sphere, size.y / std::max(size.x, 1.0));
 }
 
 std::filesystem::path WindowState::output_path(const std::string& file) const {

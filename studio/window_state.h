@@ -38,9 +38,10 @@ struct ImageSettings {
   bool interreflections = true;    // of the reference image
 };
 
-// Largest sRGB codes of the pixels of an image.
+// Largest sRGB codes of the pixels of an image, or the numbers of a detector.
 struct Histogram {
-  std::vector<float> bins;      // log(1 + pixels), codes 0 to 255
+  std::vector<float> bins;  // log(1 + pixels), of 0 to `most`
+  std::uint32_t most = 255;
   std::uint64_t saturated = 0;  // pixels
 };
 
@@ -68,7 +69,7 @@ struct WindowState {
   Project::State models;               // as of this frame
   workspace::BoundingSpheres spheres;  // of `models`
   ViewState view;
-  Vec2 image_size{0};                          // pixels
+  Vec2 image_size{0};                          // pixels of the area for it
   std::shared_ptr<const RenderResult> result;  // displayed; null: none yet
   ImageSettings image;
   Pixels color_scale;  // of the displayed layer, without pixels
@@ -84,6 +85,12 @@ struct WindowState {
   workspace::FrameMaker& maker_of(const std::shared_ptr<const world::World>& world);
   // Takes over the Sun of the scene of a model, where it has changed.
   void take_scene();
+  // Takes over the lens of the camera file, and drops changes of a detector that is none any more.
+  void take_camera();
+  // Optics and detector of the image as their file has them; null: there are none.
+  const sensor::Imager* imager() const;
+  // Width and height of the image: those of its camera, or `image_size`.
+  Vec2 pixels() const;
   // Fits all targets into the image; frame_all() the tracks of a scenario too.
   void frame_targets();
   void frame_all();

@@ -85,6 +85,7 @@ class CameraReport {
   CameraReport(const sensor::CameraFile& camera, const Options& options, CommandContext& context)
       : camera_(camera), options_(options), context_(context), out_(context.result()) {
     grid_ = {camera.width, camera.height, camera.lens.focal, camera.lens.principal, &map_};
+    if (camera.imager) blocks_ = sensor::detector_of_blocks(camera.imager->detector);
   }
 
   bool run() {
@@ -92,8 +93,7 @@ class CameraReport {
     if (!camera_.imager) return true;
     const sensor::Optics& optics = camera_.imager->optics;
     for (std::size_t k = 0; k < sensor::kBands; ++k)
-      airy_[k] =
-          sensor::airy_px(optics, grid_, camera_.imager->detector.pixel_um, sensor::kBandNm[k]);
+      airy_[k] = sensor::airy_px(optics, grid_, blocks_.pixel_um, sensor::kBandNm[k]);
     optics_report();
     detector_report();
     exposure();
@@ -141,7 +141,7 @@ class CameraReport {
 
   void optics_report() {
     const sensor::Optics& o = camera_.imager->optics;
-    const Vec2& pitch = camera_.imager->detector.pixel_um;
+    const Vec2& pitch = blocks_.pixel_um;
     const double focal_mm = 1e-3 * grid_.focal.x * pitch.x;
     constexpr double kNyquist = 0.5;
     const double airy = airy_[1];
@@ -174,7 +174,7 @@ class CameraReport {
   }
 
   void detector_report() {
-    const Detector& d = camera_.imager->detector;
+    const Detector& d = blocks_;
     const double most = most_electrons(d), dark = dark_electrons(d);
     const double floor = noise_at(d, 0).total();
     out_["full_well_e"] = d.full_well_e;
@@ -209,7 +209,7 @@ class CameraReport {
 
   // The time in which a plate that faces the Sun fills 0.8 of what the detector takes.
   void exposure() {
-    const Detector& d = camera_.imager->detector;
+    const Detector& d = blocks_;
     const auto of_bands = sensor::electrons_of_irradiance(camera_.imager->optics);
     const double angle = 1 / (grid_.focal.x * grid_.focal.y);
     std::array<double, sensor::kBands> rates{};
@@ -228,7 +228,7 @@ class CameraReport {
   }
 
   Plot transfer_plot() const {
-    const Detector& d = camera_.imager->detector;
+    const Detector& d = blocks_;
     const double most = 1.15 * most_electrons(d), dark = dark_electrons(d);
     const double top = static_cast<double>((1u << d.bits) - 1);
     Plot plot;
@@ -248,7 +248,7 @@ class CameraReport {
       sensor::MeanElectrons means;
       means.width = means.height = kSide;
       means.values = values;
-      Detector plain = d;
+      Detector plain = camera_.imager->detector;
       plain.bayer = {};
       plain.compressed_bits = 0;
       const auto a = sensor::read_out(plain, means, 1, 2 * k);
@@ -324,6 +324,7 @@ class CameraReport {
   Json& out_;
   sensor::DistortionMap map_{camera_.lens.distortion};
   sensor::PixelGrid grid_;
+  Detector blocks_;  // as its image has it
   std::array<double, sensor::kBands> airy_{};
 };
 

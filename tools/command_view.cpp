@@ -25,6 +25,7 @@ struct Options {
   std::vector<std::string> targets;  // FILE or NAME=FILE
   std::vector<std::string> defines;
   std::string owner;
+  std::string camera;
   std::string script;
   std::string size;
   std::string scale;
@@ -48,6 +49,10 @@ void declare_all(Arguments& arguments, Options& options) {
           "--owner", options.owner,
           "Owner of the positions or attitudes of an OEM or AEM: a target's name (default: camera)")
       .type("NAME");
+  arguments
+      .add("--camera-file", options.camera,
+           "Camera of the image, as of `panwright render`: size, lens and, if it has one, detector")
+      .type("FILE");
   arguments
       .add("--script", options.script,
            "JSON list of actions and screenshots to run in the window (docs/studio-scripts.md); "
@@ -88,8 +93,9 @@ int run(const Options& options, const Host& host) {
   }
   std::vector<std::string> words{kProgram, "--gl", options.gl};
   for (const auto& [option, value] :
-       {std::pair{"--owner", &options.owner}, std::pair{"--script", &options.script},
-        std::pair{"--size", &options.size}, std::pair{"--scale", &options.scale}})
+       {std::pair{"--owner", &options.owner}, std::pair{"--camera-file", &options.camera},
+        std::pair{"--script", &options.script}, std::pair{"--size", &options.size},
+        std::pair{"--scale", &options.scale}})
     if (!value->empty()) words.insert(words.end(), {option, *value});
   for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
   if (options.common.json) words.push_back("--json");

@@ -1,4 +1,4 @@
-#include "workspace/internal/detecting.h"
+#include "workspace/detecting.h"
 
 #include <fmt/format.h>
 
@@ -87,8 +87,9 @@ std::size_t clean(std::span<float> radiance) {
 }
 
 // The time at which 99 of 100 lit pixels are below 0.8 of the full well and of the largest number.
-double fitted_exposure(const sensor::Detector& detector, std::span<const float> rates,
+double fitted_exposure(const sensor::Detector& of_pixels, std::span<const float> rates,
                        std::uint32_t width) {
+  const sensor::Detector detector = sensor::detector_of_blocks(of_pixels);
   constexpr double kShare = 0.99, kBright = 0.8;
   std::vector<float> lit;
   for (std::size_t i = 0; i < rates.size() / 3; ++i) {
@@ -143,10 +144,11 @@ world::Camera Detecting::drawn_camera(const Frame& frame, DrawOptions& options) 
     const std::uint32_t fine = steps(frame);
     prepare(frame);
     if (!blur_ || blur_->fine() != fine) {
+      const sensor::Detector& detector = frame.imager->detector;
+      const Vec2 pitch = detector.pixel_um * static_cast<double>(detector.binning);
       std::array<double, sensor::kBands> airy{};
       for (std::size_t k = 0; k < sensor::kBands; ++k)
-        airy[k] = sensor::airy_px(optics, grid_of(camera), frame.imager->detector.pixel_um,
-                                  sensor::kBandNm[k]);
+        airy[k] = sensor::airy_px(optics, grid_of(camera), pitch, sensor::kBandNm[k]);
       blur_.emplace(optics, airy, fine);
     }
     camera.width *= fine;
@@ -207,7 +209,7 @@ Detected Detecting::develop(const Frame& frame, bool stages, image::Image& image
                     fmt::format("{} of radiance are negative or not finite: dark, or saturated",
                                 counted(wrong, "value")));
   image.dn = std::move(out.dn);
-  image.dn_bits = detector.compressed_bits > 0 ? detector.compressed_bits : detector.bits;
+  image.dn_bits = detector.stored_bits();
   if (!detector.is_mono()) image.filters.assign(detector.bayer.begin(), detector.bayer.end());
   image.electrons = std::move(out.electrons);
   if (stages) {

@@ -324,9 +324,16 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
   return true;
 }
 
-// The imager of the text, and the Sun's light in W/m² where none is given.
+// The imager of the text, and the Sun's light in W/m² where none is given. A gain and a temperature
+// become those of the text.
 bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& log) {
-  if (!settings.detector) return true;
+  if (!settings.detector) {
+    if (!settings.gain && !settings.temperature) return true;
+    log.report(Code::E0201, {},
+               fmt::format("--{} needs a detector, expected a camera file with a [detector]",
+                           settings.gain ? "gain" : "temperature"));
+    return false;
+  }
   auto& known = imagers_[*settings.detector];
   if (known == nullptr) {
     DiagnosticLog apart = log.apart();
@@ -339,7 +346,17 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
     known = std::make_shared<const sensor::Imager>(*imager);
   }
   frame.imager = known;
-  sensor::Imager exposed = *known;
+  if (settings.gain || settings.temperature) {
+    auto changed = std::make_shared<sensor::Imager>(*known);
+    sensor::Detector& detector = changed->detector;
+    detector.dn_per_e = settings.gain ? *settings.gain : detector.dn_per_e;
+    detector.temperature_k = settings.temperature ? *settings.temperature : detector.temperature_k;
+    settings.gain = Settings().gain;
+    settings.temperature = Settings().temperature;
+    settings.detector = sensor::imager_text(*changed);
+    frame.imager = std::move(changed);
+  }
+  sensor::Imager exposed = *frame.imager;
   if (const auto seconds = settings.exposure->number; seconds && *seconds > 0)
     exposed.detector.exposure_s = *seconds;
   if (const std::string why =

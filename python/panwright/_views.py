@@ -27,6 +27,8 @@ class View(TypedDict, total=False):
     ortho: float | str  # An orthographic image of this width, metres.
     exposure: float | str  # Exposure time in seconds: of scenarios, around the time of the frame (0: an instant) ([exposures](exposures.md)); of detectors (0: their own; `auto`: by the image).
     detector: str  # Optics and detector: the tables of a camera file as text ([detectors](detector.md)).
+    gain: float | str  # Gain of a detector, numbers per electron (that of its camera file).
+    temperature: float | str  # Temperature of a detector in kelvin, which its dark current follows (that of its camera file).
     noise_seed: float | str  # Seed of the noise of a detector (0).
     frame_number: float | str  # Number of the frame, which has a noise of its own (0; of scenarios that of each frame).
     line_time: float | str  # Of scenarios: rolling shutter, seconds from the exposure of a row to that of the row below it; negative: above it (0: all at once).

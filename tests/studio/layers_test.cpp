@@ -46,6 +46,23 @@ pan::Model compiled_model(const std::string& body) {
   return std::move(*model);
 }
 
+TEST(Layers, NumbersOfADetectorAreGrey) {
+  image::Image image = blank_image(4, 1);
+  image.dn = {0, 2048, 4094, 4095};
+  image.dn_bits = 12;
+  std::vector<std::uint8_t> rgba = dn_pixels(image);
+  const std::vector<int> expected = {0, 128, 255, 255};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rgba[4 * i + k], expected[i]);
+  // stripes over saturated pixels alone, not over all that are white on the screen
+  const std::vector<std::uint8_t> marked = {1, 0, 0, 1};
+  mark_pixels(4, marked, rgba);
+  EXPECT_EQ(rgba[1], 0);
+  EXPECT_EQ(rgba[0], 204);
+  EXPECT_EQ(rgba[4 * 2 + 1], 255);
+  EXPECT_EQ(rgba[4 * 3], 204);
+}
+
 TEST(Layers, FalseColoursAreFourDecades) {
   image::Image image = blank_image(5, 1);
   const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};

@@ -69,10 +69,10 @@ TEST(Play, ModelsBesideIt) {
   folder.write("way.csv", kWay);
   const std::string scenario = folder.write("pass.toml", kScenario);
   DiagnosticLog log;
-  const auto play = open_play(scenario, "", {"box=other.pxn", "more=more.pxn"}, log);
+  const auto play = open_play(scenario, "", {"box=other.pxn", "more=more.pxn"}, "", log);
   ASSERT_TRUE(play);
   EXPECT_EQ(play->targets, (std::vector<std::string>{"box=other.pxn", "more=more.pxn"}));
-  EXPECT_FALSE(open_play(folder / "way.csv", "", {}, log));
+  EXPECT_FALSE(open_play(folder / "way.csv", "", {}, "", log));
   EXPECT_TRUE(log.contains(Code::E8013));
 }
 

@@ -30,6 +30,8 @@ enum class SettingId : std::uint8_t {
   ortho,
   exposure,
   detector,
+  gain,
+  temperature,
   noise_seed,
   frame_number,
   line_time,
@@ -106,6 +108,8 @@ struct Settings {
   Setting<double> ortho;
   Setting<NumberOr<Exposure, double>> exposure{0.0};
   Setting<std::string> detector;
+  Setting<double> gain;
+  Setting<double> temperature;
   Setting<std::uint64_t> noise_seed{std::uint64_t{0}};
   Setting<std::uint32_t> frame_number{std::uint32_t{0}};
   Setting<double> line_time{0.0};

@@ -87,6 +87,12 @@ inline constexpr SettingInfo kSettings[] = {
     {"detector", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "tables [optics] and [detector] as text", "tables [optics] and [detector] as text",
      "", "", "", ""},
+    {"gain", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 1e-06, 10000.0, 0, EngineSet::both, Recorded::never,
+     "a number from 1e-06 to 10000.0", "a number from 1e-06 to 10000.0",
+     "--gain", "Camera and Sun", "DN", "Gain of a detector in numbers per electron (default: that of its camera file)"},
+    {"temperature", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 100.0, 350.0, 0, EngineSet::both, Recorded::never,
+     "a number from 100 to 350", "a number from 100 to 350",
+     "--temperature", "Camera and Sun", "KELVIN", "Temperature of a detector, which its dark current follows (default: that of its camera file)"},
     {"noise-seed", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, 1.8446744073709552e+19, 0, EngineSet::both, Recorded::changed,
      "a whole number from 0 on", "a whole number from 0 to 18446744073709551615",
      "--noise-seed", "Camera and Sun", "N", "Seed of the noise of a detector (default 0)"},
@@ -210,8 +216,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -238,6 +244,8 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::ortho: return f(id, settings.ortho...);
     case SettingId::exposure: return f(id, settings.exposure...);
     case SettingId::detector: return f(id, settings.detector...);
+    case SettingId::gain: return f(id, settings.gain...);
+    case SettingId::temperature: return f(id, settings.temperature...);
     case SettingId::noise_seed: return f(id, settings.noise_seed...);
     case SettingId::frame_number: return f(id, settings.frame_number...);
     case SettingId::line_time: return f(id, settings.line_time...);
@@ -305,6 +313,8 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::ortho, settings.ortho...);
   f(SettingId::exposure, settings.exposure...);
   f(SettingId::detector, settings.detector...);
+  f(SettingId::gain, settings.gain...);
+  f(SettingId::temperature, settings.temperature...);
   f(SettingId::noise_seed, settings.noise_seed...);
   f(SettingId::frame_number, settings.frame_number...);
   f(SettingId::line_time, settings.line_time...);

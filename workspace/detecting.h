@@ -1,4 +1,4 @@
-// Detectors of cameras: digital numbers of a rendered image. Private to workspace.
+// Detectors of cameras: digital numbers of a rendered image.
 #pragma once
 
 #include <cstdint>
