@@ -14,7 +14,7 @@ namespace panwright::instruments {
 namespace {
 
 constexpr double kPlanck = 6.62607015e-34, kSpeed = 299'792'458, kBoltzmann = 1.380649e-23;
-constexpr std::size_t kPulsesAtOnce = 64;   // of a thread
+constexpr std::size_t kPulsesAtOnce = 64;    // of a thread
 constexpr std::size_t kMomentsAtOnce = 512;  // states that are held
 
 // Of the Sun at 1 AU, W/m²/nm: of a black body of 5772 K, the effective temperature.
@@ -22,8 +22,8 @@ double solar_irradiance(double wavelength) {
   constexpr double kTemperature = 5772, kRadius = 6.957e8, kUnit = 1.495978707e11;
   const double x = kPlanck * kSpeed / (wavelength * kBoltzmann * kTemperature);
   const double square = wavelength * wavelength;
-  const double radiance = 2 * kPlanck * kSpeed * kSpeed / (square * square * wavelength) /
-                          (det::exp(x) - 1);
+  const double radiance =
+      2 * kPlanck * kSpeed * kSpeed / (square * square * wavelength) / (det::exp(x) - 1);
   return kPi * radiance * (kRadius / kUnit) * (kRadius / kUnit) * 1e-9;
 }
 
@@ -64,8 +64,8 @@ class Measurement {
     if (lidar_.eye_safe_energy > 0) energy_ = std::min(energy_, lidar_.eye_safe_energy);
     beam_energy_ = is_flash() ? energy_ / pixels : energy_;
     focal_ = is_flash() ? 0.5 * lidar_.scan.columns / det::tan(0.5 * lidar_.scan.fov) : 1;
-    const double field = is_flash() ? 1 / (focal_ * focal_)
-                                    : 0.25 * kPi * lidar_.field * lidar_.field;
+    const double field =
+        is_flash() ? 1 / (focal_ * focal_) : 0.25 * kPi * lidar_.field * lidar_.field;
     const double sun =
         lidar_.sun_w_m2_nm > 0 ? lidar_.sun_w_m2_nm : solar_irradiance(lidar_.wavelength);
     background_ = sun * lidar_.filter_nm * field * collecting_ * electrons_per_joule_;
@@ -123,8 +123,8 @@ class Measurement {
 // The threshold where none is given, and what an ideal instrument leaves out.
 Lidar Measurement::resolved(Lidar lidar, bool ideal) {
   if (ideal) lidar.sub_rays = 1;
-  const double fwhm = std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm +
-                                lidar.response_fwhm * lidar.response_fwhm);
+  const double fwhm =
+      std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm + lidar.response_fwhm * lidar.response_fwhm);
   const double sample = lidar.sample > 0 ? lidar.sample : 0.5 * fwhm / 2.3548200450309493;
   if (!(lidar.threshold_e > 0)) {
     const double noise = std::sqrt(lidar.excess_noise * lidar.dark_e_per_s * sample +
@@ -155,8 +155,8 @@ geometry::Ray Measurement::sub_ray(const Pulse& pulse, const Vec2& place, const 
 void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
                               std::vector<Returned>& returned) const {
   const preview::ViewedSurface seen = scene.viewed(hit);
-  const double sent = beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ *
-                      collecting_;
+  const double sent =
+      beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ * collecting_;
   const double square = std::max(hit.distance * hit.distance, 1e-12);
   double factor = seen.returned[lidar_.band];
   for (std::size_t i = 0; i < static_cast<std::size_t>(seen.mirror_count); ++i) {
@@ -178,7 +178,8 @@ void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::H
       returned.push_back({range, electrons, shown.cosine, scene.rays().ids(behind), kGhost});
   }
   if (factor > 0)
-    returned.push_back({hit.distance, sent * factor / square, seen.cosine, scene.rays().ids(hit), 0});
+    returned.push_back(
+        {hit.distance, sent * factor / square, seen.cosine, scene.rays().ids(hit), 0});
 }
 
 // Electrons a second of the Sun's light on the surface of a hit.
@@ -226,13 +227,13 @@ void Measurement::add_points(const LidarMoment& moment, std::uint32_t number,
     out.range = echo.range;
     out.intensity = echo.intensity;
     const double at_one_metre = beam_energy_ * electrons_per_joule_ * collecting_ / kPi;
-    out.reflectance = echo.intensity * echo.range * echo.range / at_one_metre;
+    if (!lidar_.photon_counting || options_.ideal)
+      out.reflectance = echo.intensity * echo.range * echo.range / at_one_metre;
     out.position = echo.range * pulse.direction;
     if (options_.frame_of != LidarOptions::kInstrument)
       out.position = moment.pose.rotation * out.position + moment.pose.translation;
     if (options_.frame_of >= 0) {
-      const world::Pose& target =
-          moment.world[static_cast<std::size_t>(options_.frame_of)].pose();
+      const world::Pose& target = moment.world[static_cast<std::size_t>(options_.frame_of)].pose();
       out.position = glm::conjugate(target.rotation) * (out.position - target.translation);
     }
     out.true_range = echo.true_range;

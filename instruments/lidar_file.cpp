@@ -118,11 +118,11 @@ bool read_table(LidarTable& table, const std::filesystem::path& folder, Scan& sc
     const Vec3 row((*rows)[i], (*rows)[i + 1] * kDegree, (*rows)[i + 2] * kDegree);
     const bool rises = scan.table.empty() || row.x >= scan.table.back().x;
     if (!rises || !(row.x >= 0) || std::fabs(row.y) > 2 * kPi || std::fabs(row.z) > kPi / 2) {
-      table.fail(*member,
-                 fmt::format("row {} of {} is {} s, {} deg, {} deg; expected times that do not "
-                             "fall, from 0, azimuths to 360 and elevations to 90 degrees",
-                             i / 3 + 1, in_quotes(*file), (*rows)[i], (*rows)[i + 1],
-                             (*rows)[i + 2]));
+      table.fail(
+          *member,
+          fmt::format("row {} of {} is {} s, {} deg, {} deg; expected times that do not "
+                      "fall, from 0, azimuths to 360 and elevations to 90 degrees",
+                      i / 3 + 1, in_quotes(*file), (*rows)[i], (*rows)[i + 1], (*rows)[i + 2]));
       return false;
     }
     scan.table.push_back(row);
@@ -216,8 +216,8 @@ bool read_receiver(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
     table.count("bloom_pixels", lidar.bloom_pixels, 0, 32);
     table.number("bloom_share", lidar.bloom_share, 0, 1);
   }
-  const double fwhm = std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm +
-                                lidar.response_fwhm * lidar.response_fwhm);
+  const double fwhm =
+      std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm + lidar.response_fwhm * lidar.response_fwhm);
   if (lidar.sample > 0 && lidar.sample < fwhm / 1000)
     table.fail(value, "sample_ns is below a thousandth of the pulse's width");
   if (lidar.sample > fwhm)

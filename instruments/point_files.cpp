@@ -125,9 +125,8 @@ bool write_npz(const LidarCloud& cloud, const std::filesystem::path& path, Diagn
 
 // A cloud of a grid with one echo at most a pulse is organised: a point a pulse, NaN without.
 bool is_organised(const LidarCloud& cloud) {
-  return cloud.columns > 0 && std::ranges::none_of(cloud.points, [](const LidarPoint& p) {
-           return p.echoes > 1;
-         });
+  return cloud.columns > 0 &&
+         std::ranges::none_of(cloud.points, [](const LidarPoint& p) { return p.echoes > 1; });
 }
 
 bool write_pcd(const LidarCloud& cloud, const std::filesystem::path& path, DiagnosticLog& log) {
@@ -226,10 +225,10 @@ struct ExtraField {
   const char* what;
 };
 constexpr ExtraField kExtraFields[] = {
-    {"range", 10, "measured, metres"},       {"true_range", 10, "metres; NaN: false alarm"},
-    {"electrons", 9, "measured intensity"},  {"cosine", 9, "of incidence"},
-    {"target_id", 5, "index + 1"},           {"node_id", 5, "index + 1"},
-    {"material_id", 5, "index + 1"},         {"flags", 5, "docs/lidar.md"}};
+    {"range", 10, "measured, metres"},      {"true_range", 10, "metres; NaN: false alarm"},
+    {"electrons", 9, "measured intensity"}, {"cosine", 9, "of incidence"},
+    {"target_id", 5, "index + 1"},          {"node_id", 5, "index + 1"},
+    {"material_id", 5, "index + 1"},        {"flags", 5, "docs/lidar.md"}};
 constexpr std::uint16_t kExtraBytes = 2 * 8 + 6 * 4;
 
 void add_las_header(const LidarCloud& cloud, const std::string& software, double scale,

@@ -79,8 +79,7 @@ std::vector<Pulse> rotating(const Scan& scan) {
     for (std::uint32_t row = 0; row < channels; ++row) {
       // the head turns on between the channels of a column
       const double at = column + static_cast<double>(row) / channels;
-      const double azimuth =
-          scan.azimuth.x + (scan.azimuth.y - scan.azimuth.x) * at / scan.columns;
+      const double azimuth = scan.azimuth.x + (scan.azimuth.y - scan.azimuth.x) * at / scan.columns;
       out.push_back({at / scan.rate_hz, direction_of(azimuth, scan.channels[row]), row, column});
     }
   return out;
@@ -90,7 +89,8 @@ std::vector<Pulse> of_table(const Scan& scan) {
   std::vector<Pulse> out;
   out.reserve(scan.table.size());
   for (const Vec3& each : scan.table)
-    out.push_back({each.x, direction_of(each.y, each.z), 0, static_cast<std::uint32_t>(out.size())});
+    out.push_back(
+        {each.x, direction_of(each.y, each.z), 0, static_cast<std::uint32_t>(out.size())});
   return out;
 }
 

@@ -34,7 +34,7 @@ struct Options {
   CommonOptions common;
   ReadOptions read;
   ViewOptions view;
-  std::vector<std::string> inputs;  // FILE or NAME=FILE, or one scenario
+  std::vector<std::string> inputs;   // FILE or NAME=FILE, or one scenario
   std::vector<std::string> targets;  // of a scenario
   std::string lidar;
   std::vector<std::string> outputs;
@@ -71,8 +71,9 @@ void declare_all(Arguments& arguments, Options& options) {
       .finite()
       .type("SECONDS");
   arguments
-      .add("--target", options.targets,
-           "Model of a target, instead of the scenario's: a .pan, .pxn or CAD file; may be repeated")
+      .add(
+          "--target", options.targets,
+          "Model of a target, instead of the scenario's: a .pan, .pxn or CAD file; may be repeated")
       .type("NAME=FILE")
       .one_value();
   for (const SettingId id :
@@ -245,12 +246,14 @@ class LidarRun {
     if (cloud.power > 0) out["mean_power_w"] = cloud.power;
     if (!cloud.points.empty()) out["range"] = {near, far};
     if (options_.common.json || options_.common.quiet) return;
-    std::string line = fmt::format("{}: {}, {}", lidar_.name.empty() ? "lidar" : lidar_.name,
-                                   counted(cloud.pulses.size(), "pulse"),
-                                   counted(cloud.points.size(), "point"));
+    std::string line =
+        fmt::format("{}: {}, {}", lidar_.name.empty() ? "lidar" : lidar_.name,
+                    counted(cloud.pulses.size(), "pulse"), counted(cloud.points.size(), "point"));
     if (!cloud.points.empty()) line += fmt::format(" from {:.6g} m to {:.6g} m", near, far);
-    if (const std::size_t none = pulses(PulseStatus::no_echo)) line += fmt::format(", {} without echo", none);
-    if (const std::size_t out_of = pulses(PulseStatus::out_of_gate)) line += fmt::format(", {} out of gate", out_of);
+    if (const std::size_t none = pulses(PulseStatus::no_echo))
+      line += fmt::format(", {} without echo", none);
+    if (const std::size_t out_of = pulses(PulseStatus::out_of_gate))
+      line += fmt::format(", {} out of gate", out_of);
     if (alarms > 0) line += fmt::format(", {}", counted(alarms, "false alarm"));
     fmt::print(stderr, "{}\n", line);
     if (!options_.ideal && cloud.energy < lidar_.pulse_energy)

@@ -128,8 +128,8 @@ void set_truth(const std::vector<Returned>& returned, double from, double to, Ec
 }
 
 Receiver::Receiver(const Lidar& lidar, const LidarRandom& random) : lidar_(lidar), random_(random) {
-  const double fwhm = std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm +
-                                lidar.response_fwhm * lidar.response_fwhm);
+  const double fwhm =
+      std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm + lidar.response_fwhm * lidar.response_fwhm);
   sigma_ = 0.5 * kLight * fwhm / kFwhm;
   seconds_ = lidar.sample > 0 ? lidar.sample : 0.5 * fwhm / kFwhm;
   step_ = 0.5 * kLight * seconds_;
@@ -147,8 +147,7 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
     const double centre = returned[i].range / step_;
     const double height = returned[i].electrons * unit_;
     const double reach = kReach * sigma_ / step_;
-    const auto first =
-        std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
+    const auto first = std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
     const auto last =
         std::min(window.end - 1, static_cast<std::int64_t>(std::floor(centre + reach)));
     for (std::int64_t k = first; k <= last; ++k)
@@ -158,10 +157,10 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
   const double electronics = lidar_.electronics_e * lidar_.electronics_e;
   if (lidar_.excess_noise > 0 || electronics > 0) {
     scratch.numbers.resize(s.size());
-    const sensor::Stream stream{{static_cast<std::uint32_t>(random_.seed),
-                                 static_cast<std::uint32_t>(random_.seed >> 32)},
-                                pulse,
-                                random_.stage_word(LidarStage::samples)};
+    const sensor::Stream stream{
+        {static_cast<std::uint32_t>(random_.seed), static_cast<std::uint32_t>(random_.seed >> 32)},
+        pulse,
+        random_.stage_word(LidarStage::samples)};
     sensor::draw_normal(static_cast<std::uint32_t>(window.first), stream, scratch.numbers);
     for (std::size_t k = 0; k < s.size(); ++k)
       s[k] += std::sqrt(lidar_.excess_noise * (s[k] + floor_e) + electronics) * scratch.numbers[k];
@@ -376,8 +375,7 @@ PulseStatus Receiver::receive(std::uint32_t pulse, const std::vector<Returned>& 
                               double background, Scratch& scratch, Excess& excess) const {
   scratch.echoes.clear();
   excess = {};
-  if (lidar_.drop_outs > 0 &&
-      random_.uniform(LidarStage::drop_out, pulse, 0)[0] < lidar_.drop_outs)
+  if (lidar_.drop_outs > 0 && random_.uniform(LidarStage::drop_out, pulse, 0)[0] < lidar_.drop_outs)
     return PulseStatus::dropped;
   if (lidar_.photon_counting) {
     count_photons(pulse, returned, background, scratch.echoes);

@@ -272,8 +272,10 @@ TEST(PointFiles, LasIsAsItsSpecificationSays) {
       const double from = number_at<double>(las, 155 + 8 * k);
       EXPECT_NEAR(number_at<std::int32_t>(las, p + 4 * k) * scale + from,
                   cloud.points[i].position[static_cast<int>(k)], scale);
-      EXPECT_LE(number_at<double>(las, 187 + 16 * k), cloud.points[i].position[static_cast<int>(k)] + scale);
-      EXPECT_GE(number_at<double>(las, 179 + 16 * k), cloud.points[i].position[static_cast<int>(k)] - scale);
+      EXPECT_LE(number_at<double>(las, 187 + 16 * k),
+                cloud.points[i].position[static_cast<int>(k)] + scale);
+      EXPECT_GE(number_at<double>(las, 179 + 16 * k),
+                cloud.points[i].position[static_cast<int>(k)] - scale);
     }
     EXPECT_EQ(number_at<std::uint16_t>(las, p + 12), 2500);
     EXPECT_EQ(las[p + 14], 0x11);
