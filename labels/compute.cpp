@@ -126,6 +126,17 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
   return out;
 }
 
+std::vector<std::vector<Keypoint>> keypoints_in_view(const world::World& world,
+                                                     const trace::Scene& scene,
+                                                     const world::Camera& camera, double slack) {
+  const ImagePlane plane(camera);
+  std::vector<std::vector<Keypoint>> out;
+  for (std::uint32_t target = 0; target < world.size(); ++target)
+    out.push_back(keypoints_of(world, target, trace::placed_nodes(world[target]), scene, plane,
+                               slack));
+  return out;
+}
+
 Result<FrameLabels> Labeller::label(const world::World& world, const world::Camera& camera,
                                     const FrameContext& context, DiagnosticLog& log,
                                     const Job& job) {

@@ -17,6 +17,7 @@
 #include "labels/flow.h"
 #include "labels/labels.h"
 #include "labels/parts.h"
+#include "trace/scene.h"
 #include "world/camera.h"
 #include "world/world.h"
 
@@ -44,6 +45,14 @@ struct FrameContext {
   // those of the first and the last row also of what lies above and below the image. None: all.
   std::optional<ImageRows> rows;
 };
+
+// Returns the keypoints of each target, in the world's order, without masks.
+//
+//   scene   of the world; its observer at the camera's pose
+//   slack   metres, as LabelOptions
+std::vector<std::vector<Keypoint>> keypoints_in_view(const world::World& world,
+                                                     const trace::Scene& scene,
+                                                     const world::Camera& camera, double slack);
 
 // Maker of labels of frames, one after the other. Search trees and placements are kept from frame
 // to frame, by the world's stamps.

@@ -26,6 +26,7 @@ void bind_models(py::module_& module);
 void bind_images(py::module_& module);
 void bind_drawing(py::module_& module);
 void bind_cameras(py::module_& module);
+void bind_instruments(py::module_& module);
 void bind_materials(py::module_& module);
 
 // Warns of a log's warnings, and raises panwright.Error with all its entries when it has errors.

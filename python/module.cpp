@@ -80,6 +80,7 @@ PYBIND11_MODULE(_core, module) {
   bind_images(module);
   bind_drawing(module);
   bind_cameras(module);
+  bind_instruments(module);
   bind_materials(module);
   module.def("run_command", &run_command, py::arg("arguments"));
 }

@@ -19,6 +19,8 @@ Command scenario_command();
 Command run_command();
 Command labels_command();
 Command stars_command();
+Command lookup_command();
+Command lidar_command();
 Command camera_command();
 Command view_command();
 Command material_command();

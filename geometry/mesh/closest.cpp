@@ -62,4 +62,8 @@ std::optional<SurfacePoint> closest_point(const Mesh& mesh, const Vec3& point) {
   return result;
 }
 
+Vec3 closest_point(const std::array<Vec3, 3>& triangle, const Vec3& point) {
+  return point + nearest_to_origin(triangle[0] - point, triangle[1] - point, triangle[2] - point);
+}
+
 }  // namespace panwright::geometry

@@ -1,6 +1,7 @@
 // Nearest point of a mesh to another point.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "geometry/mesh.h"
@@ -20,5 +21,8 @@ struct SurfacePoint {
 //
 // Expects: indices in range. Exact to rounding: a few ulps of the largest coordinate. Cost: O(T).
 std::optional<SurfacePoint> closest_point(const Mesh& mesh, const Vec3& point);
+
+// Returns the nearest point of one triangle, to rounding.
+Vec3 closest_point(const std::array<Vec3, 3>& triangle, const Vec3& point);
 
 }  // namespace panwright::geometry

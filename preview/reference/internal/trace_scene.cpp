@@ -27,6 +27,10 @@ void TraceScene::place_camera(const world::Camera& camera) {
   rays_.place_observer({camera.position, camera.world_from_camera});
 }
 
+void TraceScene::place_observer(const world::Pose& world_from_observer) {
+  rays_.place_observer(world_from_observer);
+}
+
 std::optional<trace::Hit> TraceScene::seen(const trace::Ray& ray) const {
   return found(rays_.nearest(ray, trace::Insides::pass));
 }

@@ -19,6 +19,7 @@ class TraceScene {
   void update(const world::World& world, const Job& job);
   // Sets the camera, the observer of the rays; after update().
   void place_camera(const world::Camera& camera);
+  void place_observer(const world::Pose& world_from_observer);
 
   const trace::Scene& rays() const { return rays_; }
 
