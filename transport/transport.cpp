@@ -206,6 +206,7 @@ void Transport::update(const world::World& world, std::span<const light::Source>
     for (const Sources& one : sources) each.push_back(&one);
     const auto found = interreflections(lists, each, options_.bounces, job);
     light_.assign(world.size(), {});
+    double whole = 0, indirect = 0;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       light::SurfelLight& light = light_[slots_[i].target];
       light.grid = slots_[i].shape->grid;
@@ -213,9 +214,15 @@ void Transport::update(const world::World& world, std::span<const light::Source>
       const auto surfels = slots_[i].shape->set->surfels();
       for (std::size_t s = 0; s < surfels.size(); ++s) {
         const glm::vec3 rgb(found[i][s]);
+        const double area = slots_[i].shape->set->area(s);
+        const Vec3 again = sources[i].albedo[s] * found[i][s];
+        indirect += area * (again.x + again.y + again.z);
+        whole += area * (sources[i].sent[s].x + sources[i].sent[s].y + sources[i].sent[s].z);
         light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
       }
     }
+    whole += indirect;
+    share_ = whole > 0 ? indirect / whole : 0;
     ++counts_.lights;
     stamps_ = std::move(stamps);
     white_ = world.white();

@@ -52,6 +52,8 @@ class Transport {
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
+  // Returns what interreflections add to the light that all surfels send, in parts of it.
+  double share() const { return share_; }
   // Surfels of a target. Expects: visible.
   const SurfelSet& surfels(std::uint32_t target) const { return *slots_[slot_of_[target]].shape->set; }
   const TransportLists& lists(std::uint32_t target) const { return *slots_[slot_of_[target]].lists; }
@@ -102,6 +104,7 @@ class Transport {
   std::vector<std::uint64_t> stamps_;  // of what lights depend on
   Vec3 white_{0};
   std::vector<light::Source> lamps_;
+  double share_ = 0;
   Counts counts_;
 };
 

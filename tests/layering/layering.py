@@ -14,8 +14,8 @@ LEVELS = [
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
-    {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
+    {"labels": ["trace", "sky", "image"], "transport": ["trace", "sky"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "transport", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
