@@ -27,7 +27,8 @@ enum class Work : std::uint8_t {
   // not counted:
   hidden,   // searches for hidden triangles
   fits,     // of materials
-  imports,  // CAD files, compiled
+  imports,    // CAD files, compiled
+  transport,  // light between surfaces
 };
 inline constexpr std::size_t kWorks = 5;  // counted
 std::string_view work_name(Work work);    // "meshes"

@@ -10,6 +10,7 @@
 #include "base/job.h"
 #include "base/result.h"
 #include "image/image.h"
+#include "light/surfels.h"
 #include "preview/device.h"
 #include "world/camera.h"
 #include "world/world.h"
@@ -122,6 +123,8 @@ struct RenderOptions {
   // Targets wide relative to their visible part have several; beyond the limit visible targets
   // share maps, and there is always one map
   std::uint64_t max_shadow_bytes = 1ull << 29;
+  // Light that other surfaces send each target of the world (transport/transport.h); null: none.
+  std::shared_ptr<const std::vector<light::SurfelLight>> indirect;
 };
 
 // Renderer of worlds into images of linear radiance, one after the other. State derived from a

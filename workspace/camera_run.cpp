@@ -128,6 +128,7 @@ class CameraRun : public InstrumentRun {
     Drawing drawing;
     drawing.frame = &frame;
     drawing.draw = draw_options(frame.settings, scope_.options.context);
+    drawing.draw.cache = scope_.options.source.open.cache;
     const DrawOptions& draw = drawing.draw;
     if (auto& wanted = drawers_.of(draw); !wanted || &*wanted != drawer_)
       if (!prepare(draw)) return false;

@@ -50,6 +50,7 @@ DrawOptions draw_options(const Settings& given, preview::ContextKind context) {
   draw.gl.max_bytes = draw.reference.max_bytes = *settings.max_image_memory;
   if (draw.engine == Engine::gl) {
     set_gl(settings, draw.gl);
+    draw.indirect = *settings.indirect;
   } else {
     draw.reference.until_error = *settings.until_error;
     draw.reference.max_samples = *settings.max_samples;

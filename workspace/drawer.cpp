@@ -10,9 +10,11 @@
 #include "preview/lens_renderer.h"
 #include "sky/backdrop.h"
 #include "sky/stars.h"
+#include "transport/transport.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/lamp_points.h"
 #include "world/evaluation.h"
+#include "world/lamps.h"
 
 namespace panwright::workspace {
 
@@ -57,6 +59,22 @@ struct Drawer::Impl {
     std::vector<LampPoint> lamps;
   };
   std::deque<Behind> behind;
+
+  // Light between surfaces, of the last world that was drawn with it.
+  struct Between {
+    explicit Between(const std::filesystem::path& cache) {
+      if (!cache.empty()) kept.emplace(cache / "work");
+      transport.emplace(transport::TransportOptions{}, kept ? &*kept : nullptr);
+    }
+    std::optional<WorkCache> kept;
+    std::optional<transport::Transport> transport;
+    std::uint64_t lights = 0;  // its count, of `light`
+    std::shared_ptr<const std::vector<light::SurfelLight>> light;
+  };
+  std::unique_ptr<Between> between;
+  bool find_light_between(const world::World& world, const world::Camera& camera,
+                          DiagnosticLog& log, const Job& job);
+
   world::Evaluation evaluation;
   bool may_stand_before(const sky::Sky& sky, const world::World& world, const Vec3& camera);
   void add_sky(const Behind& here, image::Image& image, const Job& job);
@@ -139,9 +157,33 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
   return true;
 }
 
+// Sets options.gl.indirect.
+bool Drawer::Impl::find_light_between(const world::World& world, const world::Camera& camera,
+                                      DiagnosticLog& log, const Job& job) {
+  constexpr double kWorthwhile = 1e-3;
+  options.gl.indirect.reset();
+  if (options.indirect == Indirect::off) return true;
+  if (!between) between = std::make_unique<Between>(options.cache);
+  transport::Transport& transport = *between->transport;
+  const bool good = run_job(job, log, [&] {
+    transport.update(world, world::placed_lamps(world, camera), job);
+    return true;
+  });
+  if (!good) return false;
+  if (options.indirect == Indirect::automatic && transport.share() < kWorthwhile) return true;
+  if (!between->light || between->lights != transport.counts().lights) {
+    const auto light = transport.light();
+    between->light = std::make_shared<const std::vector<light::SurfelLight>>(light.begin(), light.end());
+    between->lights = transport.counts().lights;
+  }
+  options.gl.indirect = between->light;
+  return true;
+}
+
 bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                           DiagnosticLog& log, const Job& job) {
   if (renderer) {
+    if (!find_light_between(world, camera, log, job)) return false;
     if (camera.distortion != nullptr) return submit_lens(world, camera, ground_truth, log, job);
     preview::RenderOptions own = options.gl;
     own.ground_truth = ground_truth;

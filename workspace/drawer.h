@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,14 +24,20 @@ namespace panwright::workspace {
 // gl: the preview, OpenGL. reference: the path tracer, without OpenGL, slow, with error bars.
 using Engine = Settings::Engine;
 
+// Light between surfaces in OpenGL (transport/transport.h). automatic: where it is more than a
+// thousandth of the light that surfaces send.
+using Indirect = Settings::Indirect;
+
 struct DrawOptions {
   Engine engine = Engine::gl;
   preview::ContextKind context = preview::ContextKind::automatic;
   unsigned samples = 0;  // N: N×N in each pixel; 0: by the engine's own options, which may set an
                          // error (preview::RenderOptions)
   // `ground_truth` of both is that of the call.
-  preview::RenderOptions gl;
+  preview::RenderOptions gl;  // without `indirect`
   preview::ReferenceOptions reference;
+  Indirect indirect = Indirect::off;
+  std::filesystem::path cache;  // OpenOptions
   bool photo = false;        // tone curve of PNGs: image::PngExposure
   image::FileOptions files;  // of the image's .exr and .npz
 };

@@ -65,6 +65,7 @@ void Lights::begin_image(const world::World& world, const world::Camera& camera,
   maps_.begin_image();
   lamps_.begin_image(world::placed_lamps(world, camera));
   planets_.begin_image(world, options);
+  indirect_.begin_image(options);
   SunDisc& disc = limits_.disc;
   disc = {};
   if (options.shadows == Shadows::hard ||
@@ -126,7 +127,8 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
   blocks_.upload(gl, views_.size(),
                  [&](std::size_t i, LightBlock& block) { block = views_[i].block; });
   const unsigned side = std::min(limits_.side, kShadowSide);
-  return planets_.update(device, scene, samples_, std::min(side, kPlanetSide), lamp_bytes_, log,
+  return indirect_.update(*device.context, scene, samples_, log) &&
+         planets_.update(device, scene, samples_, std::min(side, kPlanetSide), lamp_bytes_, log,
                          job) &&
          lamps_.update(device, scene, samples_, side, lamp_bytes_, report, log, job);
 }
@@ -134,6 +136,7 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
 void Lights::bind(const GladGLContext& gl, std::size_t pass, std::size_t receiver) const {
   if (pass > 0) return lamps_.bind(gl, receiver);
   if (planets_.any()) planets_.bind(gl, receiver);
+  if (indirect_.any()) indirect_.bind(gl, receiver);
   blocks_.bind(gl, kLightBinding, receiver);
   if (views_[receiver].depths == 0) return;
   gl.BindTextureUnit(kShadowDepthsUnit, views_[receiver].depths);

@@ -7,6 +7,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "preview/frame/block_stream.h"
+#include "preview/frame/indirect.h"
 #include "preview/frame/lamps.h"
 #include "preview/frame/light_view.h"
 #include "preview/frame/planetshine.h"
@@ -15,8 +16,8 @@
 
 namespace panwright::preview {
 
-// The Sun, its shadow maps, and the blocks of its light; planets (planetshine.h), which are shaded
-// with it; and lamps (lamps.h), which another pass adds.
+// The Sun, its shadow maps, and the blocks of its light; planets (planetshine.h) and other surfaces
+// (indirect.h), which are shaded with it; and lamps (lamps.h), which another pass adds.
 class Lights {
  public:
   // Begins another image, of one or several scenes.
@@ -27,8 +28,9 @@ class Lights {
   void begin_scene(const FrameScene& scene, const RenderOptions& options);
   bool shadows() const { return limits_.side > 0; }
   // True if samples need positions.
-  bool placed() const { return shadows() || lamps_.any(); }
+  bool placed() const { return shadows() || lamps_.any() || indirect_.any(); }
   bool planets() const { return planets_.any(); }
+  bool indirect() const { return indirect_.any(); }
 
   // Draws the missing maps and uploads the views of a scene. Adds to a report. Where nothing of the
   // Sun arrives, it has no maps.
@@ -62,6 +64,7 @@ class Lights {
  private:
   Lamps lamps_;
   Planetshine planets_;
+  Indirect indirect_;
   std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};

@@ -62,8 +62,11 @@ bool has_shadows(const FrameScene& scene) { return scene.lights && scene.lights-
 bool has_places(const FrameScene& scene) { return scene.lights && scene.lights->placed(); }
 
 Programs::Lit lit_by(const FrameScene& scene, bool added) {
-  if (!added) return scene.lights->planets() ? Programs::Lit::sun_and_planets : Programs::Lit::sun;
-  return scene.lights->points() ? Programs::Lit::point_lamps : Programs::Lit::lamps;
+  using enum Programs::Lit;
+  if (!added && scene.lights->indirect())
+    return scene.lights->planets() ? all_but_lamps : sun_and_surfaces;
+  if (!added) return scene.lights->planets() ? sun_and_planets : sun;
+  return scene.lights->points() ? point_lamps : lamps;
 }
 
 Mat4 rigid_inverse(const Mat4& matrix) {

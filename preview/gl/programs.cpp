@@ -32,17 +32,19 @@ std::string cutout_text(bool cutout) {
 }
 
 // of shading.frag
-std::string planets_text(const materials::BrdfModel& brdf_model) {
+std::string wide_light_text(const materials::BrdfModel& brdf_model, bool planets, bool indirect) {
   using enum materials::SpecularModel;
   const auto lobe = [&](const char* name, materials::SpecularModel model) {
     return defined(name, brdf_model.specular == model);
   };
-  return defined("PLANETS", true) + defined("COATED", brdf_model.coated) +
+  return defined("COATED", brdf_model.coated) +
          defined("COMPENSATED", brdf_model.compensated) +
          defined("LOBE_ANY", brdf_model.specular != none) + lobe("LOBE_BLINN_PHONG", blinn_phong) +
          lobe("LOBE_COOK_TORRANCE", cook_torrance) + lobe("LOBE_SLOPES", beckmann) +
          lobe("LOBE_HEAVY", ggx) + lobe("LOBE_MIRROR", mirror) +
-         lobe("LOBE_RETURNS", retroreflector) + planets_glsl;
+         lobe("LOBE_RETURNS", retroreflector) + wide_lobes_glsl + defined("PLANETS", planets) +
+         (planets ? planets_glsl : "") + defined("INDIRECT", indirect) +
+         (indirect ? indirect_glsl : "");
 }
 
 }  // namespace
@@ -117,7 +119,7 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
                          bool shadows, Lit lit) {
   const auto number = static_cast<unsigned>(lit);
   GlProgram& program =
-      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 4 + number}];
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 8 + number}];
   if (!program) {
     std::string head =
         sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
@@ -128,8 +130,11 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
         defined("POINTS", lit == Lit::point_lamps);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
+    const bool planets = lit == Lit::sun_and_planets || lit == Lit::all_but_lamps;
+    const bool indirect = lit == Lit::sun_and_surfaces || lit == Lit::all_but_lamps;
+    if (shadows || indirect) head += sample_normal_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
-    if (lit == Lit::sun_and_planets) head += planets_text(brdf_model);
+    if (planets || indirect) head += wide_light_text(brdf_model, planets, indirect);
     program = requested(screen_vert, head + shading_frag);
   }
   return program.id();

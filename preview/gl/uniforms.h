@@ -65,6 +65,9 @@ inline constexpr unsigned kPixelPlacesUnit = 19;  // pixels of blocks: x | y << 
 inline constexpr unsigned kSlopeMapUnit = 20;  // squared slopes of the normal map
 inline constexpr unsigned kPlanetLightUnit = 21;  // by direction (sky/shine_table.h)
 inline constexpr unsigned kPlanetDepthsUnit = 22;  // as shadow_depths, of planets' light
+inline constexpr unsigned kSurfelCellsUnit = 23;  // lists of a grid (light/surfels.h)
+inline constexpr unsigned kSurfelEntriesUnit = 24;  // surfels of these lists
+inline constexpr unsigned kSurfelLightUnit = 25;  // of each surfel: irradiance, inverse radius
 
 // Uniforms outside blocks.
 inline constexpr int kItemRangeLocation = 0;  // of a target: its first item, their number, and what precedes its classes; 1 for the first target
@@ -82,6 +85,7 @@ inline constexpr unsigned kDecalBinding = 3;
 inline constexpr unsigned kLightBinding = 4;
 inline constexpr unsigned kLampsBinding = 5;
 inline constexpr unsigned kPlanetsBinding = 6;
+inline constexpr unsigned kIndirectBinding = 7;
 
 // Camera and tile. std140.
 struct alignas(16) ViewBlock {
@@ -238,4 +242,18 @@ static_assert(offsetof(PlanetsBlock, group) == 528);
 static_assert(offsetof(PlanetsBlock, members) == 784);
 static_assert(offsetof(PlanetsBlock, map) == 1040);
 static_assert(offsetof(PlanetsBlock, map_from_sample) == 1296);
+
+// Grid of a receiver's surfels (indirect.h). std140.
+struct alignas(16) IndirectBlock {
+  float from_sample[12];  // rows: position in the model's axes from the grid's origin
+  float cells_a_metre;  // inverse side of its cubes
+  std::uint32_t last_slot;  // of surfel_cells
+  std::int32_t probes;  // slots that a list may lie behind its own; 0: no light
+  float padding_60[1];
+};
+static_assert(sizeof(IndirectBlock) == 64);
+static_assert(offsetof(IndirectBlock, from_sample) == 0);
+static_assert(offsetof(IndirectBlock, cells_a_metre) == 48);
+static_assert(offsetof(IndirectBlock, last_slot) == 52);
+static_assert(offsetof(IndirectBlock, probes) == 56);
 }  // namespace panwright::preview

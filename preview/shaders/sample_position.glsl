@@ -19,7 +19,7 @@ vec3 normal_of_triangle(vec3 mean) {
 }
 #endif
 
-// The octahedron |x| + |y| + |z| = 1, unfolded into a square; the reverse stands in shadow.glsl.
+// The octahedron |x| + |y| + |z| = 1, unfolded into a square; the reverse stands in sample_normal.glsl.
 uint packed_normal(vec3 normal) {
   float sum = abs(normal.x) + abs(normal.y) + abs(normal.z);
   if (!(sum > 0.0)) return 0u;

@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), PLANETS (with planets.glsl), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), PLANETS (with planets.glsl), INDIRECT (with indirect.glsl), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
@@ -298,9 +298,9 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   return sent;
 }
 
-#ifdef PLANETS
-// What planets' light sends to the viewer.
-vec3 sent_of_planets(Surface surface, const Seen seen) {
+#if defined(PLANETS) || defined(INDIRECT)
+// What light of planets and of other surfaces sends to the viewer.
+vec3 sent_of_wide_light(Surface surface, const Seen seen) {
 #ifdef ROUGH
   bool has_cells = material_cell_count(seen.first_row).x > 0.0;
   if (has_cells) {
@@ -308,7 +308,17 @@ vec3 sent_of_planets(Surface surface, const Seen seen) {
     surface.weights.y *= seen.cells.w;
   }
 #endif
-  PlanetLight light = planet_sent(surface, seen.place, seen.to_viewer, seen.normal);
+#ifdef PLANETS
+  WideLight light = planet_sent(surface, seen.place, seen.to_viewer, seen.normal);
+#else
+  WideLight light = WideLight(vec3(0.0), vec3(0.0), vec3(0.0));
+#endif
+#ifdef INDIRECT
+  WideLight other = indirect_sent(surface, seen.place, seen.to_viewer, seen.normal);
+  light.irradiance += other.irradiance;
+  light.diffuse += other.diffuse;
+  light.mirrored += other.mirrored;
+#endif
   vec3 sent = light.diffuse + light.mirrored;
 #ifdef ROUGH
   // Lambert's gaps between cells, without cover glass
@@ -404,8 +414,8 @@ void main() {
   } while (first < lamps.count);
 #else
   radiance = sent_of(surface, light_at(), seen, 0, surface_emission(surface, view.white));
-#ifdef PLANETS
-  radiance.rgb += sent_of_planets(surface, seen);
+#if defined(PLANETS) || defined(INDIRECT)
+  radiance.rgb += sent_of_wide_light(surface, seen);
 #endif
 #endif
 }

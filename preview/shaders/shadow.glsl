@@ -1,4 +1,4 @@
-// How much of a light a sample sees, from the shadow map around it.
+// How much of a light a sample sees, from the shadow map around it. Defined in front: sample_normal.glsl.
 #ifdef ADDED
 LAMPS_BLOCK
 #define SHADOW_MAP lamps
@@ -63,15 +63,6 @@ vec2 point_visibility(int layer, vec3 place, vec2 slope, float texel_depth, floa
   // note: a + (b - a)·t is exactly 1 where all four are
   vec4 rows = vec4(seen.wx, at_most.wx) + (vec4(seen.zy, at_most.zy) - vec4(seen.wx, at_most.wx)) * share.x;
   return rows.xz + (rows.yw - rows.xz) * share.y;
-}
-
-// See packed_normal() in sample_position.glsl.
-vec3 unpacked_normal(uint bits) {
-  vec2 at = unpackSnorm2x16(bits);
-  vec3 normal = vec3(at, 1.0 - abs(at.x) - abs(at.y));
-  vec2 upper = mix(vec2(-1.0), vec2(1.0), greaterThanEqual(at, vec2(0.0)));
-  if (normal.z < 0.0) normal.xy = (1.0 - abs(at.yx)) * upper;
-  return normal;
 }
 
 // How the depth of a plane changes along x and y of a map.

@@ -47,6 +47,9 @@ layout(binding = 19) uniform usamplerBuffer pixel_places;
 layout(binding = 20) uniform sampler2D slope_map;
 layout(binding = 21) uniform sampler2DArray planet_light;
 layout(binding = 22) uniform sampler2DArray planet_depths;
+layout(binding = 23) uniform usamplerBuffer surfel_cells;
+layout(binding = 24) uniform usamplerBuffer surfel_entries;
+layout(binding = 25) uniform samplerBuffer surfel_light;
 layout(location = 0) uniform uvec4 item_range;
 layout(location = 1) uniform float screen_depth;
 layout(location = 2) uniform uvec2 sample_blocks;
@@ -132,3 +135,10 @@ const int kPlanetsBinding = 6;
   vec4 map[16]; \
   vec4 map_from_sample[48]; \
 } planets;
+const int kIndirectBinding = 7;
+#define INDIRECT_BLOCK layout(std140, binding = 7) uniform Indirect { \
+  vec4 from_sample[3]; \
+  float cells_a_metre; \
+  uint last_slot; \
+  int probes; \
+} indirect;

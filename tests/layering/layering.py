@@ -14,9 +14,10 @@ LEVELS = [
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
-    {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"],
+    {"labels": ["trace", "sky", "image"], "transport": ["trace", "sky"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"],
      "instruments": ["labels", "preview/reference", "sensor"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "preview", "preview/reference"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "transport",
+                   "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
     {"python": ["workspace", "tools", "mli"]},
 ]

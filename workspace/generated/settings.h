@@ -62,6 +62,7 @@ enum class SettingId : std::uint8_t {
   shadows,
   sun_points,
   shadow_side,
+  indirect,
   levels,
   imposters,
   flux_error,
@@ -85,6 +86,7 @@ struct Settings {
   enum class Samples : std::uint8_t { automatic };
   enum class SpecularFilter : std::uint8_t { automatic, off };
   enum class Shadows : std::uint8_t { automatic, off, hard, soft };
+  enum class Indirect : std::uint8_t { off, automatic, on };
   enum class Levels : std::uint8_t { automatic, off };
   enum class Imposters : std::uint8_t { automatic, off, always };
 
@@ -140,6 +142,7 @@ struct Settings {
   Setting<Shadows> shadows{Shadows::automatic};
   Setting<std::uint32_t> sun_points{std::uint32_t{64}};
   Setting<std::uint32_t> shadow_side;
+  Setting<Indirect> indirect{Indirect::off};
   Setting<NumberOr<Levels, double>> levels{Levels::automatic};
   Setting<NumberOr<Imposters, double>> imposters{Imposters::automatic};
   Setting<double> flux_error{0.0005};

@@ -19,6 +19,7 @@ inline constexpr std::string_view kQualityWords[] = {"draft", "standard", "exact
 inline constexpr std::string_view kSamplesWords[] = {"auto"};
 inline constexpr std::string_view kSpecularFilterWords[] = {"auto", "off"};
 inline constexpr std::string_view kShadowsWords[] = {"auto", "off", "hard", "soft"};
+inline constexpr std::string_view kIndirectWords[] = {"off", "auto", "on"};
 inline constexpr std::string_view kLevelsWords[] = {"auto", "off"};
 inline constexpr std::string_view kImpostersWords[] = {"auto", "off", "always"};
 
@@ -183,6 +184,9 @@ inline constexpr SettingInfo kSettings[] = {
     {"shadow-side", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 16.0, 16384.0, 0, EngineSet::gl, Recorded::given,
      "a whole number from 16 to 16384", "a whole number from 16 to 16384",
      "--shadow-side", "", "N", "Shadow map resolution (texels), of each model or part of it (default 2048; with --samples auto 2896; imposters: five times their texels)"},
+    {"indirect", kFormText, 0, 0, SettingUnit::none, kIndirectWords, -kUnbounded, kUnbounded, 0, EngineSet::gl, Recorded::changed,
+     "\"off\", \"auto\" or \"on\"", "off, auto or on",
+     "--indirect", "", "off|auto|on", "Light that surfaces send one another, eight bounces, as if all were diffuse: off (default), on, or auto (on where it is more than 0.1% of their light)"},
     {"levels", kFormNumber | kFormText, 0, 0, SettingUnit::length, kLevelsWords, 0.0, kUnbounded, 0, EngineSet::gl, Recorded::changed,
      "auto, off, or metres", "auto, off, or a footprint, as 2cm or 0.02 (metres)",
      "--levels", "", "auto|off|METRES", "Level of detail: auto (pixel footprint), off (finest), or a footprint in metres"},
@@ -216,8 +220,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -276,6 +280,7 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::shadows: return f(id, settings.shadows...);
     case SettingId::sun_points: return f(id, settings.sun_points...);
     case SettingId::shadow_side: return f(id, settings.shadow_side...);
+    case SettingId::indirect: return f(id, settings.indirect...);
     case SettingId::levels: return f(id, settings.levels...);
     case SettingId::imposters: return f(id, settings.imposters...);
     case SettingId::flux_error: return f(id, settings.flux_error...);
@@ -345,6 +350,7 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::shadows, settings.shadows...);
   f(SettingId::sun_points, settings.sun_points...);
   f(SettingId::shadow_side, settings.shadow_side...);
+  f(SettingId::indirect, settings.indirect...);
   f(SettingId::levels, settings.levels...);
   f(SettingId::imposters, settings.imposters...);
   f(SettingId::flux_error, settings.flux_error...);

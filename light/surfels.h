@@ -1,0 +1,62 @@
+// Light that surfaces send one another, as plain data: surfels of a target, a grid that finds those
+// near a point, and the irradiance at each.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/axis_box.h"
+#include "base/math.h"
+#include "base/stamp.h"
+
+namespace panwright::light {
+
+// A piece of a surface, in the frame of its target's model.
+struct Surfel {
+  Vec3 position{0};        // metres, the mean of its piece
+  Vec3 normal{0, 0, 1};    // unit, on its side of the surface
+  double radius = 0;       // metres, within which it lights points of the surface
+};
+
+// Grid of cubes over the surfels of a target. A cube has a list for each of the six directions along
+// axes: the surfels that may light a point within it whose normal is nearest to that direction.
+// It never changes. Shaders read it as it is (preview/shaders/indirect.glsl).
+struct SurfelGrid {
+  static constexpr std::uint32_t kMost = 65536;      // surfels of a target
+  static constexpr std::uint32_t kMostListed = 48;   // of a list: beyond it the farthest are left out
+
+  Vec3 origin{0};      // metres, corner of the cube 0 0 0
+  double side = 1;     // of a cube, metres
+  Stamp stamp = 0;     // of the contents
+  // Hash table with open addresses, a power of two: x | y << 16, z | direction << 16, first entry,
+  // number of entries; the number 0: empty. A list stands at slot_of() or behind it.
+  std::vector<std::array<std::uint32_t, 4>> cells;
+  std::uint32_t longest_probe = 1;
+  // Of a list: position from the origin, three floats; index | normal << 16, 8 bits each of an
+  // octahedron's square; and in radii the inverse of the radius.
+  std::vector<std::array<std::uint32_t, 4>> entries;
+  std::uint32_t surfels = 0;
+
+  static std::uint32_t slot_of(std::uint32_t xy, std::uint32_t zd);
+};
+
+// Light of the surfels of a target.
+struct SurfelLight {
+  std::shared_ptr<const SurfelGrid> grid;  // null: no light
+  Stamp stamp = 0;                         // of the irradiance
+  // RGB, from all other surfaces; the last: inverse radius, 1/m
+  std::vector<std::array<float, 4>> irradiance;
+};
+
+// Builds the grid. bounds: of the surfels, metres.
+// Expects: at most kMost.
+SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side);
+
+// Returns the irradiance at a point of a surface, as shaders do: the mean of near surfels that face
+// the same way. 0 far from all.
+Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& normal);
+
+}  // namespace panwright::light

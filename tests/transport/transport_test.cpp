@@ -1,0 +1,189 @@
+// Transport in worlds: thin plates, several targets, what is kept, the same bits.
+#include "transport/transport.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "tests/transport/transport_models.h"
+
+namespace panwright::transport::transport_test {
+namespace {
+
+using namespace testing_support;
+
+constexpr TransportOptions kFew{{600, 32}, 8};
+
+pan::Contents contents_of(const geometry::Mesh& mesh, double albedo) {
+  pan::Contents contents;
+  contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.materials.emplace_back();
+  contents.materials[0].diffuse = Vec3(albedo);
+  contents.instances.push_back({0, 0, 0, -1});
+  contents.meshes.push_back(pan::packed(mesh, "mesh"));
+  return contents;
+}
+
+// An L: a floor and a wall, lit from above.
+world::World corner() {
+  const geometry::Mesh walls[] = {sheet({0, -1, 0}, {1, 0, 0}, {0, 2, 0}),
+                                  sheet({0, -1, 0}, {0, 2, 0}, {0, 0, 1})};
+  world::World world = world_of(walls, 0.6);
+  world.set_sun({.direction = {0, 0, 1}});
+  return world;
+}
+
+bool same(std::span<const light::SurfelLight> a, std::span<const light::SurfelLight> b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i].irradiance != b[i].irradiance || a[i].grid->cells != b[i].grid->cells ||
+        a[i].grid->entries != b[i].grid->entries)
+      return false;
+  return true;
+}
+
+// The dark side of a plate 2 cm thick, over a sunlit floor's reach, gets nothing of it: light
+// neither goes round nor through.
+TEST(Transport, ThinPlatesDoNotLeak) {
+  // a closed trough: its inside is lit through nothing but the plate's other side
+  geometry::Mesh plate = support::box({2, 2, 0.02});
+  geometry::Mesh wall = support::box({0.02, 2, 1});
+  for (Vec3& p : wall.positions) p += Vec3(0.9, 0, 0.51);
+  const geometry::Mesh both[] = {plate, wall};
+  world::World world = world_of(both, 0.8);
+  world.set_sun({.direction = {-1, 0, 1}});
+  Transport transport({{4000, 32}, 8});
+  transport.update(world, {});
+  double lit = 0, dark = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 at(0.019 * i - 1 + 0.05, 0.1, 0.01);
+    if (std::fabs(at.x - 0.9) < 0.02) continue;
+    lit = std::max(lit, irradiance_at(transport.light()[0], at, {0, 0, 1}).x);
+    dark = std::max(dark, irradiance_at(transport.light()[0], {at.x, at.y, -0.01}, {0, 0, -1}).x);
+  }
+  EXPECT_GT(lit, 0.1);
+  EXPECT_LT(dark, 1e-6);  // white is 1; measured: 0
+}
+
+// What a wall sends a floor in closed form: the Sun's light on the floor comes back from the wall.
+TEST(Transport, SunAndEmissionAreThoseOfTheOracles) {
+  world::World world = corner();
+  world.set_sun({.direction = {1, 0, 1}});
+  Transport transport({{4000, 32}, 1});
+  transport.update(world, {});
+  // both are lit with √½: the factor from a place x before a wall of height 1, from −1 to 1
+  const auto& light = transport.light()[0];
+  const double x = 0.3;
+  const auto factor = [&](double half, double height) {
+    // a rectangle at a right angle, beginning at the place's foot: J. Howell's C-11, twice
+    const double a = std::atan(half / x), c = std::sqrt(x * x + height * height);
+    return (a - x / c * std::atan(half / c)) / kPi;
+  };
+  double mean = 0;
+  for (int i = 0; i < 50; ++i) mean += irradiance_at(light, {x, 0.004 * i - 0.1, 0}, {0, 0, 1}).x / 50;
+  const double expected = 0.6 * std::sqrt(0.5) * factor(1, 1);
+  EXPECT_NEAR(mean, expected, 0.02 * expected);
+}
+
+TEST(Transport, SameBitsWhateverWasBefore) {
+  Transport kept(kFew);
+  kept.update(corner(), {});
+  world::World other = corner();
+  other.set_sun({.direction = {1, 0.2, 1}});
+  kept.update(other, {});
+  Transport fresh(kFew);
+  run_on_threads(Job({3, {}}), [&] { fresh.update(other, {}); });
+  EXPECT_TRUE(same(kept.light(), fresh.light()));
+  EXPECT_EQ(kept.counts().lights, 2u);
+}
+
+TEST(Transport, OnlyWhatChangedIsComputed) {
+  world::World world = corner();
+  Transport transport(kFew);
+  transport.update(world, {});
+  transport.update(world, {});
+  EXPECT_EQ(transport.counts().lights, 1u);
+  world.set_sun({.direction = {1, 0, 1}});
+  transport.update(world, {});
+  EXPECT_EQ(transport.counts().lights, 2u);
+  EXPECT_EQ(transport.counts().lists, 1u);
+  world.set_pose(0, {{5, 0, 0}, {1, 0, 0, 0}});
+  transport.update(world, {});
+  EXPECT_EQ(transport.counts().lists, 1u);  // alone, wherever it stands
+  EXPECT_EQ(transport.counts().lights, 3u);
+}
+
+// Two facing squares as two targets light each other as one target of both does.
+TEST(Transport, TargetsLightEachOther) {
+  world::World world;
+  add(world, "floor", contents_of(sheet({-0.5, -0.5, 0}, {1, 0, 0}, {0, 1, 0}), 0.5));
+  add(world, "lid", contents_of(sheet({-0.5, -0.5, 0}, {0, 1, 0}, {1, 0, 0}), 0.5),
+      {{0, 0, 1}, {1, 0, 0, 0}});
+  std::vector<light::Source> lamps;
+  lamps.push_back(light::Point{.position = {0, 0, 0.5}, .intensity = Vec3(1), .radius = 0});
+  world.set_sun({.direction = {0, 0, 1}, .irradiance = Vec3(0)});
+  Transport transport({{1500, 32}, 8});
+  transport.update(world, lamps);
+  const geometry::Mesh plates[] = {sheet({-0.5, -0.5, 0}, {1, 0, 0}, {0, 1, 0}),
+                                   sheet({-0.5, -0.5, 1}, {0, 1, 0}, {1, 0, 0})};
+  world::World one = world_of(plates, 0.5);
+  one.set_sun(world.sun());
+  Transport together({{3000, 32}, 8});
+  together.update(one, lamps);
+  for (const Vec3& at : {Vec3(0, 0, 0), Vec3(0.3, -0.2, 0), Vec3(-0.4, 0.4, 0)}) {
+    const double apart = irradiance_at(transport.light()[0], at, {0, 0, 1}).x;
+    EXPECT_GT(apart, 0.01);
+    EXPECT_NEAR(apart, irradiance_at(together.light()[0], at, {0, 0, 1}).x, 0.05 * apart);
+  }
+  // far apart they do not
+  world.set_pose(1, {{0, 0, 1e4}, {1, 0, 0, 0}});
+  transport.update(world, lamps);
+  EXPECT_LT(irradiance_at(transport.light()[0], {0, 0, 0}, {0, 0, 1}).x, 1e-7);
+}
+
+TEST(Transport, ListsAreKeptBetweenRuns) {
+  const auto folder = std::filesystem::temp_directory_path() / "panwright-transport-test";
+  std::filesystem::remove_all(folder);
+  const WorkCache cache(folder);
+  Transport first(kFew, &cache), second(kFew, &cache);
+  first.update(corner(), {});
+  second.update(corner(), {});
+  EXPECT_EQ(first.counts().lists, 1u);
+  EXPECT_EQ(second.counts().lists + second.counts().kept, 1u);
+  EXPECT_EQ(second.counts().kept, program_identity() ? 1u : 0u);
+  EXPECT_TRUE(same(first.light(), second.light()));
+  std::filesystem::remove_all(folder);
+}
+
+// Slivers, a triangle of no area, a target far smaller than the other, no light at all: finite.
+TEST(Transport, HardCasesAreFinite) {
+  geometry::Mesh strips;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    const double x = 1e-4 * i;
+    for (const Vec3& p : {Vec3(x, 0, 0), Vec3(x + 1e-4, 0, 0), Vec3(x, 10, 0)})
+      strips.positions.push_back(p);
+    strips.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  strips.triangles.push_back({0, 0, 1});
+  strips.normals.assign(strips.positions.size(), Vec3(0, 0, 1));
+  const geometry::Mesh all[] = {strips, sheet({0, 0, 0}, {1e-3, 0, 0}, {0, 1e-3, 0})};
+  world::World world = world_of(all, 1);
+  add(world, "grain", contents_of(support::box(Vec3(1e-4)), 0.9), {{0, 0, 1e-4}, {1, 0, 0, 0}});
+  for (const double irradiance : {1.0, 0.0}) {
+    world.set_sun({.direction = {0, 1, 1}, .irradiance = Vec3(irradiance)});
+    Transport transport(kFew);
+    transport.update(world, {});
+    for (const light::SurfelLight& light : transport.light())
+      for (const auto& rgb : light.irradiance)
+        for (const float value : rgb) EXPECT_TRUE(std::isfinite(value) && value >= 0);
+  }
+  world::World empty;
+  Transport transport(kFew);
+  transport.update(empty, {});
+  EXPECT_TRUE(transport.light().empty());
+}
+
+}  // namespace
+}  // namespace panwright::transport::transport_test

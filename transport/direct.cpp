@@ -1,0 +1,149 @@
+#include "transport/direct.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "base/parallel.h"
+#include "sky/sky.h"
+
+namespace panwright::transport {
+namespace {
+
+constexpr std::uint32_t kPoints = 4;  // of a surfel that are asked
+constexpr std::size_t kSurfelsAtOnce = 128;
+
+// Position and radius of a lamp; infinitely far: none.
+struct LampPlace {
+  std::optional<Vec3> position;
+  double radius = 0;
+};
+LampPlace place_of(const light::Source& source) {
+  return std::visit(
+      [](const auto& lamp) -> LampPlace {
+        if constexpr (requires { lamp.position; })
+          return {lamp.position, lamp.radius};
+        else
+          return {};
+      },
+      source);
+}
+
+// The sharpest layer of a table in a direction of the world.
+Vec3 shine(const sky::ShineTable& table, const Vec3& direction) {
+  const Vec3 d = direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
+  Vec2 at(d.x, d.y);
+  if (d.z < 0)
+    at = {std::copysign(1 - std::fabs(d.y), d.x), std::copysign(1 - std::fabs(d.x), d.y)};
+  const auto texel = [](double v) {
+    constexpr int kSide = sky::ShineTable::kSide;
+    return static_cast<std::size_t>(
+        1 + std::clamp(static_cast<int>(std::floor((v + 1) * 0.5 * kSide)), 0, kSide - 1));
+  };
+  const float* rgba = table.rgba.data() + 4 * (texel(at.y) * sky::ShineTable::kRow + texel(at.x));
+  return {rgba[0], rgba[1], rgba[2]};
+}
+
+// Light on one surfel.
+struct OnSurfel {
+  const trace::Scene& scene;
+  std::uint32_t target;
+  const trace::RigidFrame& frame;
+  const SurfelSet& set;
+  const DirectLights& lights;
+  const ModelReflectance::At& surface;
+
+  // of the sun, all points together
+  Vec3 sunlight(std::uint32_t point, std::uint32_t k) const {
+    const Point& at = set.points()[point];
+    // places of the disc, a quarter of its area each
+    const auto turn = det::sincos(0.5 * kPi * k + 2.399963 * point);
+    const Vec3 aside = std::fabs(lights.to_sun.z) < 0.7 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
+    const Vec3 across = glm::normalize(glm::cross(lights.to_sun, aside));
+    const Vec3 place = turn.cos * across + turn.sin * glm::cross(lights.to_sun, across);
+    const Vec3 to_light = glm::normalize(
+        (lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / kPoints) * place) * frame.world_from);
+    const double cosine = glm::dot(at.normal, to_light);
+    if (!(cosine > 0)) return Vec3(0);
+    const trace::Ray ray{{at.start, to_light}, target};
+    if (scene.any(ray, trace::Insides::stop)) return Vec3(0);
+    return cosine * lights.sun_irradiance * surface.reflectance->directional(cosine, surface.tint);
+  }
+
+  Vec3 lamplight(std::uint32_t point, const light::Source& lamp) const {
+    const Point& at = set.points()[point];
+    const Vec3 here = frame.world_from * at.start + frame.position;
+    const light::Incidence from = light::incidence(lamp, here);
+    const Vec3 to_light = glm::normalize(from.to_light * frame.world_from);
+    const double cosine = glm::dot(at.normal, to_light);
+    if (!(cosine > 0) || !(max_component(from.irradiance) > 0)) return Vec3(0);
+    trace::Ray ray{{at.start, to_light}, target};
+    const LampPlace place = place_of(lamp);
+    if (place.position)
+      ray.max_distance = std::max(0.999 * (glm::length(*place.position - here) - place.radius), 0.0);
+    if (scene.any(ray, trace::Insides::stop)) return Vec3(0);
+    return cosine * from.irradiance * surface.reflectance->directional(cosine, surface.tint);
+  }
+
+  // of bodies, by the rays that lead to the sky
+  Vec3 planetshine(std::size_t surfel, const TransportLists& lists) const {
+    Vec3 sum(0);
+    const std::uint32_t begin = set.first(surfel), end = set.first(surfel + 1);
+    for (std::uint32_t p = begin; p < end; ++p)
+      for (std::uint32_t k = 0; k < kRaysAPoint; ++k)
+        if ((lists.open[p] >> k & 1) != 0)
+          sum += shine(*lights.bodies, frame.world_from * ray_direction(set, surfel, p, k));
+    return sum * (kPi / (double{kRaysAPoint} * (end - begin))) *
+           surface.reflectance->mean(surface.tint);
+  }
+};
+
+}  // namespace
+
+DirectLights direct_lights(const world::World& world, const Vec3& point,
+                           std::span<const light::Source> lamps) {
+  DirectLights lights;
+  const light::Incidence sun = light::incidence(world.sun(), point);
+  lights.to_sun = sun.to_light;
+  lights.sun_sine = std::min(light::kSunSineAtOneAu / world.sun().distance, 0.999);
+  lights.sun_irradiance = sun.irradiance;
+  lights.lamps = lamps;
+  lights.white = world.white();
+  if (!world.bodies().empty()) {
+    const sky::Sky sky(world);
+    lights.sun_irradiance *= sky.sun_share(point);
+    lights.bodies = sky::shine_table(sky, point);
+  }
+  return lights;
+}
+
+Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
+                       const TransportLists& lists,
+                       std::span<const ModelReflectance::At> surfaces, const DirectLights& lights,
+                       const Job& job) {
+  const std::size_t count = set.surfels().size();
+  Sources sources;
+  sources.albedo.resize(count);
+  sources.sent.resize(count);
+  const bool sunny = max_component(lights.sun_irradiance) > 0;
+  const auto light_some = [&](std::size_t chunk) {
+    const std::size_t end = std::min(count, (chunk + 1) * kSurfelsAtOnce);
+    for (std::size_t s = chunk * kSurfelsAtOnce; s < end; ++s) {
+      const OnSurfel here{scene, target, scene.targets()[target].frame, set, lights, surfaces[s]};
+      const std::uint32_t begin = set.first(s), points = set.first(s + 1) - begin;
+      Vec3 sum(0);
+      for (std::uint32_t k = 0; k < kPoints; ++k) {
+        const std::uint32_t point = begin + (2 * k + 1) * points / (2 * kPoints);
+        if (sunny) sum += here.sunlight(point, k);
+        for (const light::Source& lamp : lights.lamps) sum += here.lamplight(point, lamp);
+      }
+      sources.albedo[s] = surfaces[s].reflectance->mean(surfaces[s].tint);
+      sources.sent[s] = sum / double{kPoints} + surfaces[s].reflectance->emitted() * lights.white;
+      if (lights.bodies) sources.sent[s] += here.planetshine(s, lists);
+    }
+  };
+  parallel_for((count + kSurfelsAtOnce - 1) / kSurfelsAtOnce, light_some, job);
+  return sources;
+}
+
+}  // namespace panwright::transport

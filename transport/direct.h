@@ -1,0 +1,40 @@
+// Light that reaches surfels straight from the Sun, bodies and lamps. Private to transport.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "base/job.h"
+#include "light/light.h"
+#include "sky/shine_table.h"
+#include "trace/scene.h"
+#include "transport/lists.h"
+#include "transport/reflectance.h"
+#include "transport/surfels.h"
+#include "world/world.h"
+
+namespace panwright::transport {
+
+// Lights of a target.
+struct DirectLights {
+  Vec3 to_sun{0, 0, 1};      // world axes, unit
+  Vec3 sun_irradiance{0};    // what bodies leave of it
+  double sun_sine = 0;
+  std::optional<sky::ShineTable> bodies;
+  std::span<const light::Source> lamps;
+  Vec3 white{1};
+};
+// point: of the world, metres
+DirectLights direct_lights(const world::World& world, const Vec3& point,
+                           std::span<const light::Source> lamps);
+
+// Returns what surfels reflect of it and send out by themselves.
+//
+//   surfaces  of the surfels
+// Throws Cancelled. Cost: four rays a surfel and light.
+Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
+                       const TransportLists& lists,
+                       std::span<const ModelReflectance::At> surfaces, const DirectLights& lights,
+                       const Job& job);
+
+}  // namespace panwright::transport

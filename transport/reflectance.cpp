@@ -1,0 +1,114 @@
+#include "transport/reflectance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "materials/cells.h"
+#include "materials/energy.h"
+#include "materials/sample.h"
+
+namespace panwright::transport {
+namespace {
+
+Vec3 vec3(const pan::layout::Float3& v) { return {v.x, v.y, v.z}; }
+
+// Parts of a material with their shares.
+struct Share {
+  materials::Material material;
+  double share = 1;
+};
+
+std::vector<Share> parts_of(const materials::Material& material) {
+  if (!material.cells) return {{material, 1}};
+  const materials::Cells& cells = *material.cells;
+  // of one whole cell
+  const Vec2 pitch = 1.0 / glm::max(Vec2(cells.count[0], cells.count[1]), Vec2(1));
+  const materials::CellShares shares = materials::cells_at(cells, 0.5 * pitch, pitch);
+  const auto parts = materials::cell_parts(material);
+  return {{parts[0], shares.cell}, {parts[1], shares.finger}, {parts[2], shares.gap}};
+}
+
+}  // namespace
+
+Reflectance::Reflectance(const materials::Material& material) {
+  for (const Share& part : parts_of(material)) {
+    if (!(part.share > 0)) continue;
+    materials::Material black = part.material;
+    black.diffuse = Vec3(0);
+    const materials::Scattering scattering(part.material);
+    for (int i = 0; i < kNodes; ++i) {
+      const double mu = std::sqrt((i + 0.5) / kNodes);
+      const auto k = static_cast<std::size_t>(i);
+      const Vec3 white = materials::directional_albedo(part.material, mu);
+      const Vec3 without = materials::directional_albedo(black, mu);
+      const Vec3 mirrored =
+          scattering.has_delta() ? scattering.mirror_reflectance(mu) : Vec3(0);
+      black_[k] += part.share * glm::max(without - mirrored, Vec3(0));
+      white_[k] += part.share * glm::max(white - mirrored, Vec3(0));
+      black_mean_ += part.share * without / double{kNodes};
+      white_mean_ += part.share * white / double{kNodes};
+    }
+  }
+  emitted_ = material.emissive * material.weights.z;
+}
+
+Vec3 Reflectance::directional(double mu, const Vec3& tint) const {
+  const double place = std::clamp(mu * mu * kNodes - 0.5, 0.0, kNodes - 1.0);
+  const auto first = std::min(static_cast<std::size_t>(place), std::size_t{kNodes - 2});
+  const double share = place - static_cast<double>(first);
+  const Vec3 black = glm::mix(black_[first], black_[first + 1], share);
+  const Vec3 white = glm::mix(white_[first], white_[first + 1], share);
+  return black + tint * (white - black);
+}
+
+ModelReflectance::ModelReflectance(const trace::Model& model) : model_(model) {
+  const pan::Model& pan = *model.model();
+  for (const pan::layout::Material& record : pan.materials()) {
+    materials::Material material = pan::material_from(record, {});
+    materials::fit(material);
+    materials_.emplace_back(material);
+  }
+  const auto side = [&](const trace::Model::Part& part, std::uint32_t material, bool back) {
+    Side result;
+    result.material = material;
+    if (part.mesh.texcoords.empty()) return result;
+    result.texture = back ? -1 : pan.instances()[part.instance].texture;
+    result.albedo = pan.materials()[material].albedo_map;
+    return result;
+  };
+  for (const trace::Model::Part& part : model.parts()) {
+    const std::uint32_t front = pan.instances()[part.instance].material;
+    const std::int32_t back = pan.back_of(part.instance);
+    std::array<Side, 2> sides{side(part, front, false), side(part, front, false)};
+    if (back >= 0) sides[1] = side(part, static_cast<std::uint32_t>(back), true);
+    sides[0].colored = !part.mesh.colors.empty();
+    sides[1].colored = sides[0].colored && back < 0;
+    sides_.push_back(sides);
+  }
+}
+
+ModelReflectance::At ModelReflectance::at(const Point& point) const {
+  const trace::Model::Part& part = model_.parts()[point.part];
+  const Side& side = sides_[point.part][point.back];
+  const trace::Place place = trace::place_of(part.mesh, point.triangle, point.barycentric);
+  At result{&materials_[side.material], Vec3(1)};
+  const auto texel = [&](std::int32_t texture, const Vec2& at) {
+    const Vec4 rgba = model_.textures()[static_cast<std::size_t>(texture)].premultiplied(at);
+    return rgba.w > 0 ? Vec3(rgba) / rgba.w : Vec3(0);
+  };
+  if (side.texture >= 0 || side.albedo >= 0) {
+    const Vec2 at = trace::texcoord_of(part.mesh, place);
+    if (side.texture >= 0) result.tint *= texel(side.texture, at);
+    if (side.albedo >= 0) result.tint *= texel(side.albedo, at * part.repeat);
+  }
+  if (side.colored) {
+    Vec3 sum(0);
+    for (int k = 0; k < 3; ++k)
+      sum += place.weight[k] * vec3(part.mesh.colors[place.corner[static_cast<std::size_t>(k)]]);
+    result.tint *= sum;
+  }
+  result.tint = glm::max(result.tint, Vec3(0));
+  return result;
+}
+
+}  // namespace panwright::transport

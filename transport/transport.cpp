@@ -1,0 +1,234 @@
+#include "transport/transport.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/bytes.h"
+#include "transport/direct.h"
+
+namespace panwright::transport {
+namespace {
+
+// Detail of meshes, of a target's size: a quarter of the surfels' spacing or less.
+constexpr double kOfSize = 1.0 / 400;
+
+// Bounds of a target as a ball of the world.
+struct Ball {
+  Vec3 centre{0};
+  double radius = 0;
+};
+Ball ball_of(const trace::Scene::Placed& placed) {
+  const AxisBox& bounds = placed.target->bounds();
+  return {placed.frame.world_from * bounds.centre() + placed.frame.position, 0.5 * bounds.diagonal()};
+}
+
+// Whether a target fills more than a thousandth of what the other sees.
+bool are_near(const Ball& a, const Ball& b) {
+  constexpr double kShare = 1e-3;
+  const double apart = glm::length(a.centre - b.centre);
+  const double larger = std::max(a.radius, b.radius);
+  return larger * larger > kShare * apart * apart;
+}
+
+Hash128 key_of(const trace::Target& target, const TransportOptions& options) {
+  KeyHasher key;
+  key.number(2);  // of the entries' form
+  key.number(options.surfels.surfels);
+  key.number(options.surfels.points);
+  const pan::Model& model = *target.model().model();
+  for (std::size_t i = 0; i < target.parts().size(); ++i) {
+    const trace::Model::Part& part = target.model().parts()[target.parts()[i]];
+    const trace::Affine& place = target.placements()[i].model_from_mesh;
+    key.number(target.parts()[i]);
+    key.list(part.mesh.positions);
+    key.number(part.mesh.indices.size());
+    for (std::size_t k = 0; k < part.mesh.indices.size(); ++k) key.number(part.mesh.indices[k]);
+    for (int k = 0; k < 3; ++k)
+      for (int row = 0; row < 3; ++row) key.real(place.linear[k][row]);
+    for (int row = 0; row < 3; ++row) key.real(place.offset[row]);
+    key.real(model.meshes()[part.mesh_index].error);
+    key.number(part.closed);
+    if (part.cutout < 0) continue;
+    key.list(part.mesh.texcoords);
+    key.list(model.texels(static_cast<std::size_t>(part.cutout)));
+    key.real(part.threshold);
+    key.real(part.repeat.x);
+    key.real(part.repeat.y);
+  }
+  return key.key();
+}
+
+}  // namespace
+
+void Transport::place(const world::World& world, const Job& job) {
+  // meshes may be coarser where surfels are wide
+  evaluation_.update(world);
+  double smallest = INFINITY;
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (evaluation_[i].bounds) smallest = std::min(smallest, evaluation_[i].bounds->diagonal());
+  // a power of two, so that joints seldom change it
+  const double footprint = smallest > 0 && std::isfinite(smallest)
+                               ? std::exp2(std::floor(std::log2(kOfSize * smallest)))
+                               : 0;
+  if (!scene_ || footprint != footprint_) {
+    scene_.emplace(trace::SceneOptions{footprint});
+    footprint_ = footprint;
+    slots_.clear();
+  }
+  scene_->update(world, job);
+  std::vector<Slot> slots;
+  slot_of_.assign(world.size(), ~0u);
+  for (const std::uint32_t target : scene_->visible()) {
+    Slot slot;
+    const Stamp stamp = world[target].shape_stamp();
+    const auto same = std::ranges::find(slots_, stamp, &Slot::shape_stamp);
+    if (same != slots_.end()) slot = *same;
+    slot.target = target;
+    slot.shape_stamp = stamp;
+    if (!slot.shape) slot.shape = make_shape(target, job);
+    slot_of_[target] = static_cast<std::uint32_t>(slots.size());
+    slots.push_back(std::move(slot));
+  }
+  slots_ = std::move(slots);
+}
+
+Transport::ShapePtr Transport::make_shape(std::uint32_t target, const Job& job) {
+  constexpr std::uint32_t kAsked = 8;  // points for the mean tint
+  auto shape = std::make_shared<Shape>();
+  shape->target = scene_->targets()[target].target;
+  shape->set = std::make_unique<const SurfelSet>(*scene_, target, options_.surfels, job);
+  const trace::Model* model = &shape->target->model();
+  std::erase_if(reflectances_, [](const auto& entry) { return entry.second.use_count() == 1; });
+  auto& reflectance = reflectances_[model];
+  if (!reflectance) reflectance = std::make_shared<const ModelReflectance>(*model);
+  shape->reflectance = reflectance;
+  const SurfelSet& set = *shape->set;
+  for (std::size_t s = 0; s < set.surfels().size(); ++s) {
+    const std::uint32_t begin = set.first(s), count = set.first(s + 1) - begin;
+    ModelReflectance::At mean = reflectance->at(set.points()[begin]);
+    mean.tint = Vec3(0);
+    for (std::uint32_t k = 0; k < kAsked; ++k)
+      mean.tint += reflectance->at(set.points()[begin + k * count / kAsked]).tint;
+    mean.tint /= double{kAsked};
+    shape->surfaces.push_back(mean);
+  }
+  shape->grid = std::make_shared<const light::SurfelGrid>(
+      light::surfel_grid(set.surfels(), 0.75 * set.spacing()));
+  ++counts_.shapes;
+  return shape;
+}
+
+TransportLists Transport::kept_lists(const Slot& slot, std::span<const SurfelSet* const> sets,
+                                     bool alone, const Job& job) {
+  const std::size_t surfels = slot.shape->set->surfels().size();
+  bool traced = false;
+  const auto made = [&]() -> std::optional<TransportLists> {
+    traced = true;
+    ++counts_.lists;
+    return transport_lists(*scene_, slot.target, slot_of_, sets, job);
+  };
+  const auto write = [](const TransportLists& lists, ByteWriter& to) {
+    to.list(lists.first);
+    to.list(lists.entries);
+    to.list(lists.open);
+  };
+  const auto read = [&](ByteReader& from) {
+    TransportLists lists;
+    from.list(lists.first);
+    from.list(lists.entries);
+    from.list(lists.open);
+    const bool sound =
+        lists.first.size() == surfels + 1 && lists.first.back() == lists.entries.size() &&
+        std::ranges::is_sorted(lists.first) && lists.open.size() == slot.shape->set->points().size() &&
+        std::ranges::all_of(lists.entries,
+                            [&](const auto& entry) { return entry.surfel < surfels; });
+    if (!sound) from.fail();
+    return lists;
+  };
+  const WorkCache* cache = alone ? cache_ : nullptr;
+  auto lists = remember<TransportLists>(
+      cache, Work::transport, [&] { return key_of(*slot.shape->target, options_); }, made, write, read);
+  if (!traced) {
+    ++counts_.kept;
+    // the slot's number is of this world
+    for (TransportLists::Entry& entry : lists->entries) entry.slot = slot_of_[slot.target];
+  }
+  return *std::move(lists);
+}
+
+// Traces lists that are out of date. Returns whether there were any.
+bool Transport::trace_lists(const world::World& world, const Job& job) {
+  std::vector<const SurfelSet*> sets;
+  std::vector<Ball> balls;
+  for (const Slot& slot : slots_) {
+    sets.push_back(slot.shape->set.get());
+    balls.push_back(ball_of(scene_->targets()[slot.target]));
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    std::vector<std::uint64_t> near{slot.shape_stamp, i};
+    for (std::size_t k = 0; k < slots_.size(); ++k)
+      if (k != i && are_near(balls[i], balls[k]))
+        near.insert(near.end(), {k, slots_[k].shape_stamp, world[slots_[k].target].pose_stamp()});
+    const bool alone = near.size() == 2;
+    if (!alone) near.push_back(world[slot.target].pose_stamp());
+    if (slot.lists && slot.near == near) continue;
+    slot.lists = std::make_shared<const TransportLists>(kept_lists(slot, sets, alone, job));
+    slot.near = std::move(near);
+    any = true;
+  }
+  return any;
+}
+
+void Transport::update(const world::World& world, std::span<const light::Source> lamps,
+                       const Job& job) {
+  const std::vector<light::Source> now(lamps.begin(), lamps.end());
+  if (stamp_ == world.stamp() && now == lamps_) return;
+  std::vector<std::uint64_t> stamps{world.sun_stamp(), world.sky_stamp()};
+  for (const world::Instance& target : world.instances())
+    stamps.insert(stamps.end(), {target.shape_stamp(), target.pose_stamp()});
+  stamp_ = 0;
+  if (stamps != stamps_ || now != lamps_ || world.white() != white_ || light_.empty()) {
+    stamps_.clear();
+    place(world, job);
+    trace_lists(world, job);
+    std::vector<Sources> sources;
+    std::vector<const Sources*> each;
+    std::vector<const TransportLists*> lists;
+    for (const Slot& slot : slots_) {
+      const Ball ball = ball_of(scene_->targets()[slot.target]);
+      sources.push_back(direct_sources(*scene_, slot.target, *slot.shape->set, *slot.lists,
+                                       slot.shape->surfaces, direct_lights(world, ball.centre, lamps),
+                                       job));
+      lists.push_back(slot.lists.get());
+    }
+    for (const Sources& one : sources) each.push_back(&one);
+    const auto found = interreflections(lists, each, options_.bounces, job);
+    light_.assign(world.size(), {});
+    double whole = 0, indirect = 0;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      light::SurfelLight& light = light_[slots_[i].target];
+      light.grid = slots_[i].shape->grid;
+      light.stamp = next_stamp();
+      const auto surfels = slots_[i].shape->set->surfels();
+      for (std::size_t s = 0; s < surfels.size(); ++s) {
+        const glm::vec3 rgb(found[i][s]);
+        const double area = slots_[i].shape->set->area(s);
+        const Vec3 again = sources[i].albedo[s] * found[i][s];
+        indirect += area * (again.x + again.y + again.z);
+        whole += area * (sources[i].sent[s].x + sources[i].sent[s].y + sources[i].sent[s].z);
+        light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
+      }
+    }
+    whole += indirect;
+    share_ = whole > 0 ? indirect / whole : 0;
+    ++counts_.lights;
+    stamps_ = std::move(stamps);
+    white_ = world.white();
+    lamps_ = now;
+  }
+  stamp_ = world.stamp();
+}
+
+}  // namespace panwright::transport
