@@ -154,7 +154,7 @@ geometry::Ray Measurement::sub_ray(const Pulse& pulse, const Vec2& place, const 
 // mirror shows.
 void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
                               std::vector<Returned>& returned) const {
-  const preview::ViewedSurface seen = scene.viewed(hit);
+  const preview::ViewedSurface seen = scene.returned(hit);
   const double sent =
       beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ * collecting_;
   const double square = std::max(hit.distance * hit.distance, 1e-12);
@@ -170,7 +170,7 @@ void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::H
     const trace::Ray onward{{seen.start, mirror.direction}, hit.target};
     const trace::Hit behind = scene.rays().nearest(onward, trace::Insides::stop);
     if (!behind || scene.rays().is_inside(behind)) continue;
-    const preview::ViewedSurface shown = scene.viewed(behind);
+    const preview::ViewedSurface shown = scene.returned(behind);
     const double range = hit.distance + behind.distance;
     const double electrons =
         sent * reflectance * reflectance * shown.returned[lidar_.band] / (range * range);

@@ -134,8 +134,8 @@ Receiver::Receiver(const Lidar& lidar, const LidarRandom& random) : lidar_(lidar
   seconds_ = lidar.sample > 0 ? lidar.sample : 0.5 * fwhm / kFwhm;
   step_ = 0.5 * kLight * seconds_;
   unit_ = step_ / (sigma_ * std::sqrt(2 * kPi));
-  quiet_ = std::sqrt(lidar.excess_noise * lidar.dark_e_per_s * seconds_ +
-                     lidar.electronics_e * lidar.electronics_e);
+  spread_ = step_ / sigma_;
+  shrink_ = det::exp(-spread_ * spread_);
 }
 
 // Samples of a window: light, noise, saturation.
@@ -150,9 +150,15 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
     const auto first = std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
     const auto last =
         std::min(window.end - 1, static_cast<std::int64_t>(std::floor(centre + reach)));
-    for (std::int64_t k = first; k <= last; ++k)
-      s[static_cast<std::size_t>(k - window.first)] +=
-          height * tables().gauss((static_cast<double>(k) - centre) * step_ / sigma_);
+    // exp(-x²/2) at even steps: a product of ratios, each of which shrinks by one factor
+    const double x = (static_cast<double>(first) - centre) * step_ / sigma_;
+    double value = height * tables().gauss(x);
+    double ratio = det::exp(-spread_ * (x + 0.5 * spread_));
+    for (std::int64_t k = first; k <= last; ++k) {
+      s[static_cast<std::size_t>(k - window.first)] += value;
+      value *= ratio;
+      ratio *= shrink_;
+    }
   }
   const double electronics = lidar_.electronics_e * lidar_.electronics_e;
   if (lidar_.excess_noise > 0 || electronics > 0) {
