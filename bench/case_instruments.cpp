@@ -202,7 +202,10 @@ void run_lidar(Context& context) {
                                    what, cloud.pulses.size(),
                                    100 * static_cast<double>(cloud.points.size()) / count),
             .speed_unit = "kpulse/s",
-            .must = 300};
+            .error_unit = albedo > 0 ? "mean intensity, relative" : "mean range, relative",
+            .reference = albedo > 0 ? "albedo times the cosine" : "truth of each point",
+            .must = 300,
+            .must_error = 0.01};
     set_rate(row, timing, 1e-3 * count);
     // reflectance against albedo·cos, and ranges, of points that hold one surface
     double sum = 0, of = 0;
@@ -220,9 +223,6 @@ void run_lidar(Context& context) {
       ++of;
     }
     row.error = std::fabs(sum / std::max(of, 1.0));
-    row.error_unit = albedo > 0 ? "mean intensity, relative" : "mean range, relative";
-    row.reference = albedo > 0 ? "albedo times the cosine" : "truth of each point";
-    row.must_error = 0.01;
     context.add(row);
   };
   const auto sphere = compiled_model(sphere_scene({400, 400}, lambert_material(0.5)), log);

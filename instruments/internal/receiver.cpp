@@ -143,16 +143,17 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
                       std::uint32_t pulse, double floor_e, Scratch& scratch, Excess& excess) const {
   std::vector<double>& s = scratch.samples;
   s.assign(static_cast<std::size_t>(window.end - window.first), 0);
+  const GaussTables& gauss = tables();
+  const double reach = kReach * sigma_ / step_;
   for (std::size_t i = window.from; i < window.to; ++i) {
     const double centre = returned[i].range / step_;
     const double height = returned[i].electrons * unit_;
-    const double reach = kReach * sigma_ / step_;
     const auto first = std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
     const auto last =
         std::min(window.end - 1, static_cast<std::int64_t>(std::floor(centre + reach)));
     // exp(-x²/2) at even steps: a product of ratios, each of which shrinks by one factor
     const double x = (static_cast<double>(first) - centre) * step_ / sigma_;
-    double value = height * tables().gauss(x);
+    double value = height * gauss.gauss(x);
     double ratio = det::exp(-spread_ * (x + 0.5 * spread_));
     for (std::int64_t k = first; k <= last; ++k) {
       s[static_cast<std::size_t>(k - window.first)] += value;
@@ -291,6 +292,8 @@ void Receiver::add_alarms(std::uint32_t pulse, double noise, std::vector<Echo>& 
   if (!(noise > 0)) return;
   const double level = lidar_.threshold_e / noise;
   const double length = lidar_.gate.y - lidar_.gate.x;
+  // the tail is below half of the density's ratio to its peak
+  if (length / step_ * det::exp(-0.5 * level * level) < 2e-12) return;
   const double mean = length / step_ * normal_tail(level);
   if (mean < 1e-12) return;
   // arrivals of a Poisson process, at most those of all echoes
@@ -377,7 +380,7 @@ PulseStatus Receiver::choose(std::uint32_t pulse, std::vector<Echo>& echoes) con
   return PulseStatus::echo;
 }
 
-PulseStatus Receiver::receive(std::uint32_t pulse, const std::vector<Returned>& returned,
+PulseStatus Receiver::receive(std::uint32_t pulse, std::vector<Returned>& returned,
                               double background, Scratch& scratch, Excess& excess) const {
   scratch.echoes.clear();
   excess = {};
@@ -391,13 +394,23 @@ PulseStatus Receiver::receive(std::uint32_t pulse, const std::vector<Returned>& 
   const double noise =
       std::sqrt(lidar_.excess_noise * floor_e + lidar_.electronics_e * lidar_.electronics_e);
   const double reach = kReach * sigma_;
+  double near = std::numeric_limits<double>::infinity(), far = 0;
+  for (const Returned& each : returned) {
+    near = std::min(near, each.range);
+    far = std::max(far, each.range);
+  }
+  const bool together = far - near <= 2 * reach;
+  if (!together) std::ranges::stable_sort(returned, {}, &Returned::range);
   for (std::size_t i = 0; i < returned.size();) {
     Window window;
     window.from = i;
-    double end = returned[i].range + reach;
-    window.first = static_cast<std::int64_t>(std::floor((returned[i].range - reach) / step_));
-    while (i < returned.size() && returned[i].range - reach <= end)
-      end = returned[i++].range + reach;
+    const double from = together ? near : returned[i].range;
+    double end = (together ? far : from) + reach;
+    window.first = static_cast<std::int64_t>(std::floor((from - reach) / step_));
+    while (i < returned.size() && (together || returned[i].range - reach <= end)) {
+      end = std::max(end, returned[i].range + reach);
+      ++i;
+    }
     window.to = i;
     window.end = static_cast<std::int64_t>(std::ceil(end / step_)) + 1;
     record(window, returned, pulse, floor_e, scratch, excess);

@@ -59,10 +59,10 @@ class Receiver {
 
   // Sets scratch.echoes by range.
   //
-  //   returned    ascending by range
+  //   returned    sorted by range where it does not fall together
   //   background  electrons a second
   //   excess      set: light of the strongest saturated echo beyond saturation; 0: none
-  PulseStatus receive(std::uint32_t pulse, const std::vector<Returned>& returned, double background,
+  PulseStatus receive(std::uint32_t pulse, std::vector<Returned>& returned, double background,
                       Scratch& scratch, Excess& excess) const;
 
  private:

@@ -113,15 +113,27 @@ ViewedSurface SurfaceScene::returned(const trace::Hit& hit) const {
   const ModelTables& tables = *impl_->tables[hit.target];
   const std::int32_t number = tables.model->plain_scatter(hit);
   if (number < 0 || tables.scatters[static_cast<std::size_t>(number)].f.empty()) return viewed(hit);
-  const Vec3 normal = rays().targets()[hit.target].target->normal(hit, false);
+  const trace::Target& target = *rays().targets()[hit.target].target;
+  const trace::Model::Part& part = target.model().parts()[hit.part];
+  const trace::Place place = trace::place_of(part.mesh, hit.triangle, hit.barycentric);
+  Vec3 smooth(0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& n = part.mesh.normals[place.corner[k]];
+    smooth += place.weight[static_cast<int>(k)] * Vec3(n.x, n.y, n.z);
+  }
+  Vec3 normal = target.placement(hit.part).normals * smooth;
+  const double square = glm::dot(normal, normal);
+  if (!(square > 1e-200)) return viewed(hit);  // which takes the triangle's
+  normal *= (part.closed || hit.front ? 1 : -1) / std::sqrt(square);
   ViewedSurface out;
   out.cosine = std::clamp(-glm::dot(normal, hit.direction), 0.0, 1.0);
   out.returned = out.cosine * tables.scatters[static_cast<std::size_t>(number)](out.cosine);
   return out;
 }
 
-Vec3 SurfaceScene::lit(const trace::Hit& hit, const Vec3& to_light) const {
+Vec3 SurfaceScene::lit(const trace::Hit& hit, const Vec3& to_light, Vec3& start) const {
   const reference::Point point = impl_->scene.point(hit, false);
+  start = point.start;
   const double cosine = glm::dot(point.normal, to_light);
   if (!(cosine > 0)) return Vec3(0);
   return cosine * point.surface().scattering.brdf(to_light, -hit.direction, point.normal,

@@ -53,8 +53,11 @@ class SurfaceScene {
   // Cost: an evaluation of the BRDF.
   ViewedSurface viewed(const trace::Hit& hit) const;
   // Returns f·cos of light from a direction towards the viewer of a hit, 1/sr, RGB; 0 below the
-  // horizon. to_light: unit, frame of the target's model.
-  Vec3 lit(const trace::Hit& hit, const Vec3& to_light) const;
+  // horizon.
+  //
+  //   to_light  unit, frame of the target's model
+  //   start     set: as ViewedSurface::start
+  Vec3 lit(const trace::Hit& hit, const Vec3& to_light, Vec3& start) const;
 
  private:
   struct Impl;
