@@ -32,10 +32,8 @@ struct GaussTables {
     if (k + 1 >= table.size()) return table.back();
     return table[k] + (place - static_cast<double>(k)) * (table[k + 1] - table[k]);
   }
-  double gauss(double x) const {
-    const double size = std::fabs(x);
-    return size < kReach ? at(density, size) : 0;
-  }
+  // Expects: within kReach, both ends included.
+  double gauss(double x) const { return at(density, std::fabs(x)); }
   double below(double x) const {
     const double share = at(distribution, std::fabs(x));
     return x < 0 ? 1 - share : share;
@@ -292,10 +290,10 @@ void Receiver::add_alarms(std::uint32_t pulse, double noise, std::vector<Echo>& 
   if (!(noise > 0)) return;
   const double level = lidar_.threshold_e / noise;
   const double length = lidar_.gate.y - lidar_.gate.x;
-  // the tail is below half of the density's ratio to its peak
-  if (length / step_ * det::exp(-0.5 * level * level) < 2e-12) return;
+  // the tail is below half of the density's ratio to its peak, and exp(-m) above 1 - m
+  const double most = 0.5 * length / step_ * det::exp(-0.5 * level * level);
+  if (random_.uniform(LidarStage::alarms, pulse, 0)[0] < 1 - most) return;
   const double mean = length / step_ * normal_tail(level);
-  if (mean < 1e-12) return;
   // arrivals of a Poisson process, at most those of all echoes
   double at = 0;
   for (std::uint32_t k = 0; k < 16; ++k) {

@@ -164,7 +164,7 @@ TEST(LidarRange, FallsByThePowerOfWhatTheBeamHolds) {
     }
     const double power = std::log2(sums[0] / sums[1]);
     std::printf("power of the range: %.4f\n", power);
-    EXPECT_NEAR(power, each.power, 0.02);  // measured 0.012, 0.018: of few sub-rays on the patch
+    EXPECT_NEAR(power, each.power, 0.02);  // measured 0.011: of few sub-rays on the patch
   }
 }
 
