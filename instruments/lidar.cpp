@@ -88,7 +88,9 @@ class Measurement {
 
   bool is_flash() const { return lidar_.scan.pattern == ScanPattern::flash; }
   static Lidar resolved(Lidar lidar, bool ideal);
-  geometry::Ray sub_ray(const Pulse& pulse, const Vec2& place, const Vec2& turn) const;
+  struct Across;
+  Across across(const Pulse& pulse, const Vec2& turn) const;
+  geometry::Ray sub_ray(const Across& across, Vec2 place, const Vec2& turn) const;
   void gather(const preview::SurfaceScene& scene, const world::World& world, std::uint32_t number,
               std::vector<Returned>& returned, double& background) const;
   void add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
@@ -134,27 +136,35 @@ Lidar Measurement::resolved(Lidar lidar, bool ideal) {
   return lidar;
 }
 
-geometry::Ray Measurement::sub_ray(const Pulse& pulse, const Vec2& place, const Vec2& turn) const {
+// Axes across a pulse, scaled so that places of the footprint are offsets of its direction; turned.
+struct Measurement::Across {
+  Vec3 axis{0}, u{0}, v{0};
+};
+
+Measurement::Across Measurement::across(const Pulse& pulse, const Vec2& turn) const {
   const Vec3& d = pulse.direction;
-  if (footprint_.size() == 1) return {Vec3(0), d};
-  if (is_flash()) {
-    // shifted around, and back into the pixel
-    Vec2 at = place + turn;
-    at -= glm::floor(at) + 0.5;
-    return {Vec3(0), glm::normalize(d / d.z + Vec3(at / focal_, 0))};
-  }
+  if (is_flash()) return {d / d.z, Vec3(1 / focal_, 0, 0), Vec3(0, 1 / focal_, 0)};
   const Vec3 u = glm::normalize(std::fabs(d.y) < 0.9 ? Vec3(d.z, 0, -d.x) : Vec3(0, d.z, -d.y));
   const Vec3 v = glm::cross(d, u);
-  const Vec2 at = 0.5 * lidar_.divergence *
-                  Vec2(place.x * turn.x - place.y * turn.y, place.x * turn.y + place.y * turn.x);
-  return {Vec3(0), glm::normalize(d + at.x * u + at.y * v)};
+  const double radius = 0.5 * lidar_.divergence;
+  return {d, radius * (turn.x * u + turn.y * v), radius * (turn.x * v - turn.y * u)};
+}
+
+geometry::Ray Measurement::sub_ray(const Across& across, Vec2 place, const Vec2& turn) const {
+  if (is_flash()) {
+    // shifted around, and back into the pixel
+    place += turn;
+    place -= glm::floor(place) + 0.5;
+  }
+  const Vec3 along = across.axis + place.x * across.u + place.y * across.v;
+  return {Vec3(0), along * (1 / std::sqrt(glm::dot(along, along)))};
 }
 
 // Light of one sub-ray: from the surface, in a mirror that faces the instrument, and of what a
 // mirror shows.
 void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
                               std::vector<Returned>& returned) const {
-  const preview::ViewedSurface seen = scene.viewed(hit);
+  const preview::ViewedSurface seen = scene.returned(hit);
   const double sent =
       beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ * collecting_;
   const double square = std::max(hit.distance * hit.distance, 1e-12);
@@ -170,7 +180,7 @@ void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::H
     const trace::Ray onward{{seen.start, mirror.direction}, hit.target};
     const trace::Hit behind = scene.rays().nearest(onward, trace::Insides::stop);
     if (!behind || scene.rays().is_inside(behind)) continue;
-    const preview::ViewedSurface shown = scene.viewed(behind);
+    const preview::ViewedSurface shown = scene.returned(behind);
     const double range = hit.distance + behind.distance;
     const double electrons =
         sent * reflectance * reflectance * shown.returned[lidar_.band] / (range * range);
@@ -187,9 +197,10 @@ double Measurement::sunlight(const preview::SurfaceScene& scene, const world::Wo
                              const trace::Hit& hit) const {
   const trace::RigidFrame& frame = scene.rays().targets()[hit.target].frame;
   const Vec3 to_sun = glm::normalize(world.sun().direction) * frame.world_from;
-  const double factor = scene.lit(hit, to_sun)[lidar_.band];
+  Vec3 start(0);
+  const double factor = scene.lit(hit, to_sun, start)[lidar_.band];
   if (!(factor > 0)) return 0;
-  const trace::Ray shadow{{scene.viewed(hit).start, to_sun}, hit.target};
+  const trace::Ray shadow{{start, to_sun}, hit.target};
   if (scene.rays().any(shadow, trace::Insides::stop)) return 0;
   return factor * background_ / (world.sun().distance * world.sun().distance);
 }
@@ -204,8 +215,12 @@ void Measurement::gather(const preview::SurfaceScene& scene, const world::World&
     const auto angle = det::sincos(2 * kPi * u[0]);
     turn = is_flash() ? Vec2(u[0], u[1]) : Vec2(angle.cos, angle.sin);
   }
+  const bool one = footprint_.size() == 1;
+  const Across sides = across(pulse, turn);
   for (std::size_t k = 0; k < footprint_.size(); ++k) {
-    const trace::Ray ray{sub_ray(pulse, footprint_[k], turn), trace::Ray::kObserver};
+    const trace::Ray ray{
+        one ? geometry::Ray{Vec3(0), pulse.direction} : sub_ray(sides, footprint_[k], turn),
+        trace::Ray::kObserver};
     const trace::Hit hit = scene.rays().nearest(ray);
     if (!hit) continue;
     if (k == 0 && with_sun_) background = sunlight(scene, world, hit);
@@ -253,10 +268,10 @@ void Measurement::measure_one(const preview::SurfaceScene& scene, const LidarMom
   gather(scene, moment.world, number, returned, background);
   if (const auto more = blooms.find(number); more != blooms.end())
     returned.insert(returned.end(), more->second.begin(), more->second.end());
-  std::ranges::stable_sort(returned, {}, &Returned::range);
   PulseStatus& status = cloud_->status[number];
   if (options_.ideal) {
     echoes.clear();
+    std::ranges::stable_sort(returned, {}, &Returned::range);
     for (const Returned& each : returned) {
       if ((each.flags & kGhost) != 0 || !echoes.empty()) continue;
       echoes.push_back({each.range, each.electrons, each.range, 1, each.cosine, each.ids, 0});

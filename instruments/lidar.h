@@ -1,7 +1,7 @@
 // LiDARs: pulses of a scan, the light that surfaces return, and the echoes that a receiver makes of
 // it. Pure functions of world, instrument, seed and frame: the same for any number of threads.
 //
-//   auto lidar = instruments::read_lidar(text, "lidar.toml", folder, log);
+//   auto lidar = instruments::read_lidar(text, "scanner", folder, log);
 //   auto cloud = instruments::measure(*lidar, world, pose, {}, log);
 //
 // Axes of an instrument are those of a camera: x right, y down, z along the boresight. Azimuth
@@ -133,7 +133,7 @@ inline constexpr std::uint8_t kGhost = 16;      // by way of a mirror
 
 struct LidarPoint {
   std::uint32_t pulse = 0;
-  std::uint8_t echo = 0, echoes = 1;  // number from 0, of so many of the pulse
+  std::uint8_t echo = 0, echoes = 1;  // number from 0; echoes of the pulse
   std::uint8_t flags = 0;
   double time = 0;       // seconds, as the pulse
   double range = 0;      // metres, measured

@@ -73,8 +73,8 @@ class Lookups {
   void pixels(const world::Camera& camera, std::span<const Vec2> places,
               std::span<SurfacePoint> found, const Job& job = {}) const;
 
-  // Whether nothing stands between two points: 1, else 0. The same in both directions: insides of
-  // closed meshes block too.
+  // Lines of sight between two points: 1 where nothing stands between, else 0. The same in both
+  // directions: insides of closed meshes block too.
   //
   //   slack  metres at both ends where surfaces do not count, as those that the points lie on
   void sights(std::span<const Sight> sights, double slack, std::span<std::uint8_t> open,

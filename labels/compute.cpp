@@ -132,8 +132,8 @@ std::vector<std::vector<Keypoint>> keypoints_in_view(const world::World& world,
   const ImagePlane plane(camera);
   std::vector<std::vector<Keypoint>> out;
   for (std::uint32_t target = 0; target < world.size(); ++target)
-    out.push_back(keypoints_of(world, target, trace::placed_nodes(world[target]), scene, plane,
-                               slack));
+    out.push_back(
+        keypoints_of(world, target, trace::placed_nodes(world[target]), scene, plane, slack));
   return out;
 }
 

@@ -228,6 +228,21 @@ COMMANDS = {
         "hip?": "integer: number in the Hipparcos catalogue", "name?": "string", "v": "number: magnitude V", "b_v?": "number: B - V, magnitudes",
         "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",
         "irradiance": "vec3: W/m2 in bands of 100 nm about 650, 550, 450 nm"}])},
+    "lookup": {
+        "surfaces": ("one for each pixel, ray, elevation and nearest point, in this order", [{
+            "kind": "string: pixel, ray, elevation or nearest", "asked": "number[]: the question", "found": "boolean: whether there is a surface",
+            "distance?": "number: metres from the ray's origin, or the point; of elevations 0", "position?": "vec3: metres, world axes",
+            "in_model?": "vec3: the same in the target's axes", "facet?": "vec3: normal of the triangle, unit, world axes",
+            "normal?": "vec3: interpolated", "target?": "string", "node?": "string: its path", "material?": "string",
+            "ids?": "integer[]: of target, node, material and instance: index + 1"}]),
+        "sights": ("lines of sight", [{"asked": "number[]: two points", "open": "boolean: nothing stands between them"}]),
+        "keypoints?": ("with --keypoints", [{
+            "target": "string", "name": "string", "position": "vec3: metres, in the target's axes", "pixel?": "number[]: column and row",
+            "truncated": "boolean: outside the image", "occluded": "boolean: hidden from the camera", "lit": "boolean: by the Sun"}])},
+    "lidar": {
+        "lidar": "string: its name", "pulses": "integer", "points": "integer", "no_echo": "integer: pulses", "out_of_gate": "integer: pulses",
+        "dropped": "integer: pulses", "false_alarms": "integer: points of no surface", "pulse_energy_j": "number: within the eye-safe limit",
+        "mean_power_w?": "number: of a scan", "range?": "number[]: nearest and farthest point, metres"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

@@ -79,6 +79,25 @@ constexpr Example kExamples[] = {
     {"stars", "--camera-file rendezvous/camera.toml --look-at \"0 0 1\" --stars 9 --json",
      "Write the pixels of stars through a calibrated lens as JSON."},
 
+    {"lookup",
+     "servicer/servicer.pxn --camera \"9 -9 6\" --fov 45 --pixel \"512 512\" --nearest \"0 0 3\"",
+     "Find the surface of a pixel, and the point of the model nearest to another."},
+    {"lookup", "client/client.pxn --camera \"9 -9 6\" --fov 45 --keypoints --json",
+     "List the keypoints, and whether they are hidden and lit, as JSON."},
+    {"lookup", "cubesat/cubesat.pxn --sight \"1 0 0 -1 0 0\" --elevation \"0 0\" -o answers.csv",
+     "Ask for a line of sight and a height; write a table."},
+
+    {"lidar",
+     "servicer/servicer.pxn --lidar lidar/flash_rvd.toml --camera \"15 -18 9\" -o cloud.npz",
+     "Measure a cloud with a flash LiDAR."},
+    {"lidar",
+     "client/client.pxn --lidar lidar/scanning_rvs.toml --camera \"9 -12 5\" --frame client -o "
+     "scan.las -o scan.csv",
+     "Scan a target; write the points in its axes."},
+    {"lidar",
+     "rendezvous/approach.toml --lidar lidar/flash_rvd.toml --at 100 --ideal -o ideal.pcd --json",
+     "Measure ranges without noise at a time of a scenario."},
+
     {"camera", "cameras/narrow_rvd.toml", "Show its field of view, MTF, noise and exposure."},
     {"camera", "cameras/star_tracker.toml --svg plots",
      "Plot photon transfer, MTF and encircled energy."},

@@ -154,7 +154,7 @@ class LidarRun {
     world_ = session_->world(any, {}, log_, context_.job());
     if (world_ == nullptr || log_.has_errors()) return false;
     if (!moves) return true;
-    auto view = view_at(begin_);
+    auto view = view_at(begin_, log_);
     if (view) view_ = *std::move(view);
     return bool(view);
   }
@@ -194,10 +194,10 @@ class LidarRun {
     return bool(times);
   }
 
-  Result<workspace::View> view_at(double time) {
-    const auto frame = workspace::frame_at(*scenario_, time, log_);
+  Result<workspace::View> view_at(double time, DiagnosticLog& log) {
+    const auto frame = workspace::frame_at(*scenario_, time, log);
     if (!frame) return failed;
-    return workspace::view_of(*scenario_, *frame, 0, *world_, log_);
+    return workspace::view_of(*scenario_, *frame, 0, *world_, log);
   }
 
   void set(const workspace::Frame& frame, LidarMoment& moment) const {
@@ -205,13 +205,22 @@ class LidarRun {
     moment.pose = {frame.camera().position, frame.camera().world_from_camera};
   }
 
+  // Warnings are those of the first pulse.
   bool move(double time, LidarMoment& moment) {
-    const auto view = view_at(begin_ + time);
-    if (!view) return false;
-    const auto frame = session_->frame(*view, log_);
-    if (!frame) return false;
-    set(*frame, moment);
-    return true;
+    DiagnosticLog apart = log_.apart();
+    const auto view = view_at(begin_ + time, apart);
+    const auto frame = view ? session_->frame(*view, apart) : Result<workspace::Frame>(failed);
+    if (frame) {
+      set(*frame, moment);
+      return true;
+    }
+    for (const Diagnostic& each : apart.entries()) {
+      const FileId file = each.where.file;
+      log_.report_file(each.code, file == kNoFile ? "" : apart.sources().file(file).name,
+                       fmt::format("the pulse at {:.9g} s: {}", begin_ + time, each.message),
+                       each.hint);
+    }
+    return false;
   }
 
   bool choose_frame(const world::World& world, LidarOptions& how) {

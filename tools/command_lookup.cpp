@@ -119,7 +119,7 @@ class LookupRun {
       auto numbers = numbers_in(text);
       if (text.ends_with(".csv") || text.ends_with(".txt")) {
         context_.files().will_read(text);
-        const auto read = read_number_rows(text, columns, Code::E0220, log_);
+        const auto read = read_number_rows(text, columns, Code::E0262, log_);
         if (!read) return false;
         numbers = *read;
       } else if (!numbers || numbers->size() != columns) {

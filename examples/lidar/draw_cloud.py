@@ -30,7 +30,7 @@ def colors(share):
     return (stops[low] + (at - low)[:, None] * (stops[low + 1] - stops[low])).astype(np.uint8)
 
 
-def view(points, rgb, reach, size=2):
+def view(points, rgb, reach, size=3):
     """Orthographic: x to the right, y down, nearer points over farther ones."""
     out = np.full((SIDE, SIDE, 3), 16, np.uint8)
     order = np.argsort(-points[:, 2])
@@ -55,8 +55,8 @@ def main():
         raise SystemExit(f"{options.cloud} has no points")
     low, high = np.percentile(points, 1, axis=0), np.percentile(points, 99, axis=0)
     points = points - (low + high) / 2
-    reach = 0.6 * np.max(high - low)
-    rgb = colors((points[:, 2] / reach + 0.6) / 1.2)
+    reach = 0.56 * np.max((high - low)[:2])
+    rgb = colors(points[:, 2] / max((high - low)[2], 1e-9) + 0.5)
     angle = np.radians(65)
     turn = np.array([[np.cos(angle), 0, -np.sin(angle)], [0, 1, 0], [np.sin(angle), 0, np.cos(angle)]])
     panels = [view(points, rgb, reach), view(points @ turn.T, rgb, reach)]

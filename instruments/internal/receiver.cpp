@@ -32,10 +32,8 @@ struct GaussTables {
     if (k + 1 >= table.size()) return table.back();
     return table[k] + (place - static_cast<double>(k)) * (table[k + 1] - table[k]);
   }
-  double gauss(double x) const {
-    const double size = std::fabs(x);
-    return size < kReach ? at(density, size) : 0;
-  }
+  // Expects: within kReach, both ends included.
+  double gauss(double x) const { return at(density, std::fabs(x)); }
   double below(double x) const {
     const double share = at(distribution, std::fabs(x));
     return x < 0 ? 1 - share : share;
@@ -134,8 +132,8 @@ Receiver::Receiver(const Lidar& lidar, const LidarRandom& random) : lidar_(lidar
   seconds_ = lidar.sample > 0 ? lidar.sample : 0.5 * fwhm / kFwhm;
   step_ = 0.5 * kLight * seconds_;
   unit_ = step_ / (sigma_ * std::sqrt(2 * kPi));
-  quiet_ = std::sqrt(lidar.excess_noise * lidar.dark_e_per_s * seconds_ +
-                     lidar.electronics_e * lidar.electronics_e);
+  spread_ = step_ / sigma_;
+  shrink_ = det::exp(-spread_ * spread_);
 }
 
 // Samples of a window: light, noise, saturation.
@@ -143,16 +141,23 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
                       std::uint32_t pulse, double floor_e, Scratch& scratch, Excess& excess) const {
   std::vector<double>& s = scratch.samples;
   s.assign(static_cast<std::size_t>(window.end - window.first), 0);
+  const GaussTables& gauss = tables();
+  const double reach = kReach * sigma_ / step_;
   for (std::size_t i = window.from; i < window.to; ++i) {
     const double centre = returned[i].range / step_;
     const double height = returned[i].electrons * unit_;
-    const double reach = kReach * sigma_ / step_;
     const auto first = std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
     const auto last =
         std::min(window.end - 1, static_cast<std::int64_t>(std::floor(centre + reach)));
-    for (std::int64_t k = first; k <= last; ++k)
-      s[static_cast<std::size_t>(k - window.first)] +=
-          height * tables().gauss((static_cast<double>(k) - centre) * step_ / sigma_);
+    // exp(-x²/2) at even steps: a product of ratios, each of which shrinks by one factor
+    const double x = (static_cast<double>(first) - centre) * step_ / sigma_;
+    double value = height * gauss.gauss(x);
+    double ratio = det::exp(-spread_ * (x + 0.5 * spread_));
+    for (std::int64_t k = first; k <= last; ++k) {
+      s[static_cast<std::size_t>(k - window.first)] += value;
+      value *= ratio;
+      ratio *= shrink_;
+    }
   }
   const double electronics = lidar_.electronics_e * lidar_.electronics_e;
   if (lidar_.excess_noise > 0 || electronics > 0) {
@@ -285,8 +290,10 @@ void Receiver::add_alarms(std::uint32_t pulse, double noise, std::vector<Echo>& 
   if (!(noise > 0)) return;
   const double level = lidar_.threshold_e / noise;
   const double length = lidar_.gate.y - lidar_.gate.x;
+  // the tail is below half of the density's ratio to its peak, and exp(-m) above 1 - m
+  const double most = 0.5 * length / step_ * det::exp(-0.5 * level * level);
+  if (random_.uniform(LidarStage::alarms, pulse, 0)[0] < 1 - most) return;
   const double mean = length / step_ * normal_tail(level);
-  if (mean < 1e-12) return;
   // arrivals of a Poisson process, at most those of all echoes
   double at = 0;
   for (std::uint32_t k = 0; k < 16; ++k) {
@@ -371,7 +378,7 @@ PulseStatus Receiver::choose(std::uint32_t pulse, std::vector<Echo>& echoes) con
   return PulseStatus::echo;
 }
 
-PulseStatus Receiver::receive(std::uint32_t pulse, const std::vector<Returned>& returned,
+PulseStatus Receiver::receive(std::uint32_t pulse, std::vector<Returned>& returned,
                               double background, Scratch& scratch, Excess& excess) const {
   scratch.echoes.clear();
   excess = {};
@@ -385,13 +392,23 @@ PulseStatus Receiver::receive(std::uint32_t pulse, const std::vector<Returned>& 
   const double noise =
       std::sqrt(lidar_.excess_noise * floor_e + lidar_.electronics_e * lidar_.electronics_e);
   const double reach = kReach * sigma_;
+  double near = std::numeric_limits<double>::infinity(), far = 0;
+  for (const Returned& each : returned) {
+    near = std::min(near, each.range);
+    far = std::max(far, each.range);
+  }
+  const bool together = far - near <= 2 * reach;
+  if (!together) std::ranges::stable_sort(returned, {}, &Returned::range);
   for (std::size_t i = 0; i < returned.size();) {
     Window window;
     window.from = i;
-    double end = returned[i].range + reach;
-    window.first = static_cast<std::int64_t>(std::floor((returned[i].range - reach) / step_));
-    while (i < returned.size() && returned[i].range - reach <= end)
-      end = returned[i++].range + reach;
+    const double from = together ? near : returned[i].range;
+    double end = (together ? far : from) + reach;
+    window.first = static_cast<std::int64_t>(std::floor((from - reach) / step_));
+    while (i < returned.size() && (together || returned[i].range - reach <= end)) {
+      end = std::max(end, returned[i].range + reach);
+      ++i;
+    }
     window.to = i;
     window.end = static_cast<std::int64_t>(std::ceil(end / step_)) + 1;
     record(window, returned, pulse, floor_e, scratch, excess);

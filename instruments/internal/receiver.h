@@ -59,10 +59,10 @@ class Receiver {
 
   // Sets scratch.echoes by range.
   //
-  //   returned    ascending by range
+  //   returned    sorted by range where it does not fall together
   //   background  electrons a second
   //   excess      set: light of the strongest saturated echo beyond saturation; 0: none
-  PulseStatus receive(std::uint32_t pulse, const std::vector<Returned>& returned, double background,
+  PulseStatus receive(std::uint32_t pulse, std::vector<Returned>& returned, double background,
                       Scratch& scratch, Excess& excess) const;
 
  private:
@@ -90,7 +90,8 @@ class Receiver {
   double step_ = 0;     // metres of range between samples
   double seconds_ = 0;  // the same in time
   double unit_ = 0;     // of a sample at the peak, for one electron
-  double quiet_ = 0;    // RMS electrons of a sample without light or background
+  double spread_ = 0;   // step_ in sigmas
+  double shrink_ = 0;   // exp(-spread_²)
 };
 
 // Truth of an echo from the light in it. Sets flags of what is mixed, and of none a false alarm.

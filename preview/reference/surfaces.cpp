@@ -1,13 +1,70 @@
 #include "preview/reference/surfaces.h"
 
 #include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "preview/reference/internal/trace_scene.h"
 
 namespace panwright::preview {
 
+namespace {
+
+// f of a scatter at zero phase over sqrt(1 - cos θ), in which lobes and limbs are even.
+struct ZeroPhase {
+  static constexpr int kSteps = 2048;
+  std::vector<Vec3> f;  // empty: a mirror, or a lobe too narrow for the steps
+
+  explicit ZeroPhase(const reference::Scatter& scatter) {
+    constexpr double kNarrow = 0.05;  // RMS slope
+    if (scatter.has_mirror || scatter.slope < kNarrow) return;
+    const Vec3 normal(0, 0, 1);
+    for (int k = 0; k <= kSteps; ++k) {
+      const double root = std::min(static_cast<double>(k) / kSteps, 1 - 1e-9);
+      const double cosine = 1 - root * root;
+      const Vec3 to_viewer(std::sqrt(1 - cosine * cosine), 0, cosine);
+      f.push_back(scatter.scattering.brdf(to_viewer, to_viewer, normal, Vec3(0), Vec3(1)));
+    }
+  }
+  Vec3 operator()(double cosine) const {
+    const double place = std::sqrt(std::max(1 - cosine, 0.0)) * kSteps;
+    const auto k = std::min(static_cast<std::size_t>(place), std::size_t{kSteps - 1});
+    return f[k] + (place - static_cast<double>(k)) * (f[k + 1] - f[k]);
+  }
+};
+
+struct ModelTables {
+  std::shared_ptr<const reference::TraceModel> model;
+  std::vector<ZeroPhase> scatters;
+};
+
+}  // namespace
+
 struct SurfaceScene::Impl {
   reference::TraceScene scene;
+  std::unordered_map<const reference::TraceModel*, std::shared_ptr<const ModelTables>> known;
+  std::vector<std::shared_ptr<const ModelTables>> tables;  // one for each target
+
+  void add_tables() {
+    std::unordered_map<const reference::TraceModel*, std::shared_ptr<const ModelTables>> now;
+    tables.clear();
+    for (std::uint32_t i = 0; i < scene.rays().targets().size(); ++i) {
+      const auto& model = scene.model(i);
+      auto& each = now[model.get()];
+      if (const auto same = known.find(model.get()); same != known.end()) each = same->second;
+      if (each == nullptr) {
+        auto made = std::make_shared<ModelTables>();
+        made->model = model;
+        for (const reference::Scatter& scatter : model->scatters())
+          made->scatters.emplace_back(scatter);
+        each = std::move(made);
+      }
+      tables.push_back(each);
+    }
+    known = std::move(now);
+  }
 };
 
 SurfaceScene::SurfaceScene() : impl_(std::make_unique<Impl>()) {}
@@ -21,6 +78,7 @@ SurfaceScene& SurfaceScene::operator=(const SurfaceScene& other) {
 
 void SurfaceScene::update(const world::World& world, const Job& job) {
   impl_->scene.update(world, job);
+  impl_->add_tables();
 }
 
 void SurfaceScene::place_observer(const world::Pose& world_from_observer) {
@@ -51,8 +109,31 @@ ViewedSurface SurfaceScene::viewed(const trace::Hit& hit) const {
   return out;
 }
 
-Vec3 SurfaceScene::lit(const trace::Hit& hit, const Vec3& to_light) const {
+ViewedSurface SurfaceScene::returned(const trace::Hit& hit) const {
+  const ModelTables& tables = *impl_->tables[hit.target];
+  const std::int32_t number = tables.model->plain_scatter(hit);
+  if (number < 0 || tables.scatters[static_cast<std::size_t>(number)].f.empty()) return viewed(hit);
+  const trace::Target& target = *rays().targets()[hit.target].target;
+  const trace::Model::Part& part = target.model().parts()[hit.part];
+  const trace::Place place = trace::place_of(part.mesh, hit.triangle, hit.barycentric);
+  Vec3 smooth(0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& n = part.mesh.normals[place.corner[k]];
+    smooth += place.weight[static_cast<int>(k)] * Vec3(n.x, n.y, n.z);
+  }
+  Vec3 normal = target.placement(hit.part).normals * smooth;
+  const double square = glm::dot(normal, normal);
+  if (!(square > 1e-200)) return viewed(hit);  // which takes the triangle's
+  normal *= (part.closed || hit.front ? 1 : -1) / std::sqrt(square);
+  ViewedSurface out;
+  out.cosine = std::clamp(-glm::dot(normal, hit.direction), 0.0, 1.0);
+  out.returned = out.cosine * tables.scatters[static_cast<std::size_t>(number)](out.cosine);
+  return out;
+}
+
+Vec3 SurfaceScene::lit(const trace::Hit& hit, const Vec3& to_light, Vec3& start) const {
   const reference::Point point = impl_->scene.point(hit, false);
+  start = point.start;
   const double cosine = glm::dot(point.normal, to_light);
   if (!(cosine > 0)) return Vec3(0);
   return cosine * point.surface().scattering.brdf(to_light, -hit.direction, point.normal,

@@ -164,7 +164,7 @@ TEST(LidarRange, FallsByThePowerOfWhatTheBeamHolds) {
     }
     const double power = std::log2(sums[0] / sums[1]);
     std::printf("power of the range: %.4f\n", power);
-    EXPECT_NEAR(power, each.power, 0.02);  // measured 0.012, 0.018: of few sub-rays on the patch
+    EXPECT_NEAR(power, each.power, 0.02);  // measured 0.011: of few sub-rays on the patch
   }
 }
 
@@ -203,8 +203,8 @@ TEST(LidarWaveform, PartsEchoesBeyondTwoSigmas) {
     const Receiver receiver(lidar, {});
     Receiver::Scratch scratch;
     Excess excess;
-    const std::vector<Returned> light = {{100, 1e4 * share, 1, {1, 1, 1, 1}, 0},
-                                         {100 + apart, 1e4 * (1 - share), 1, {1, 2, 1, 2}, 0}};
+    std::vector<Returned> light = {{100, 1e4 * share, 1, {1, 1, 1, 1}, 0},
+                                   {100 + apart, 1e4 * (1 - share), 1, {1, 2, 1, 2}, 0}};
     receiver.receive(0, light, 0, scratch, excess);
     return scratch.echoes;
   };
@@ -244,8 +244,8 @@ TEST(LidarWaveform, WalksWithTheAmplitude) {
       const Receiver receiver(lidar, {});
       Receiver::Scratch scratch;
       Excess excess;
-      receiver.receive(0, {{100.123, ratio * lidar.threshold_e / unit, 1, {}, 0}}, 0, scratch,
-                       excess);
+      std::vector<Returned> light = {{100.123, ratio * lidar.threshold_e / unit, 1, {}, 0}};
+      receiver.receive(0, light, 0, scratch, excess);
       ASSERT_EQ(scratch.echoes.size(), 1u);
       EXPECT_NEAR(100.123 - scratch.echoes[0].range, residual * walk, 0.01 * walk)
           << ratio << " " << residual;
@@ -267,10 +267,12 @@ TEST(LidarPhotons, FirstOnesAreEarly) {
   Receiver::Scratch scratch;
   Excess excess;
   constexpr std::uint32_t kPulses = 40'000;
+  std::vector<Returned> light;
   for (const auto& [mean, bias, sd] : table) {
     double sum = 0, squares = 0, found = 0;
     for (std::uint32_t k = 0; k < kPulses; ++k) {
-      receiver.receive(k, {{100, mean, 1, {}, 0}}, 0, scratch, excess);
+      light = {{100, mean, 1, {}, 0}};
+      receiver.receive(k, light, 0, scratch, excess);
       if (scratch.echoes.empty()) continue;
       const double off = (scratch.echoes[0].range - 100) / sigma;
       ++found;
@@ -287,7 +289,8 @@ TEST(LidarPhotons, FirstOnesAreEarly) {
   const double rate = 1e6, time = 2 * 50 / kSpeed;
   std::uint32_t on_target = 0;
   for (std::uint32_t k = 0; k < kPulses; ++k) {
-    receiver.receive(k, {{100, 50, 1, {}, 0}}, rate, scratch, excess);
+    light = {{100, 50, 1, {}, 0}};
+    receiver.receive(k, light, rate, scratch, excess);
     on_target += !scratch.echoes.empty() && std::fabs(scratch.echoes[0].range - 100) < 5 * sigma;
   }
   const double expected = std::exp(-rate * (time - 2 * 2.5 * sigma / kSpeed));

@@ -32,6 +32,50 @@ def run(*words):
     return subprocess.run([PROGRAM, *map(str, words)], check=True, capture_output=True, text=True)
 
 
+class Instruments(unittest.TestCase):
+    """Look-ups against ground truth of an image, clouds against the program's files."""
+
+    def test_lookups_are_the_truth_of_an_image(self):
+        view = {"camera": [6, -9, 3], "size": "64x48", "fov": 30}
+        with pw.Renderer(CLIENT, gl="osmesa") as renderer:
+            image = renderer.render(engine="reference", samples=1, labels=True, **view)
+        rows, columns = np.mgrid[0:48, 0:64] + 0.5
+        lookups = pw.Lookups(CLIENT, **view)
+        found = lookups.pixels(np.stack([columns.ravel(), rows.ravel()], axis=1))
+        for name in ("target_id", "node_id", "material_id"):
+            np.testing.assert_array_equal(found[name].reshape(48, 64), image[name], name)
+        seen = found["target_id"] > 0
+        self.assertGreater(seen.sum(), 100)
+        np.testing.assert_allclose(found["distance"][seen], image["range"].ravel()[seen], rtol=1e-6)
+        back = lookups.rays(np.tile([6.0, -9, 3], (seen.sum(), 1)), found["position"][seen] - [6, -9, 3])
+        np.testing.assert_allclose(back["distance"], found["distance"][seen], rtol=1e-9)
+        self.assertTrue(np.isnan(found["position"][~seen]).all())
+        expected = {each.name: (each.pixel, each.occluded, each.lit) for each in image.things[0].keypoints}
+        points = lookups.keypoints()["client"]
+        self.assertEqual({each.name: (each.pixel, each.occluded, each.lit) for each in points}, expected)
+        near = lookups.nearest([[9, 0, 0], [0, 0, 9]])
+        self.assertEqual(near["distance"].shape, (2,))
+        self.assertEqual(lookups.sights([[9, 0, 0], [9, 9, 9]], [[-9, 0, 0], [9, 9, 8]]).tolist(), [False, True])
+        self.assertEqual(lookups.elevations([[50, 50]])["target_id"].tolist(), [0])
+        with self.assertRaises(ValueError):
+            lookups.nearest([[1, 2]])
+        lookups.update(camera=[0, -20, 0])
+        self.assertGreater(lookups.pixels([[32, 24]])["distance"][0], 15)
+
+    def test_lidar_is_the_program_s(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "a.npz"
+            lidar = EXAMPLES / "lidar/flash_rvd.toml"
+            run("lidar", CLIENT, "--lidar", lidar, "--camera", "6 -9 3", "--noise-seed", "3", "-o", file)
+            cloud = pw.lidar(CLIENT, lidar, camera=[6, -9, 3], noise_seed=3)
+            with np.load(file) as arrays:
+                self.assertEqual(sorted(arrays.files), sorted(cloud))
+                for name in arrays.files:
+                    np.testing.assert_array_equal(arrays[name], cloud[name], name)
+        with self.assertRaises(pw.Error):
+            pw.lidar(CLIENT, "none.toml")
+
+
 class AgainstTheProgram(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -39,6 +39,11 @@ TraceModel::TraceModel(std::shared_ptr<const trace::Model> traced, const Job& jo
   for (std::vector<Part>* sides : {&parts_, &backs_})
     for (Part& part : *sides)
       if (!part.decals.empty()) lay_decals_over(part);
+  for (std::vector<Part>* sides : {&parts_, &backs_})
+    for (Part& part : *sides)
+      part.plain = part.decals.empty() && part.mesh.colors.empty() && part.cell_parts == 0 &&
+                   part.tangents == nullptr && part.texture < 0 && part.albedo < 0 &&
+                   part.normal < 0 && part.roughness < 0 && part.reflectance < 0;
 }
 
 void TraceModel::lay_decals_over(Part& part) {

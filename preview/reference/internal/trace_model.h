@@ -51,6 +51,7 @@ class TraceModel {
     std::vector<std::uint32_t> decals;  // from the lowest
     std::int32_t back = -1;             // into backs_; -1: both sides are alike
     bool is_back = false;               // material of a back
+    bool plain = false;                 // of plain_scatter()
   };
 
   // Textures are read in place.
@@ -63,6 +64,16 @@ class TraceModel {
 
   // flat: by the triangles' own normals.
   Point point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const;
+
+  // Scatters of materials, cells and parts with decals.
+  std::span<const Scatter> scatters() const { return scatters_; }
+  // Returns the number of the scatter of a hit where the angle of incidence alone decides the light
+  // that returns to its source: no maps, decals, cells, colours of vertices or directions; -1:
+  // other surfaces.
+  std::int32_t plain_scatter(const trace::Hit& hit) const {
+    const Part& part = seen(hit.part, parts_[hit.part].closed || hit.front);
+    return part.plain ? static_cast<std::int32_t>(part.scatter) : -1;
+  }
 
  private:
   struct Decal {

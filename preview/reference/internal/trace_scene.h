@@ -34,6 +34,9 @@ class TraceScene {
     const trace::Target& target = *rays_.targets()[hit.target].target;
     return models_[hit.target]->point(target.placement(hit.part), hit, flat);
   }
+  const std::shared_ptr<const TraceModel>& model(std::uint32_t target) const {
+    return models_[target];
+  }
 
  private:
   using ModelPtr = std::shared_ptr<const TraceModel>;
