@@ -9,9 +9,6 @@
 namespace panwright::transport {
 namespace {
 
-// Detail of meshes, of a target's size: a quarter of the surfels' spacing or less.
-constexpr double kOfSize = 1.0 / 400;
-
 // Bounds of a target as a ball of the world.
 struct Ball {
   Vec3 centre{0};
@@ -61,20 +58,8 @@ Hash128 key_of(const trace::Target& target, const TransportOptions& options) {
 }  // namespace
 
 void Transport::place(const world::World& world, const Job& job) {
-  // meshes may be coarser where surfels are wide
-  evaluation_.update(world);
-  double smallest = INFINITY;
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (evaluation_[i].bounds) smallest = std::min(smallest, evaluation_[i].bounds->diagonal());
-  // a power of two, so that joints seldom change it
-  const double footprint = smallest > 0 && std::isfinite(smallest)
-                               ? std::exp2(std::floor(std::log2(kOfSize * smallest)))
-                               : 0;
-  if (!scene_ || footprint != footprint_) {
-    scene_.emplace(trace::SceneOptions{footprint});
-    footprint_ = footprint;
-    slots_.clear();
-  }
+  // the finest meshes: relief of foil lights itself
+  if (!scene_) scene_.emplace();
   scene_->update(world, job);
   std::vector<Slot> slots;
   slot_of_.assign(world.size(), ~0u);

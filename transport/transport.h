@@ -21,7 +21,6 @@
 #include "transport/lists.h"
 #include "transport/reflectance.h"
 #include "transport/surfels.h"
-#include "world/evaluation.h"
 #include "world/world.h"
 
 namespace panwright::transport {
@@ -93,9 +92,7 @@ class Transport {
 
   TransportOptions options_;
   const WorkCache* cache_;
-  world::Evaluation evaluation_;
   std::optional<trace::Scene> scene_;
-  double footprint_ = 0;
   std::unordered_map<const trace::Model*, std::shared_ptr<const ModelReflectance>> reflectances_;
   std::vector<std::uint32_t> slot_of_;  // by target; ~0u: hidden
   std::vector<Slot> slots_;

@@ -83,7 +83,7 @@ WideLight indirect_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal)
   WideLobe lobe = wide_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, normal, seen_from, normal) * light.irradiance;
-  vec3 share = coat_first(s, cosine);
+  vec3 share = vec3(coat_first(s, cosine));
   if (lobe.share > 0.0) share += lobe.share * coated_reflection(s, cosine, cosine, cosine);
 #else
   light.diffuse = bare_diffuse(s, normal, seen_from, normal) * light.irradiance;
