@@ -1,4 +1,4 @@
-// What surfels reflect: the albedos of a model's materials, with textures. No OpenGL.
+// Reflectance of surfels: the albedos of a model's materials, with textures. No OpenGL.
 #pragma once
 
 #include <array>

@@ -25,7 +25,8 @@ bool is_inside(const light::Surfel& surfel) { return glm::dot(surfel.normal, sur
 TEST(TransportOracles, ClosedFurnace) {
   const geometry::Mesh mesh = open_box(2);
   const Solved room(world_of({&mesh, 1}, 0.8), {800, 32});
-  const auto light = room.light(0.8, [&](std::size_t i) { return is_inside(room[i]) ? 1 : 0; }, 40);
+  const auto light = room.light(
+      0.8, [&](std::size_t i) { return is_inside(room[i]) ? 1 : 0; }, 40);
   const double whole = (1 - std::pow(0.8, 40)) / 0.2;
   std::size_t inside = 0;
   for (std::size_t i = 0; i < room.size(); ++i) {
@@ -46,9 +47,9 @@ TEST(TransportOracles, OpenFurnace) {
       sheet({-1, 1, 0}, {2, 0, 0}, {0, 0, 1}), sheet({-1, -1, 0}, {0, 2, 0}, {0, 0, 1}),
       sheet({1, -1, 0}, {0, 0, 1}, {0, 2, 0})};
   const Solved room(world_of(walls, 1), {900, 32});
-  const auto light = room.light(1, [&](std::size_t i) { return 1 - room.around(i); }, 200);
-  for (std::size_t i = 0; i < room.size(); ++i)
-    EXPECT_NEAR(light[i] + 1 - room.around(i), 1, 2e-4);
+  const auto light = room.light(
+      1, [&](std::size_t i) { return 1 - room.around(i); }, 200);
+  for (std::size_t i = 0; i < room.size(); ++i) EXPECT_NEAR(light[i] + 1 - room.around(i), 1, 2e-4);
 }
 
 // Whatever lights the inside of a sphere, what walls send is the same everywhere.
@@ -56,13 +57,16 @@ TEST(TransportOracles, SphereInside) {
   const geometry::Mesh mesh = ball(1, 32);
   const Solved sphere(world_of({&mesh, 1}, 0.7), {3000, 32});
   double lit = 0, whole = 0;
-  const auto is_lit = [&](std::size_t i) { return is_inside(sphere[i]) && sphere[i].position.z > 0.8; };
+  const auto is_lit = [&](std::size_t i) {
+    return is_inside(sphere[i]) && sphere[i].position.z > 0.8;
+  };
   for (std::size_t i = 0; i < sphere.size(); ++i) {
     if (!is_inside(sphere[i])) continue;
     whole += sphere.set->area(i);
     if (is_lit(i)) lit += sphere.set->area(i);
   }
-  const auto light = sphere.light(0.7, [&](std::size_t i) { return is_lit(i) ? 0.7 : 0; }, 100);
+  const auto light = sphere.light(
+      0.7, [&](std::size_t i) { return is_lit(i) ? 0.7 : 0; }, 100);
   const double expected = 0.7 * lit / whole / 0.3;
   double sum = 0, squares = 0, areas = 0;
   for (std::size_t i = 0; i < sphere.size(); ++i) {
@@ -79,7 +83,8 @@ TEST(TransportOracles, SphereInside) {
 
 double form_factor(const Solved& solved, const std::function<bool(const light::Surfel&)>& from,
                    const std::function<bool(const light::Surfel&)>& to) {
-  const auto light = solved.light(0, [&](std::size_t i) { return to(solved[i]) ? 1 : 0; }, 1);
+  const auto light = solved.light(
+      0, [&](std::size_t i) { return to(solved[i]) ? 1 : 0; }, 1);
   double sum = 0, area = 0;
   for (std::size_t i = 0; i < solved.size(); ++i)
     if (from(solved[i])) {
@@ -97,16 +102,17 @@ TEST(TransportOracles, FacingSquares) {
     const geometry::Mesh plates[] = {sheet({0, 0, 0}, {side, 0, 0}, {0, side, 0}),
                                      sheet({0, 0, 1}, {0, side, 0}, {side, 0, 0})};
     const Solved solved(world_of(plates, 0.5), {2000, 32});
-    EXPECT_NEAR(
-        form_factor(solved, [](const auto& s) { return s.position.z < 0.5 && s.normal.z > 0; },
+    EXPECT_NEAR(form_factor(
+                    solved, [](const auto& s) { return s.position.z < 0.5 && s.normal.z > 0; },
                     [](const auto& s) { return s.position.z > 0.5 && s.normal.z < 0; }),
-        expected, kTolerance * expected);
+                expected, kTolerance * expected);
   }
   const geometry::Mesh edge[] = {sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                                  sheet({0, 0, 0}, {0, 1, 0}, {0, 0, 1})};
   const Solved solved(world_of(edge, 0.5), {2000, 32});
-  EXPECT_NEAR(form_factor(solved, [](const auto& s) { return s.normal.z > 0.5; },
-                          [](const auto& s) { return s.normal.x > 0.5; }),
+  EXPECT_NEAR(form_factor(
+                  solved, [](const auto& s) { return s.normal.z > 0.5; },
+                  [](const auto& s) { return s.normal.x > 0.5; }),
               0.2000438, kTolerance * 0.2);
 }
 
