@@ -25,8 +25,8 @@ enum class Work : std::uint8_t {
   foil,        // sheets and blankets, with their levels
   cleaned,     // meshes of CAD files
   // not counted:
-  hidden,   // searches for hidden triangles
-  fits,     // of materials
+  hidden,     // searches for hidden triangles
+  fits,       // of materials
   imports,    // CAD files, compiled
   transport,  // light between surfaces
 };

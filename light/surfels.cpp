@@ -9,9 +9,8 @@
 namespace panwright::light {
 namespace {
 
-// Of normals that turn by more than the first angle, less counts; beyond the second, nothing.
-constexpr float kLeastFacing = 0.2f;
-constexpr float kFacingScale = 1 / 0.6f;
+// The cosine between normals from which on all counts; at a right angle nothing does.
+constexpr float kFacingScale = 1 / 0.7f;
 // Squared distances along the normal count as often, so that a shelf does not light the next one.
 constexpr float kAcross = 8;
 
@@ -86,8 +85,10 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
     // along the normal it reaches less far
     const double n = surfel.normal[k];
     const double extent = reach * std::sqrt(std::max(1 - n * n * (kAcross / (1 + kAcross)), 0.0));
-    low[k] = std::max<std::int64_t>(static_cast<std::int64_t>(std::floor((at[k] - extent) / grid.side)), 0);
-    high[k] = std::min<std::int64_t>(static_cast<std::int64_t>(std::floor((at[k] + extent) / grid.side)), 65535);
+    low[k] = std::max<std::int64_t>(
+        static_cast<std::int64_t>(std::floor((at[k] - extent) / grid.side)), 0);
+    high[k] = std::min<std::int64_t>(
+        static_cast<std::int64_t>(std::floor((at[k] + extent) / grid.side)), 65535);
   }
   for (std::int64_t z = low[2]; z <= high[2]; ++z)
     for (std::int64_t y = low[1]; y <= high[1]; ++y)
@@ -96,14 +97,14 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
         const Vec3 apart = at - glm::clamp(at, corner, corner + grid.side);
         // the plane of the surfel passes the cube at this distance at least
         const Vec3 middle = at - corner - 0.5 * grid.side;
-        const double half = 0.5 * grid.side *
-                            (std::fabs(surfel.normal.x) + std::fabs(surfel.normal.y) +
-                             std::fabs(surfel.normal.z));
+        const double half =
+            0.5 * grid.side *
+            (std::fabs(surfel.normal.x) + std::fabs(surfel.normal.y) + std::fabs(surfel.normal.z));
         const double across = std::max(std::fabs(glm::dot(middle, surfel.normal)) - half, 0.0);
         const double least = std::max(glm::dot(apart, apart), (1 + kAcross) * across * across);
         if (least >= reach * reach) continue;
         for (std::uint32_t d = 0; d < 6; ++d) {
-          if (largest_cosine(surfel.normal, d) <= kLeastFacing) continue;
+          if (largest_cosine(surfel.normal, d) <= 0) continue;
           to.push_back({cell_key(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                                  static_cast<std::uint32_t>(z), d),
                         static_cast<float>(glm::dot(middle, middle)), index});
@@ -149,7 +150,8 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side) {
       const Vec3 at = surfel.position - grid.origin;
       std::array<std::uint32_t, 4> entry;
       for (int axis = 0; axis < 3; ++axis)
-        entry[static_cast<std::size_t>(axis)] = std::bit_cast<std::uint32_t>(static_cast<float>(at[axis]));
+        entry[static_cast<std::size_t>(axis)] =
+            std::bit_cast<std::uint32_t>(static_cast<float>(at[axis]));
       entry[3] = listed[k].surfel | packed_normal(surfel.normal) << 16;
       grid.entries.push_back(entry);
     }
@@ -177,9 +179,11 @@ Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& norm
   const glm::vec3 at(point - grid.origin);
   const glm::vec3 n(normal);
   const glm::vec3 cell = glm::floor(at * static_cast<float>(1 / grid.side));
-  if (!(cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < 65536 && cell.y < 65536 && cell.z < 65536))
+  if (!(cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < 65536 && cell.y < 65536 &&
+        cell.z < 65536))
     return Vec3(0);
-  const std::uint32_t xy = static_cast<std::uint32_t>(cell.x) | static_cast<std::uint32_t>(cell.y) << 16;
+  const std::uint32_t xy = static_cast<std::uint32_t>(cell.x) | static_cast<std::uint32_t>(cell.y)
+                                                                    << 16;
   const std::uint32_t zd = static_cast<std::uint32_t>(cell.z) | direction_of(n) << 16;
   const auto mask = static_cast<std::uint32_t>(grid.cells.size() - 1);
   std::uint32_t slot = SurfelGrid::slot_of(xy, zd) & mask;
@@ -191,13 +195,16 @@ Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& norm
     float weights = 0;
     for (std::uint32_t e = list[2]; e < list[2] + list[3]; ++e) {
       const auto& entry = grid.entries[e];
-      const glm::vec3 apart = glm::vec3(std::bit_cast<float>(entry[0]), std::bit_cast<float>(entry[1]),
-                                        std::bit_cast<float>(entry[2])) - at;
+      const glm::vec3 apart =
+          glm::vec3(std::bit_cast<float>(entry[0]), std::bit_cast<float>(entry[1]),
+                    std::bit_cast<float>(entry[2])) -
+          at;
       const auto& sent = light.irradiance[entry[3] & 0xffffu];
       const glm::vec3 its_normal = unpacked_normal(entry[3] >> 16);
       const float across = glm::dot(apart, its_normal);
-      const float left = std::max(1 - (glm::dot(apart, apart) + kAcross * across * across) * sent[3] * sent[3], 0.0f);
-      const float facing = std::clamp((glm::dot(n, its_normal) - kLeastFacing) * kFacingScale, 0.0f, 1.0f);
+      const float left = std::max(
+          1 - (glm::dot(apart, apart) + kAcross * across * across) * sent[3] * sent[3], 0.0f);
+      const float facing = std::clamp(glm::dot(n, its_normal) * kFacingScale, 0.0f, 1.0f);
       const float weight = left * left * facing * facing;
       sum += weight * glm::vec3(sent[0], sent[1], sent[2]);
       weights += weight;

@@ -16,21 +16,22 @@ namespace panwright::light {
 
 // A piece of a surface, in the frame of its target's model.
 struct Surfel {
-  Vec3 position{0};        // metres, the mean of its piece
-  Vec3 normal{0, 0, 1};    // unit, on its side of the surface
-  double radius = 0;       // metres, within which it lights points of the surface
+  Vec3 position{0};      // metres, the mean of its piece
+  Vec3 normal{0, 0, 1};  // unit, on its side of the surface
+  double radius = 0;     // metres, within which it lights points of the surface
 };
 
-// Grid of cubes over the surfels of a target. A cube has a list for each of the six directions along
-// axes: the surfels that may light a point within it whose normal is nearest to that direction.
-// It never changes. Shaders read it as it is (preview/shaders/indirect.glsl).
+// Grid of cubes over the surfels of a target. A cube has a list for each of the six directions
+// along axes: the surfels that may light a point within it whose normal is nearest to that
+// direction. It never changes. Shaders read it as it is (preview/shaders/indirect.glsl).
 struct SurfelGrid {
-  static constexpr std::uint32_t kMost = 65536;      // surfels of a target
-  static constexpr std::uint32_t kMostListed = 48;   // of a list: beyond it the farthest are left out
+  static constexpr std::uint32_t kMost = 65536;  // surfels of a target
+  static constexpr std::uint32_t kMostListed =
+      48;  // of a list: beyond it the farthest are left out
 
-  Vec3 origin{0};      // metres, corner of the cube 0 0 0
-  double side = 1;     // of a cube, metres
-  Stamp stamp = 0;     // of the contents
+  Vec3 origin{0};   // metres, corner of the cube 0 0 0
+  double side = 1;  // of a cube, metres
+  Stamp stamp = 0;  // of the contents
   // Hash table with open addresses, a power of two: x | y << 16, z | direction << 16, first entry,
   // number of entries; the number 0: empty. A list stands at slot_of() or behind it.
   std::vector<std::array<std::uint32_t, 4>> cells;

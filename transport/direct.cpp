@@ -31,7 +31,8 @@ LampPlace place_of(const light::Source& source) {
 
 // The sharpest layer of a table in a direction of the world.
 Vec3 shine(const sky::ShineTable& table, const Vec3& direction) {
-  const Vec3 d = direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
+  const Vec3 d =
+      direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
   Vec2 at(d.x, d.y);
   if (d.z < 0)
     at = {std::copysign(1 - std::fabs(d.y), d.x), std::copysign(1 - std::fabs(d.x), d.y)};
@@ -61,8 +62,9 @@ struct OnSurfel {
     const Vec3 aside = std::fabs(lights.to_sun.z) < 0.7 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
     const Vec3 across = glm::normalize(glm::cross(lights.to_sun, aside));
     const Vec3 place = turn.cos * across + turn.sin * glm::cross(lights.to_sun, across);
-    const Vec3 to_light = glm::normalize(
-        (lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / kPoints) * place) * frame.world_from);
+    const Vec3 to_light =
+        glm::normalize((lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / kPoints) * place) *
+                       frame.world_from);
     const double cosine = glm::dot(at.normal, to_light);
     if (!(cosine > 0)) return Vec3(0);
     const trace::Ray ray{{at.start, to_light}, target};
@@ -80,7 +82,8 @@ struct OnSurfel {
     trace::Ray ray{{at.start, to_light}, target};
     const LampPlace place = place_of(lamp);
     if (place.position)
-      ray.max_distance = std::max(0.999 * (glm::length(*place.position - here) - place.radius), 0.0);
+      ray.max_distance =
+          std::max(0.999 * (glm::length(*place.position - here) - place.radius), 0.0);
     if (scene.any(ray, trace::Insides::stop)) return Vec3(0);
     return cosine * from.irradiance * surface.reflectance->directional(cosine, surface.tint);
   }
@@ -118,9 +121,8 @@ DirectLights direct_lights(const world::World& world, const Vec3& point,
 }
 
 Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
-                       const TransportLists& lists,
-                       std::span<const ModelReflectance::At> surfaces, const DirectLights& lights,
-                       const Job& job) {
+                       const TransportLists& lists, std::span<const ModelReflectance::At> surfaces,
+                       const DirectLights& lights, const Job& job) {
   const std::size_t count = set.surfels().size();
   Sources sources;
   sources.albedo.resize(count);

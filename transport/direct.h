@@ -17,8 +17,8 @@ namespace panwright::transport {
 
 // Lights of a target.
 struct DirectLights {
-  Vec3 to_sun{0, 0, 1};      // world axes, unit
-  Vec3 sun_irradiance{0};    // what bodies leave of it
+  Vec3 to_sun{0, 0, 1};    // world axes, unit
+  Vec3 sun_irradiance{0};  // less eclipses
   double sun_sine = 0;
   std::optional<sky::ShineTable> bodies;
   std::span<const light::Source> lamps;
@@ -28,13 +28,12 @@ struct DirectLights {
 DirectLights direct_lights(const world::World& world, const Vec3& point,
                            std::span<const light::Source> lamps);
 
-// Returns what surfels reflect of it and send out by themselves.
+// Returns the light that surfels reflect of it, and their emission.
 //
 //   surfaces  of the surfels
 // Throws Cancelled. Cost: four rays a surfel and light.
 Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
-                       const TransportLists& lists,
-                       std::span<const ModelReflectance::At> surfaces, const DirectLights& lights,
-                       const Job& job);
+                       const TransportLists& lists, std::span<const ModelReflectance::At> surfaces,
+                       const DirectLights& lights, const Job& job);
 
 }  // namespace panwright::transport

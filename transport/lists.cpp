@@ -84,7 +84,8 @@ TransportLists transport_lists(const trace::Scene& scene, std::uint32_t target,
   parallel_for(chunks, trace_some, job);
   for (std::size_t s = 0; s < count; ++s) lists.first[s + 1] += lists.first[s];
   lists.entries.reserve(lists.first.back());
-  for (const auto& some : found) lists.entries.insert(lists.entries.end(), some.begin(), some.end());
+  for (const auto& some : found)
+    lists.entries.insert(lists.entries.end(), some.begin(), some.end());
   return lists;
 }
 

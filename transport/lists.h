@@ -43,7 +43,7 @@ TransportLists transport_lists(const trace::Scene& scene, std::uint32_t target,
                                std::span<const std::uint32_t> slots,
                                std::span<const SurfelSet* const> sets, const Job& job);
 
-// What surfels of a target reflect and send out by themselves.
+// Reflectance and emission of a target's surfels.
 struct Sources {
   std::vector<Vec3> albedo;  // of light from everywhere
   std::vector<Vec3> sent;    // radiosity without interreflections, in the unit of irradiance

@@ -5,7 +5,6 @@
 
 #include "materials/cells.h"
 #include "materials/energy.h"
-#include "materials/sample.h"
 
 namespace panwright::transport {
 namespace {
@@ -35,16 +34,13 @@ Reflectance::Reflectance(const materials::Material& material) {
     if (!(part.share > 0)) continue;
     materials::Material black = part.material;
     black.diffuse = Vec3(0);
-    const materials::Scattering scattering(part.material);
     for (int i = 0; i < kNodes; ++i) {
       const double mu = std::sqrt((i + 0.5) / kNodes);
       const auto k = static_cast<std::size_t>(i);
       const Vec3 white = materials::directional_albedo(part.material, mu);
       const Vec3 without = materials::directional_albedo(black, mu);
-      const Vec3 mirrored =
-          scattering.has_delta() ? scattering.mirror_reflectance(mu) : Vec3(0);
-      black_[k] += part.share * glm::max(without - mirrored, Vec3(0));
-      white_[k] += part.share * glm::max(white - mirrored, Vec3(0));
+      black_[k] += part.share * without;
+      white_[k] += part.share * white;
       black_mean_ += part.share * without / double{kNodes};
       white_mean_ += part.share * white / double{kNodes};
     }

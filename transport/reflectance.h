@@ -1,4 +1,4 @@
-// What surfels reflect: the albedos of a model's materials, with textures. No OpenGL.
+// Reflectance of surfels: the albedos of a model's materials, with textures. No OpenGL.
 #pragma once
 
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace panwright::transport {
 
-// Directional albedo of a material, RGB. Microfacets, coats and mirrors reflect as if diffuse;
-// sunlight that a mirror or a smooth coat throws in one direction is left out of what is spread.
+// Directional albedo of a material, RGB: microfacets, coats and mirrors reflect as if diffuse.
 class Reflectance {
  public:
   explicit Reflectance(const materials::Material& material);
@@ -21,7 +20,7 @@ class Reflectance {
   //
   //   tint  multiplies the diffuse colour
   Vec3 directional(double mu, const Vec3& tint) const;
-  // Returns that of light from everywhere, mirrors included.
+  // Returns that of light from everywhere.
   Vec3 mean(const Vec3& tint) const { return black_mean_ + tint * (white_mean_ - black_mean_); }
   const Vec3& emitted() const { return emitted_; }  // radiosity, of white
 

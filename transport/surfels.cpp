@@ -11,9 +11,10 @@
 namespace panwright::transport {
 namespace {
 
-constexpr std::uint8_t kMostLevels = 3;
+constexpr std::uint8_t kMostLevels = 2;
+constexpr std::uint8_t kHidden = 255;  // level of surfels that nothing reaches
 constexpr std::uint32_t kMostSurfels = light::SurfelGrid::kMost;
-constexpr double kReach = 1.5;  // of a surfel, spacings
+constexpr double kReach = 1.25;  // of a surfel, spacings
 
 // Plastic number's powers: points spread evenly over the plane. M. Roberts, "The unreasonable
 // effectiveness of quasirandom sequences", 2018.
@@ -116,8 +117,8 @@ SurfelKey SurfelSet::key_of(std::uint32_t index, std::uint32_t triangle, const V
   const trace::Model::Part& part = target_.model().parts()[index];
   const trace::Placement& placement = target_.placement(index);
   const auto corner = corners(part.mesh, triangle);
-  const Vec3 at = corner[0] + barycentric.x * (corner[1] - corner[0]) +
-                  barycentric.y * (corner[2] - corner[0]);
+  const Vec3 at =
+      corner[0] + barycentric.x * (corner[1] - corner[0]) + barycentric.y * (corner[2] - corner[0]);
   const Vec3 scale = scales(placement);
   Vec3 normal = glm::cross(scale * (corner[1] - corner[0]), scale * (corner[2] - corner[0]));
   Vec3 place = scale * at;
@@ -143,9 +144,9 @@ SurfelKey SurfelSet::key_of(std::uint32_t index, std::uint32_t triangle, const V
 
 // place: of the cumulated area, m². u, v: in [0, 1)
 Point SurfelSet::point_at(double place, double u, double v) const {
-  const auto side = static_cast<std::uint32_t>(
-      std::min<std::size_t>(static_cast<std::size_t>(std::ranges::upper_bound(ends_, place) - ends_.begin()),
-                            ends_.size() - 1));
+  const auto side = static_cast<std::uint32_t>(std::min<std::size_t>(
+      static_cast<std::size_t>(std::ranges::upper_bound(ends_, place) - ends_.begin()),
+      ends_.size() - 1));
   const auto i = static_cast<std::size_t>(std::ranges::upper_bound(first_side_, side) -
                                           first_side_.begin() - 1);
   Point point;
@@ -163,15 +164,21 @@ Point SurfelSet::point_at(double place, double u, double v) const {
   const auto corner = corners(part.mesh, point.triangle);
   const Vec3 at = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
   const Vec3 facet = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-  point.normal = trace::unit_or(placement.normals * facet, Vec3(0, 0, 1)) * (point.back ? -1.0 : 1.0);
+  point.normal =
+      trace::unit_or(placement.normals * facet, Vec3(0, 0, 1)) * (point.back ? -1.0 : 1.0);
   // past the chord error and the rounding of coordinates to float
   const Vec3 far = glm::max(glm::abs(part.low), glm::abs(part.high));
   const double error = target_.model().model()->meshes()[part.mesh_index].error;
   const Vec3 scale = scales(placement);
-  const double offset =
-      max_component(scale) * (2 * error + 0x1p-22 * max_component(far));
+  const double offset = max_component(scale) * (2 * error + 0x1p-22 * max_component(far));
   point.start = placement.model_from_mesh(at) + offset * point.normal;
   return point;
+}
+
+// Whether a point lies within a closed part.
+bool SurfelSet::is_covered(const Point& point) const {
+  const auto hit = target_.closest(geometry::Ray{point.start, point.normal}, trace::Insides::stop);
+  return hit && !hit->front && target_.model().parts()[target_.parts()[hit->instance]].closed;
 }
 
 // Adds the points of a level. count: of the whole area
@@ -185,13 +192,15 @@ void SurfelSet::spread(std::uint64_t count, std::uint8_t level, Keyed& to, const
         const std::uint64_t end = std::min(count, (c + 1) * kAtOnce);
         for (std::uint64_t i = c * kAtOnce; i < end; ++i) {
           const auto number = static_cast<double>(i);
-          const Point point = point_at(area_ * (number + 0.5) / static_cast<double>(count),
-                                       fraction(0.5 + kStepU * number), fraction(0.5 + kStepV * number));
+          const Point point =
+              point_at(area_ * (number + 0.5) / static_cast<double>(count),
+                       fraction(0.5 + kStepU * number), fraction(0.5 + kStepV * number));
           const auto key = [&](std::uint8_t at) {
             return key_of(point.part, point.triangle, point.barycentric, point.back, at);
           };
           if (level > 0 && level_of(key(0)) != level) continue;
           if (!target_.model().is_there(point.part, point.triangle, point.barycentric)) continue;
+          if (is_covered(point)) continue;
           found[c].emplace_back(key(level), point);
         }
       },
@@ -208,6 +217,7 @@ void SurfelSet::choose_levels(const trace::Scene& scene, std::uint32_t target, K
   constexpr std::uint32_t kRays = 16;
   constexpr std::size_t kLeastHits = 4;
   constexpr double kOfDistance = 0.7;
+  constexpr double kGap = 0.1;  // of the spacing
   std::vector<std::size_t> begin;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (i == 0 || all[i].first != all[i - 1].first) {
@@ -223,13 +233,19 @@ void SurfelSet::choose_levels(const trace::Scene& scene, std::uint32_t target, K
         std::vector<double> distances;
         for (std::uint32_t k = 0; k < kRays; ++k) {
           const Point& point = all[begin[s] + k * count / kRays].second;
-          const Vec3 direction = cosine_direction(point.normal, (k + 0.5) / kRays, fraction(k * kStepU));
+          const Vec3 direction =
+              cosine_direction(point.normal, (k + 0.5) / kRays, fraction(k * kStepU));
           const trace::Hit hit =
               scene.nearest(trace::Ray{{point.start, direction}, target}, trace::Insides::stop);
           if (hit) distances.push_back(hit.distance);
         }
         if (distances.size() < kLeastHits) return;
         std::ranges::sort(distances);
+        // between surfaces on one another there is no light, if nothing opens
+        if (distances.size() == kRays && distances[kRays / 2] < kGap * spacing_) {
+          levels_[s] = kHidden;
+          return;
+        }
         const double wanted = kOfDistance * distances[distances.size() / 2];
         while (levels_[s] < kMostLevels && std::ldexp(spacing_, -int{levels_[s]}) > 1.5 * wanted)
           ++levels_[s];
@@ -238,6 +254,7 @@ void SurfelSet::choose_levels(const trace::Scene& scene, std::uint32_t target, K
   for (std::uint8_t largest = kMostLevels;; --largest) {
     std::uint64_t sum = 0;
     for (std::uint8_t& level : levels_) {
+      if (level == kHidden) continue;
       level = std::min(level, largest);
       sum += std::uint64_t{1} << 2 * level;
     }

@@ -17,8 +17,8 @@ namespace panwright::transport {
 
 // A point of a surface, on one of its sides. Model frame, metres.
 struct Point {
-  Vec3 start{0};        // of rays: past the mesh's error towards the side
-  Vec3 normal{0};       // of the triangle, unit, on the side
+  Vec3 start{0};           // of rays: past the mesh's error towards the side
+  Vec3 normal{0};          // of the triangle, unit, on the side
   std::uint32_t part = 0;  // of the trace::Model
   std::uint32_t triangle = 0;
   Vec2 barycentric{0};
@@ -30,8 +30,8 @@ struct SurfelOptions {
   std::uint32_t points = 32;     // of a surfel, on average
 };
 
-// What decides a surfel: a cube of the mesh's frame, in metres, the side and the axis nearest to
-// the normal. Cubes close to other surfaces are halved up to three times.
+// Key of a surfel: a cube of the mesh's frame, in metres, the side and the axis nearest to
+// the normal. Cubes close to other surfaces are halved, up to twice.
 struct SurfelKey {
   std::uint32_t part = 0;
   std::uint8_t level = 0;
@@ -44,10 +44,11 @@ struct SurfelKey {
 // Surfels of a target in one shape. Fixed by its meshes and options: the same bits always.
 //
 // Points are spread over all sides by their areas, so that each stands for the same area; those of
-// a surfel follow one another.
+// a surfel follow one another. What lies on another surface, as a panel
+// under foil, or within a closed part has none.
 class SurfelSet {
  public:
-  // Expects: a target of the scene. Throws Cancelled. Cost: O(T) + 0.5 µs a point, and 16 rays a
+  // Expects: a target of the scene. Throws Cancelled. Cost: O(T), a ray a point, and 16 rays a
   // surfel that find how far other surfaces are.
   SurfelSet(const trace::Scene& scene, std::uint32_t target, const SurfelOptions& options,
             const Job& job);
@@ -67,6 +68,7 @@ class SurfelSet {
   SurfelKey key_of(std::uint32_t part, std::uint32_t triangle, const Vec2& barycentric, bool back,
                    std::uint8_t level) const;
   Point point_at(double place, double u, double v) const;
+  bool is_covered(const Point& point) const;
   void measure();
   void spread(std::uint64_t count, std::uint8_t level, std::vector<std::pair<SurfelKey, Point>>& to,
               const Job& job) const;
@@ -77,17 +79,17 @@ class SurfelSet {
   void gather(std::vector<std::pair<SurfelKey, Point>> all);
 
   const trace::Target& target_;
-  std::vector<std::uint32_t> parts_;     // of the target, by ends_
-  std::vector<double> ends_;             // cumulated areas of sides of triangles, m²
+  std::vector<std::uint32_t> parts_;       // of the target, by ends_
+  std::vector<double> ends_;               // cumulated areas of sides of triangles, m²
   std::vector<std::uint32_t> first_side_;  // of parts, in ends_
-  bool by_part_ = true;  // false: surfels may hold several parts
+  bool by_part_ = true;                    // false: surfels may hold several parts
   double area_ = 0;
   double spacing_ = 0;
-  std::vector<SurfelKey> coarse_;        // ascending
-  std::vector<std::uint8_t> levels_;     // of them
-  std::vector<SurfelKey> keys_;          // of the surfels, ascending
+  std::vector<SurfelKey> coarse_;     // ascending
+  std::vector<std::uint8_t> levels_;  // of them
+  std::vector<SurfelKey> keys_;       // of the surfels, ascending
   std::vector<light::Surfel> surfels_;
-  std::vector<double> weights_;          // share of the area of each
+  std::vector<double> weights_;  // share of the area of each
   std::vector<std::uint32_t> first_;
   std::vector<Point> points_;
 };

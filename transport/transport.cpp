@@ -9,9 +9,6 @@
 namespace panwright::transport {
 namespace {
 
-// Detail of meshes, of a target's size: a quarter of the surfels' spacing or less.
-constexpr double kOfSize = 1.0 / 400;
-
 // Bounds of a target as a ball of the world.
 struct Ball {
   Vec3 centre{0};
@@ -19,7 +16,8 @@ struct Ball {
 };
 Ball ball_of(const trace::Scene::Placed& placed) {
   const AxisBox& bounds = placed.target->bounds();
-  return {placed.frame.world_from * bounds.centre() + placed.frame.position, 0.5 * bounds.diagonal()};
+  return {placed.frame.world_from * bounds.centre() + placed.frame.position,
+          0.5 * bounds.diagonal()};
 }
 
 // Whether a target fills more than a thousandth of what the other sees.
@@ -61,20 +59,8 @@ Hash128 key_of(const trace::Target& target, const TransportOptions& options) {
 }  // namespace
 
 void Transport::place(const world::World& world, const Job& job) {
-  // meshes may be coarser where surfels are wide
-  evaluation_.update(world);
-  double smallest = INFINITY;
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (evaluation_[i].bounds) smallest = std::min(smallest, evaluation_[i].bounds->diagonal());
-  // a power of two, so that joints seldom change it
-  const double footprint = smallest > 0 && std::isfinite(smallest)
-                               ? std::exp2(std::floor(std::log2(kOfSize * smallest)))
-                               : 0;
-  if (!scene_ || footprint != footprint_) {
-    scene_.emplace(trace::SceneOptions{footprint});
-    footprint_ = footprint;
-    slots_.clear();
-  }
+  // the finest meshes: relief of foil lights itself
+  if (!scene_) scene_.emplace();
   scene_->update(world, job);
   std::vector<Slot> slots;
   slot_of_.assign(world.size(), ~0u);
@@ -112,8 +98,8 @@ Transport::ShapePtr Transport::make_shape(std::uint32_t target, const Job& job) 
     mean.tint /= double{kAsked};
     shape->surfaces.push_back(mean);
   }
-  shape->grid = std::make_shared<const light::SurfelGrid>(
-      light::surfel_grid(set.surfels(), 0.75 * set.spacing()));
+  shape->grid =
+      std::make_shared<const light::SurfelGrid>(light::surfel_grid(set.surfels(), set.spacing()));
   ++counts_.shapes;
   return shape;
 }
@@ -139,7 +125,8 @@ TransportLists Transport::kept_lists(const Slot& slot, std::span<const SurfelSet
     from.list(lists.open);
     const bool sound =
         lists.first.size() == surfels + 1 && lists.first.back() == lists.entries.size() &&
-        std::ranges::is_sorted(lists.first) && lists.open.size() == slot.shape->set->points().size() &&
+        std::ranges::is_sorted(lists.first) &&
+        lists.open.size() == slot.shape->set->points().size() &&
         std::ranges::all_of(lists.entries,
                             [&](const auto& entry) { return entry.surfel < surfels; });
     if (!sound) from.fail();
@@ -147,7 +134,8 @@ TransportLists Transport::kept_lists(const Slot& slot, std::span<const SurfelSet
   };
   const WorkCache* cache = alone ? cache_ : nullptr;
   auto lists = remember<TransportLists>(
-      cache, Work::transport, [&] { return key_of(*slot.shape->target, options_); }, made, write, read);
+      cache, Work::transport, [&] { return key_of(*slot.shape->target, options_); }, made, write,
+      read);
   if (!traced) {
     ++counts_.kept;
     // the slot's number is of this world
@@ -199,8 +187,8 @@ void Transport::update(const world::World& world, std::span<const light::Source>
     for (const Slot& slot : slots_) {
       const Ball ball = ball_of(scene_->targets()[slot.target]);
       sources.push_back(direct_sources(*scene_, slot.target, *slot.shape->set, *slot.lists,
-                                       slot.shape->surfaces, direct_lights(world, ball.centre, lamps),
-                                       job));
+                                       slot.shape->surfaces,
+                                       direct_lights(world, ball.centre, lamps), job));
       lists.push_back(slot.lists.get());
     }
     for (const Sources& one : sources) each.push_back(&one);
@@ -218,7 +206,8 @@ void Transport::update(const world::World& world, std::span<const light::Source>
         const Vec3 again = sources[i].albedo[s] * found[i][s];
         indirect += area * (again.x + again.y + again.z);
         whole += area * (sources[i].sent[s].x + sources[i].sent[s].y + sources[i].sent[s].z);
-        light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
+        light.irradiance.push_back(
+            {rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
       }
     }
     whole += indirect;

@@ -21,7 +21,6 @@
 #include "transport/lists.h"
 #include "transport/reflectance.h"
 #include "transport/surfels.h"
-#include "world/evaluation.h"
 #include "world/world.h"
 
 namespace panwright::transport {
@@ -33,8 +32,8 @@ struct TransportOptions {
 
 // Interreflections among the targets of a world, all surfaces diffuse (Reflectance).
 //
-// Which surfels see each other depends on shapes and on targets close by alone, and is kept until
-// these change. Light of the Sun, of bodies and of lamps reaches surfels by shadow rays when it
+// Visibility among surfels depends on shapes and on targets close by alone, and is kept until these
+// change. Light of the Sun, of bodies and of lamps reaches surfels by shadow rays when it
 // changes. Nothing depends on a camera, on threads or on former worlds: the same bits.
 class Transport {
  public:
@@ -47,16 +46,19 @@ class Transport {
   //   lamps  in world axes (world/lamps.h)
   // Throws Cancelled: may be called again then. Cost: for a new shape some million rays; for other
   // light some ten thousand.
-  void update(const world::World& world, std::span<const light::Source> lamps,
-              const Job& job = {});
+  void update(const world::World& world, std::span<const light::Source> lamps, const Job& job = {});
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
   // Returns what interreflections add to the light that all surfels send, in parts of it.
   double share() const { return share_; }
   // Surfels of a target. Expects: visible.
-  const SurfelSet& surfels(std::uint32_t target) const { return *slots_[slot_of_[target]].shape->set; }
-  const TransportLists& lists(std::uint32_t target) const { return *slots_[slot_of_[target]].lists; }
+  const SurfelSet& surfels(std::uint32_t target) const {
+    return *slots_[slot_of_[target]].shape->set;
+  }
+  const TransportLists& lists(std::uint32_t target) const {
+    return *slots_[slot_of_[target]].lists;
+  }
 
   // Counts of work so far.
   struct Counts {
@@ -81,7 +83,8 @@ class Transport {
     std::uint32_t target = 0;
     Stamp shape_stamp = 0;
     ShapePtr shape;
-    std::vector<std::uint64_t> near;  // shape and pose stamps of it and of targets close by; lists depend on them
+    std::vector<std::uint64_t>
+        near;  // shape and pose stamps of it and of targets close by; lists depend on them
     std::shared_ptr<const TransportLists> lists;
   };
 
@@ -93,14 +96,12 @@ class Transport {
 
   TransportOptions options_;
   const WorkCache* cache_;
-  world::Evaluation evaluation_;
   std::optional<trace::Scene> scene_;
-  double footprint_ = 0;
   std::unordered_map<const trace::Model*, std::shared_ptr<const ModelReflectance>> reflectances_;
   std::vector<std::uint32_t> slot_of_;  // by target; ~0u: hidden
   std::vector<Slot> slots_;
   std::vector<light::SurfelLight> light_;
-  Stamp stamp_ = 0;  // of the world of the last update
+  Stamp stamp_ = 0;                    // of the world of the last update
   std::vector<std::uint64_t> stamps_;  // of what lights depend on
   Vec3 white_{0};
   std::vector<light::Source> lamps_;

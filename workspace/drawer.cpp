@@ -173,7 +173,8 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
   if (options.indirect == Indirect::automatic && transport.share() < kWorthwhile) return true;
   if (!between->light || between->lights != transport.counts().lights) {
     const auto light = transport.light();
-    between->light = std::make_shared<const std::vector<light::SurfelLight>>(light.begin(), light.end());
+    between->light =
+        std::make_shared<const std::vector<light::SurfelLight>>(light.begin(), light.end());
     between->lights = transport.counts().lights;
   }
   options.gl.indirect = between->light;

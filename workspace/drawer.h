@@ -38,8 +38,8 @@ struct DrawOptions {
   preview::ReferenceOptions reference;
   Indirect indirect = Indirect::off;
   std::filesystem::path cache;  // OpenOptions
-  bool photo = false;        // tone curve of PNGs: image::PngExposure
-  image::FileOptions files;  // of the image's .exr and .npz
+  bool photo = false;           // tone curve of PNGs: image::PngExposure
+  image::FileOptions files;     // of the image's .exr and .npz
 };
 
 // Returns the options of both engines for sound settings (check()), presets included.

@@ -8,8 +8,10 @@ namespace {
 bool fits_texture(const GladGLContext& gl, const light::SurfelGrid& grid, DiagnosticLog& log) {
   GLint most = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (std::max(grid.cells.size(), grid.entries.size()) <= static_cast<std::size_t>(most)) return true;
-  log.report_file(Code::E5003, {}, "light between surfaces takes more than the context's buffers hold",
+  if (std::max(grid.cells.size(), grid.entries.size()) <= static_cast<std::size_t>(most))
+    return true;
+  log.report_file(Code::E5003, {},
+                  "light between surfaces takes more than the context's buffers hold",
                   "--indirect off leaves it out");
   return false;
 }
@@ -27,8 +29,8 @@ void Indirect::begin_image(const RenderOptions& options) {
 }
 
 Indirect::Grid& Indirect::grid_of(const GladGLContext& gl, const light::SurfelLight& light) {
-  const auto known = std::ranges::find(grids_, light.grid->stamp,
-                                       [](const auto& grid) { return grid->stamp; });
+  const auto known =
+      std::ranges::find(grids_, light.grid->stamp, [](const auto& grid) { return grid->stamp; });
   if (known != grids_.end()) return **known;
   Grid& grid = *grids_.emplace_back(std::make_unique<Grid>());
   grid.stamp = light.grid->stamp;

@@ -37,8 +37,7 @@ std::string wide_light_text(const materials::BrdfModel& brdf_model, bool planets
   const auto lobe = [&](const char* name, materials::SpecularModel model) {
     return defined(name, brdf_model.specular == model);
   };
-  return defined("COATED", brdf_model.coated) +
-         defined("COMPENSATED", brdf_model.compensated) +
+  return defined("COATED", brdf_model.coated) + defined("COMPENSATED", brdf_model.compensated) +
          defined("LOBE_ANY", brdf_model.specular != none) + lobe("LOBE_BLINN_PHONG", blinn_phong) +
          lobe("LOBE_COOK_TORRANCE", cook_torrance) + lobe("LOBE_SLOPES", beckmann) +
          lobe("LOBE_HEAVY", ggx) + lobe("LOBE_MIRROR", mirror) +

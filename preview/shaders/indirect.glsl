@@ -4,8 +4,7 @@
 INDIRECT_BLOCK
 
 // As light::irradiance_at().
-const float kLeastFacing = 0.2;
-const float kFacingScale = 1.0 / 0.6;
+const float kFacingScale = 1.0 / 0.7;
 const float kAcross = 8.0;
 
 uint axis_direction(vec3 n) {
@@ -60,7 +59,7 @@ vec3 indirect_irradiance(ivec2 sample_at) {
     vec3 its_normal = surfel_normal(entry.w >> 16);
     float across = dot(apart, its_normal);
     float left = max(1.0 - (dot(apart, apart) + kAcross * across * across) * sent.w * sent.w, 0.0);
-    float facing = clamp((dot(normal, its_normal) - kLeastFacing) * kFacingScale, 0.0, 1.0);
+    float facing = clamp(dot(normal, its_normal) * kFacingScale, 0.0, 1.0);
     float weight = left * left * facing * facing;
     sum += weight * sent.rgb;
     weights += weight;
@@ -83,7 +82,7 @@ WideLight indirect_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal)
   WideLobe lobe = wide_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, normal, seen_from, normal) * light.irradiance;
-  vec3 share = coat_first(s, cosine);
+  vec3 share = vec3(coat_first(s, cosine));
   if (lobe.share > 0.0) share += lobe.share * coated_reflection(s, cosine, cosine, cosine);
 #else
   light.diffuse = bare_diffuse(s, normal, seen_from, normal) * light.irradiance;

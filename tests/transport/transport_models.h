@@ -77,12 +77,13 @@ struct Solved {
   }
   std::size_t size() const { return set->surfels().size(); }
   const light::Surfel& operator[](std::size_t i) const { return set->surfels()[i]; }
-  double around(std::size_t i) const {  // share of what a surfel sees that is surfaces
+  double around(std::size_t i) const {  // share of surfaces in the view of a surfel
     double sum = 0;
-    for (std::uint32_t e = lists.first[i]; e < lists.first[i + 1]; ++e) sum += lists.entries[e].share;
+    for (std::uint32_t e = lists.first[i]; e < lists.first[i + 1]; ++e)
+      sum += lists.entries[e].share;
     return sum;
   }
-  // sent: what a surfel sends by itself
+  // sent: radiosity of a surfel without interreflections
   std::vector<double> light(double albedo, const std::function<double(std::size_t)>& sent,
                             unsigned bounces) const {
     Sources sources;
@@ -94,15 +95,14 @@ struct Solved {
     const Sources* const all_sources[] = {&sources};
     std::vector<double> result;
     const auto found = interreflections(all_lists, all_sources, bounces, {});
-    for (const Vec3& one : found[0])
-      result.push_back(one.x);
+    for (const Vec3& one : found[0]) result.push_back(one.x);
     return result;
   }
   // The same as displays read it.
   light::SurfelLight shown(const std::vector<double>& irradiance) const {
     light::SurfelLight light;
-    light.grid = std::make_shared<light::SurfelGrid>(
-        light::surfel_grid(set->surfels(), 0.75 * set->spacing()));
+    light.grid =
+        std::make_shared<light::SurfelGrid>(light::surfel_grid(set->surfels(), set->spacing()));
     for (std::size_t i = 0; i < size(); ++i) {
       const auto e = static_cast<float>(irradiance[i]);
       light.irradiance.push_back({e, e, e, static_cast<float>(1 / (*this)[i].radius)});

@@ -82,7 +82,8 @@ TEST(Transport, SunAndEmissionAreThoseOfTheOracles) {
     return (a - x / c * std::atan(half / c)) / kPi;
   };
   double mean = 0;
-  for (int i = 0; i < 50; ++i) mean += irradiance_at(light, {x, 0.004 * i - 0.1, 0}, {0, 0, 1}).x / 50;
+  for (int i = 0; i < 50; ++i)
+    mean += irradiance_at(light, {x, 0.004 * i - 0.1, 0}, {0, 0, 1}).x / 50;
   const double expected = 0.6 * std::sqrt(0.5) * factor(1, 1);
   EXPECT_NEAR(mean, expected, 0.02 * expected);
 }

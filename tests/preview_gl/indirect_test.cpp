@@ -1,0 +1,123 @@
+// Light between surfaces on the display: what shaders read of surfels is what light/surfels.h
+// reads, whatever the pose, and nothing passes a plate.
+#include <vector>
+
+#include "light/surfels.h"
+#include "models.h"
+#include "transport/transport.h"
+#include "world/camera.h"
+
+namespace panwright::preview::indirect_test {
+namespace {
+
+using namespace testing_support;
+
+constexpr double kAlbedo = 0.5;
+
+world::World night(const geometry::Mesh& mesh, const world::Pose& pose) {
+  world::World world;
+  DiagnosticLog log;
+  auto model = std::make_shared<const pan::Model>(model_of(single(mesh, lambert(kAlbedo))));
+  EXPECT_TRUE(world.add("target", model, log)) << to_text(log);
+  world.set_pose(0, pose);
+  world.set_sun({.irradiance = Vec3(0)});
+  return world;
+}
+
+// Surfels on both sides of a plate 4 m wide; those of the back have no light.
+std::shared_ptr<const std::vector<light::SurfelLight>> patterned() {
+  std::vector<light::Surfel> surfels;
+  light::SurfelLight light;
+  for (int side = 0; side < 2; ++side)
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 20; ++x) {
+        const Vec3 at(0.2 * x - 1.9, 0.2 * y - 1.9, side == 0 ? 0.01 : -0.01);
+        surfels.push_back({at, {0, 0, side == 0 ? 1 : -1}, 0.3});
+        const auto e = side == 0 ? static_cast<float>(1 + 0.1 * x + 0.03 * y * y) : 0.0f;
+        light.irradiance.push_back({e, 2 * e, 3 * e, static_cast<float>(1 / 0.3)});
+      }
+  light.grid = std::make_shared<const light::SurfelGrid>(light::surfel_grid(surfels, 0.2));
+  light.stamp = next_stamp();
+  return std::make_shared<const std::vector<light::SurfelLight>>(1, std::move(light));
+}
+
+image::Image drawn(const world::World& world, const world::Camera& camera,
+                   const RenderOptions& options) {
+  static Renderer renderer(shared_device());
+  DiagnosticLog log;
+  auto image = renderer.render(world, camera, options, log);
+  EXPECT_TRUE(image) << to_text(log);
+  return image ? std::move(*image) : image::Image{};
+}
+
+TEST(Indirect, ShadersReadWhatTheLibraryReads) {
+  const auto light = patterned();
+  const world::Pose pose{{1e5, -2e5, 3e5}, glm::normalize(Quat(0.9, 0.1, -0.3, 0.2))};
+  const world::World world = night(support::box({4, 4, 0.02}), pose);
+  for (const double side : {1.0, -1.0}) {
+    View view = looking_from({0.4, -0.3, 3 * side}, 5, 0.8, 48);
+    view.camera.position = pose.translation + pose.rotation * view.camera.position;
+    view.camera.world_from_camera = pose.rotation * view.camera.world_from_camera;
+    for (const unsigned shadow_side : {0u, 512u}) {
+      RenderOptions options;
+      options.shadow_side = shadow_side;
+      options.indirect = light;
+      const image::Image image = drawn(world, view.camera, options);
+      double worst = 0;
+      std::size_t seen = 0;
+      for (std::uint32_t y = 0; y < image.height; ++y)
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+          const geometry::Ray ray = world::pixel_ray(view.camera, {x + 0.5, y + 0.5});
+          const Quat back = glm::conjugate(pose.rotation);
+          const Vec3 origin = back * (ray.origin - pose.translation);
+          const Vec3 direction = back * ray.direction;
+          const Vec3 at = origin + direction * ((0.01 * side - origin.z) / direction.z);
+          if (std::fabs(at.x) > 1.95 || std::fabs(at.y) > 1.95) continue;
+          const Vec3 expected =
+              light::irradiance_at((*light)[0], at, {0, 0, side}) * (kAlbedo / kPi);
+          for (int k = 0; k < 3; ++k)
+            worst =
+                std::max(worst, std::fabs(image.radiance[3 * (std::size_t{y} * image.width + x) +
+                                                         static_cast<std::size_t>(k)] -
+                                          expected[k]));
+          if (expected.x > 0) ++seen;
+        }
+      EXPECT_LT(worst, 2e-4);  // of 0.1 to 7
+      EXPECT_EQ(seen > 500, side > 0);
+    }
+  }
+}
+
+// Without light between surfaces, images are those of before, and become so again.
+TEST(Indirect, OffIsAsBefore) {
+  const world::World world = night(support::box({4, 4, 0.02}), {});
+  const View view = looking_from({0.4, -0.3, 3}, 5, 0.8, 32);
+  RenderOptions options;
+  const image::Image before = drawn(world, view.camera, options);
+  options.indirect = patterned();
+  EXPECT_NE(drawn(world, view.camera, options).radiance, before.radiance);
+  options.indirect.reset();
+  EXPECT_EQ(drawn(world, view.camera, options).radiance, before.radiance);
+}
+
+// An imposter has the light of the image.
+TEST(Indirect, ImpostersHaveIt) {
+  const world::World world = night(support::box({4, 4, 0.02}), {});
+  const View view = looking_from({0.4, -0.3, 40}, 5, 0.3, 48);
+  RenderOptions options;
+  options.indirect = patterned();
+  options.samples = 16;
+  options.imposters = Imposters::off;
+  const auto flux = [&] {
+    double sum = 0;
+    for (const float value : drawn(world, view.camera, options).radiance) sum += value;
+    return sum;
+  };
+  const double direct = flux();
+  options.imposters = Imposters::always;
+  EXPECT_GT(direct, 0);
+  EXPECT_NEAR(flux(), direct, 2e-3 * direct);
+}
+
+}  // namespace
+}  // namespace panwright::preview::indirect_test
