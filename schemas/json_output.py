@@ -228,6 +228,10 @@ COMMANDS = {
         "hip?": "integer: number in the Hipparcos catalogue", "name?": "string", "v": "number: magnitude V", "b_v?": "number: B - V, magnitudes",
         "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",
         "irradiance": "vec3: W/m2 in bands of 100 nm about 650, 550, 450 nm"}])},
+    "serve": {
+        "requests?": "any: with --coverage a list of the protocol's requests: number, name, version, support (full, part, none) and note; with --replay their number",
+        "sessions?": "integer: with --replay: number of them", "different?": "integer: with --replay: replies that differ",
+        "first_different?": "string: with --replay: place of the first of them; empty: none"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

@@ -16,7 +16,7 @@ LEVELS = [
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
     {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
-    {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
+    {"studio": ["workspace", "preview"], "server": ["workspace", "trace"], "tools": ["workspace", "studio", "server", "mli"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
@@ -31,6 +31,7 @@ PARTS = {
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "image": {"internal": []},
     "sensor": {"internal": []},
+    "server": {"internal": []},
     "ephemeris": {"internal": []},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},
