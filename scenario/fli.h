@@ -30,8 +30,9 @@ struct FliOptions {
   bool strict = false;                         // unknown commands are errors
 };
 
-// Attitude of a camera as flight files and the PANGU protocol have it, degrees. At yaw 0 and pitch 0
-// the boresight is +y; yaw is counted about +z, pitch upwards, roll clockwise about the boresight.
+// Attitude of a camera as flight files and the PANGU protocol have it, degrees. At yaw 0 and pitch
+// 0 the boresight is +y; yaw is counted about +z, pitch upwards, roll clockwise about the
+// boresight.
 struct FlightAngles {
   double yaw = 0, pitch = 0, roll = 0;
 };

@@ -10,7 +10,7 @@ namespace panwright::server {
 
 namespace {
 
-constexpr double kGreetingSeconds = 5;    // and for the first bytes of a request
+constexpr double kGreetingSeconds = 5;     // and for the first bytes of a request
 constexpr double kBytesPerSecond = 65536;  // slowest client, in both directions
 constexpr double kDrainSeconds = 1;
 constexpr std::uint32_t kHttpGet = 0x47455420;  // "GET "
@@ -112,9 +112,8 @@ void Connection::process() {
     case RequestSize::State::unknown:
       return refuse(WireError::request, fmt::format("unknown request {}", word_at(buffer_)));
     case RequestSize::State::too_large:
-      return refuse(WireError::size,
-                    fmt::format("a request of {} bytes, expected at most {}", size.bytes,
-                                host_.most_request()));
+      return refuse(WireError::size, fmt::format("a request of {} bytes, expected at most {}",
+                                                 size.bytes, host_.most_request()));
     case RequestSize::State::incomplete: {
       const auto now = std::chrono::steady_clock::now();
       if (!waits_) begun_ = now;
@@ -126,7 +125,8 @@ void Connection::process() {
       set_deadline(std::max(allowed - passed, 0.0), true);
       return read();
     }
-    case RequestSize::State::complete: break;
+    case RequestSize::State::complete:
+      break;
   }
   waits_ = false;
   deadline_.cancel();
@@ -180,14 +180,13 @@ void Connection::drain() {
   host_.leave(*this);
   set_deadline(kDrainSeconds, false);
   const auto step = [](auto&& again, const std::shared_ptr<Connection>& self) -> void {
-    self->socket_.async_read_some(
-        asio::buffer(self->chunk_),
-        [self, again](const asio::error_code& error, std::size_t) {
-          if (error)
-            self->close();
-          else
-            again(again, self);
-        });
+    self->socket_.async_read_some(asio::buffer(self->chunk_),
+                                  [self, again](const asio::error_code& error, std::size_t) {
+                                    if (error)
+                                      self->close();
+                                    else
+                                      again(again, self);
+                                  });
   };
   step(step, shared_from_this());
 }

@@ -48,9 +48,8 @@ void append_numbers(const image::Image& image, bool header, WireWriter& out) {
 // Calls body(begin, end) for blocks of [0, count).
 template <class Body>
 void in_blocks(std::size_t count, std::size_t block, const Job& job, const Body& body) {
-  parallel_for(
-      (count + block - 1) / block,
-      [&](std::size_t k) { body(k * block, std::min(count, (k + 1) * block)); }, job);
+  parallel_for((count + block - 1) / block,
+               [&](std::size_t k) { body(k * block, std::min(count, (k + 1) * block)); }, job);
 }
 
 float mean_of(const float* bands) { return (bands[0] + bands[1] + bands[2]) / 3; }
@@ -58,11 +57,12 @@ float mean_of(const float* bands) { return (bands[0] + bands[1] + bands[2]) / 3;
 void append_floats(const image::Image& image, bool grey, WireWriter& out) {
   const std::size_t channels = grey ? 1 : 3;
   const std::size_t row = channels * image.width;
-  const auto bytes = begin_image(out, header_of(grey ? "Pf" : "PF", image, "-1.0"),
-                                 4 * row * image.height);
+  const auto bytes =
+      begin_image(out, header_of(grey ? "Pf" : "PF", image, "-1.0"), 4 * row * image.height);
   std::vector<float> line(row);
   for (std::uint32_t y = 0; y < image.height; ++y) {
-    const float* from = image.radiance.data() + std::size_t{3} * image.width * (image.height - 1 - y);
+    const float* from =
+        image.radiance.data() + std::size_t{3} * image.width * (image.height - 1 - y);
     for (std::size_t i = 0; i < row; ++i) line[i] = grey ? mean_of(from + 3 * i) : from[i];
     std::memcpy(bytes.data() + 4 * row * y, line.data(), 4 * row);
   }
@@ -83,16 +83,17 @@ void add_sky_and_fog(const State& state, double white, image::Image& image, cons
         double range = image.range[i];
         // the centre of a pixel on an edge may see past the target
         if (!std::isfinite(range) && coverage > 0)
-          for (const std::ptrdiff_t step : {std::ptrdiff_t{-1}, std::ptrdiff_t{1},
-                                            -static_cast<std::ptrdiff_t>(image.width),
-                                            static_cast<std::ptrdiff_t>(image.width)}) {
+          for (const std::ptrdiff_t step :
+               {std::ptrdiff_t{-1}, std::ptrdiff_t{1}, -static_cast<std::ptrdiff_t>(image.width),
+                static_cast<std::ptrdiff_t>(image.width)}) {
             const std::ptrdiff_t near = static_cast<std::ptrdiff_t>(i) + step;
             if (near >= 0 && near < static_cast<std::ptrdiff_t>(image.pixels()))
               range = std::min<double>(range, image.range[static_cast<std::size_t>(near)]);
           }
         through = state.fog.transmission(range);
       }
-      // background and air have the sky's light; a covered pixel as much of it as is not let through
+      // background and air have the sky's light; a covered pixel as much of it as is not let
+      // through
       const double added = (1 - coverage) + coverage * (1 - through);
       for (int k = 0; k < 3; ++k)
         radiance[k] = static_cast<float>(radiance[k] * through + sky[k] * added);
@@ -128,8 +129,9 @@ void append_greys(std::span<const std::uint8_t> greys, std::uint32_t width, std:
   size.height = height;
   const bool header = images.format != WireFormat::raw;
   const std::size_t channels = images.grey ? 1 : 3;
-  const auto bytes = begin_image(
-      out, header ? header_of(images.grey ? "P5" : "P6", size, "255") : "", greys.size() * channels);
+  const auto bytes =
+      begin_image(out, header ? header_of(images.grey ? "P5" : "P6", size, "255") : "",
+                  greys.size() * channels);
   for (std::size_t i = 0; i < greys.size(); ++i)
     for (std::size_t k = 0; k < channels; ++k) bytes[channels * i + k] = greys[i];
 }

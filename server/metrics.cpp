@@ -44,9 +44,8 @@ std::string Metrics::json() const {
     one["p99_ms"] = 1e3 * histogram.quantile(0.99);
     std::size_t used = LatencyHistogram::kBins;
     while (used > 0 && histogram.bins()[used - 1] == 0) --used;
-    one["below_2^k_us"] =
-        std::vector<std::uint64_t>(histogram.bins().begin(), histogram.bins().begin() +
-                                                                 static_cast<std::ptrdiff_t>(used));
+    one["below_2^k_us"] = std::vector<std::uint64_t>(
+        histogram.bins().begin(), histogram.bins().begin() + static_cast<std::ptrdiff_t>(used));
   }
   return out.dump();
 }

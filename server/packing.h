@@ -19,15 +19,11 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::uint32_t packed(float value) {
   return std::rotl(std::bit_cast<std::uint32_t>(value), 9);
 }
-constexpr float unpacked(std::uint32_t word) {
-  return std::bit_cast<float>(std::rotr(word, 9));
-}
+constexpr float unpacked(std::uint32_t word) { return std::bit_cast<float>(std::rotr(word, 9)); }
 constexpr std::uint64_t packed(double value) {
   return std::rotl(std::bit_cast<std::uint64_t>(value), 12);
 }
-constexpr double unpacked(std::uint64_t word) {
-  return std::bit_cast<double>(std::rotr(word, 12));
-}
+constexpr double unpacked(std::uint64_t word) { return std::bit_cast<double>(std::rotr(word, 12)); }
 
 // Returns the word in the first four bytes. Expects: as many.
 std::uint32_t word_at(std::span<const std::uint8_t> bytes);

@@ -11,7 +11,9 @@ namespace panwright::server {
 
 namespace {
 
-std::string hash_of(std::span<const std::uint8_t> bytes) { return hash128(std::as_bytes(bytes)).hex(); }
+std::string hash_of(std::span<const std::uint8_t> bytes) {
+  return hash128(std::as_bytes(bytes)).hex();
+}
 
 std::string hex_of(std::span<const std::uint8_t> bytes) {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -93,11 +95,11 @@ Result<Replayed> replay(const std::filesystem::path& path, Stage& stage,
                              : std::nullopt;
     const bool sound =
         line.is_object() && line.contains("session") && line["session"].is_number_unsigned() &&
-        (begins ? line["state"].is_number_unsigned()
-                : request && line.contains("reply") && line["reply"].is_string() &&
-                      request_size(*request, request->size()).state ==
-                          RequestSize::State::complete &&
-                      sessions.contains(line["session"].get<std::uint64_t>()));
+        (begins
+             ? line["state"].is_number_unsigned()
+             : request && line.contains("reply") && line["reply"].is_string() &&
+                   request_size(*request, request->size()).state == RequestSize::State::complete &&
+                   sessions.contains(line["session"].get<std::uint64_t>()));
     if (!sound) {
       log.report_file(Code::E0102, path.string(),
                       fmt::format("line {} is not one of a log of requests", number));

@@ -22,7 +22,7 @@ namespace {
 using Tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kWatch = std::chrono::milliseconds(50);       // for the end of the job
+constexpr auto kWatch = std::chrono::milliseconds(50);          // for the end of the job
 constexpr auto kAfterFailure = std::chrono::milliseconds(100);  // of accepting
 constexpr std::size_t kMostStrangers = 256;  // connections that are no clients, yet or any more
 

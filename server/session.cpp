@@ -53,7 +53,8 @@ Group group_of(Request kind) {
     case Request::goodbye:
     case Request::quit:
     case Request::echo:
-    case Request::get_time_tag: return Group::session;
+    case Request::get_time_tag:
+      return Group::session;
     case Request::get_image:
     case Request::get_range_image:
     case Request::get_range_texture:
@@ -65,30 +66,36 @@ Group group_of(Request kind) {
     case Request::get_viewpoint_by_frame:
     case Request::get_viewpoint_by_camera:
     case Request::render_to_hold_buffer:
-    case Request::display_hold_buffer: return Group::image;
+    case Request::display_hold_buffer:
+      return Group::image;
     case Request::get_joints:
     case Request::get_joint_config:
     case Request::get_frames:
     case Request::get_frame:
     case Request::get_frame_as_radians:
-    case Request::get_camera_properties: return Group::object;
+    case Request::get_camera_properties:
+      return Group::object;
     case Request::get_elevation:
     case Request::get_elevations:
     case Request::get_surface_elevation:
     case Request::get_surface_elevations:
     case Request::get_surface_patch:
-    case Request::get_view_as_dem: return Group::surface;
+    case Request::get_view_as_dem:
+      return Group::surface;
     case Request::lookup_point:
     case Request::lookup_points:
     case Request::get_point:
-    case Request::get_points: return Group::point;
+    case Request::get_points:
+      return Group::point;
     case Request::get_lidar_pulse_result:
     case Request::get_lidar_measurement:
     case Request::get_lidar_measurement_s:
     case Request::get_lidar_measurement_d:
     case Request::get_lidar_snapshot:
-    case Request::get_radar_response: return Group::lidar;
-    default: return Group::command;
+    case Request::get_radar_response:
+      return Group::lidar;
+    default:
+      return Group::command;
   }
 }
 
@@ -97,15 +104,22 @@ Group group_of(Request kind) {
 Reply Session::answer_kind(Request kind, WireReader& in, const Job& job) {
   using Then = Reply::Then;
   switch (group_of(kind)) {
-    case Group::image: return {image_request(kind, in, job), Then::next, {}};
-    case Group::object: return {object_request(kind, in), Then::next, {}};
-    case Group::surface: return {surface_request(kind, in, job), Then::next, {}};
-    case Group::point: return {point_request(kind, in, job), Then::next, {}};
+    case Group::image:
+      return {image_request(kind, in, job), Then::next, {}};
+    case Group::object:
+      return {object_request(kind, in), Then::next, {}};
+    case Group::surface:
+      return {surface_request(kind, in, job), Then::next, {}};
+    case Group::point:
+      return {point_request(kind, in, job), Then::next, {}};
     case Group::lidar:
       switch (kind) {
-        case Request::get_lidar_pulse_result: return {pulse(in, job), Then::next, {}};
-        case Request::get_lidar_snapshot: return {snapshot(in, job), Then::next, {}};
-        case Request::get_radar_response: return {radar(in, job), Then::next, {}};
+        case Request::get_lidar_pulse_result:
+          return {pulse(in, job), Then::next, {}};
+        case Request::get_lidar_snapshot:
+          return {snapshot(in, job), Then::next, {}};
+        case Request::get_radar_response:
+          return {radar(in, job), Then::next, {}};
         default:
           return {scan(kind == Request::get_lidar_measurement_d, in, job), Then::next, {}};
       }
@@ -122,7 +136,8 @@ Reply Session::answer_kind(Request kind, WireReader& in, const Job& job) {
       }
       return {okay(), Then::next, note};
     }
-    case Group::session: break;
+    case Group::session:
+      break;
   }
   if (kind == Request::goodbye) return {{}, Then::close, {}};
   if (kind == Request::quit) return {okay(), Then::quit, {}};
@@ -136,7 +151,8 @@ Reply Session::answer_kind(Request kind, WireReader& in, const Job& job) {
             {}};
   const std::uint32_t count = in.word();
   check_reply(count, 1, options_.most_reply);
-  return {WireWriter().word(reply::kEcho).word(count).bytes(in.bytes(count)).take(), Then::next, {}};
+  return {
+      WireWriter().word(reply::kEcho).word(count).bytes(in.bytes(count)).take(), Then::next, {}};
 }
 
 const Lens* Session::lens_of(std::uint32_t camera) const {

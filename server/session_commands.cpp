@@ -129,7 +129,8 @@ bool Session::view_command(Request kind, WireReader& in, std::string& note) {
     case Request::set_global_time:
       state.time = in.real64();
       return true;
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -149,8 +150,8 @@ bool Session::lens_command(Request kind, WireReader& in, std::string& note) {
           kDegree;
       return true;
     case Request::set_field_of_view_by_radians:
-      lens(state.camera).field_of_view = in_range(
-          in.real(), 1e-11, kWidest * kDegree, "a field of view is not within 0 and pi radians");
+      lens(state.camera).field_of_view = in_range(in.real(), 1e-11, kWidest * kDegree,
+                                                  "a field of view is not within 0 and pi radians");
       return true;
     case Request::set_aspect_ratio:
       lens(state.camera).aspect =
@@ -173,7 +174,8 @@ bool Session::lens_command(Request kind, WireReader& in, std::string& note) {
       moved.motion = motion_of(in, true, true);
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -181,7 +183,9 @@ bool Session::light_command(Request kind, WireReader& in, std::string& note) {
   State& state = *state_;
   const world::Sun& base = stage_.initial().world.sun();
   switch (kind) {
-    case Request::set_ambient_light: state.ambient = color_of(in); return true;
+    case Request::set_ambient_light:
+      state.ambient = color_of(in);
+      return true;
     case Request::set_sun_colour: {
       const Vec3 color = color_of(in);
       world::Sun sun = state.world.sun();
@@ -201,9 +205,15 @@ bool Session::light_command(Request kind, WireReader& in, std::string& note) {
       state.sky.type = in.word();
       if (state.sky.type == 1 || state.sky.type > 9) note = "an unknown type of sky is black";
       return true;
-    case Request::set_sky_rgb: state.sky.rgb = color_of(in); return true;
-    case Request::set_sky_cie: state.sky.cie = color_of(in); return true;
-    case Request::set_star_quaternion: state.world_from_icrs = attitude_of(in, true); return true;
+    case Request::set_sky_rgb:
+      state.sky.rgb = color_of(in);
+      return true;
+    case Request::set_sky_cie:
+      state.sky.cie = color_of(in);
+      return true;
+    case Request::set_star_quaternion:
+      state.world_from_icrs = attitude_of(in, true);
+      return true;
     case Request::set_star_magnitudes:
       state.faintest = in_range(in.real64(), -30, 30, "a magnitude is not within -30 and 30");
       return true;
@@ -229,7 +239,8 @@ bool Session::light_command(Request kind, WireReader& in, std::string& note) {
       if (in.word() != 0) note = "a light other than 0 is ignored";
       const Vec3 intensity = color_of(in);
       const double unit = kind == Request::configure_light_by_degrees ? kDegree : 1;
-      const double angle = in_range(in.real() * unit, 0, kPi + 1e-6, "a half-angle is not within 0 and 180 degrees");
+      const double angle =
+          in_range(in.real() * unit, 0, kPi + 1e-6, "a half-angle is not within 0 and 180 degrees");
       const double exponent = in_range(in.real(), 0, 128, "an exponent is not within 0 and 128");
       if (!note.empty()) return true;
       state.light.intensity = intensity;
@@ -247,7 +258,8 @@ bool Session::light_command(Request kind, WireReader& in, std::string& note) {
       state.light.axis = glm::normalize(axis);
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -279,8 +291,8 @@ bool Session::object_command(Request kind, WireReader& in, std::string& note) {
         note = "an unknown joint is ignored";
         return true;
       }
-      const auto joint_kind = static_cast<geometry::JointKind>(
-          state.world[*target].model()->joints()[joint].kind);
+      const auto joint_kind =
+          static_cast<geometry::JointKind>(state.world[*target].model()->joints()[joint].kind);
       geometry::JointValues values = state.world[*target].joint_values()[joint];
       for (std::uint32_t i = 0; i < count; ++i) {
         const double value = in.real64();
@@ -293,7 +305,8 @@ bool Session::object_command(Request kind, WireReader& in, std::string& note) {
       state.world.set_joint(*target, joint, values);
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 
@@ -345,7 +358,8 @@ bool Session::lidar_command(Request kind, WireReader& in, std::string& note) {
       }
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
 }
 

@@ -17,9 +17,12 @@ Bytes empty_image() { return WireWriter().word(reply::kImage).word(0).take(); }
 std::uint32_t wire_kind(geometry::JointKind kind) {
   switch (kind) {
     case geometry::JointKind::revolute:
-    case geometry::JointKind::continuous: return 1;
-    case geometry::JointKind::prismatic: return 2;
-    default: return 0;
+    case geometry::JointKind::continuous:
+      return 1;
+    case geometry::JointKind::prismatic:
+      return 2;
+    default:
+      return 0;
   }
 }
 
@@ -103,24 +106,27 @@ Bytes Session::image_request(Request kind, WireReader& in, const Job& job) {
       camera->world_from_camera = pose.rotation;
       return image_at(*camera, nullptr, job);
     }
-    case Request::get_viewpoint_by_camera: return image_of(in.word(), job);
+    case Request::get_viewpoint_by_camera:
+      return image_of(in.word(), job);
     case Request::render_to_hold_buffer: {
       const std::uint32_t camera = in.word();
       state.held = std::make_shared<const Bytes>(image_of(camera, job));
       return okay();
     }
-    case Request::display_hold_buffer: state.shows_held = state.held != nullptr; return okay();
-    default: break;
+    case Request::display_hold_buffer:
+      state.shows_held = state.held != nullptr;
+      return okay();
+    default:
+      break;
   }
   // those that set the viewpoint first, as the command with the same fields
   std::string note;
-  const auto setter = kind == Request::get_viewpoint_by_degrees_s ? Request::set_viewpoint_by_degrees_s
-                      : kind == Request::get_viewpoint_by_degrees_d
-                          ? Request::set_viewpoint_by_degrees_d
-                      : kind == Request::get_viewpoint_by_radians ? Request::set_viewpoint_by_radians
-                      : kind == Request::get_viewpoint_by_quaternion_s
-                          ? Request::set_viewpoint_by_quaternion_s
-                          : Request::set_viewpoint_by_quaternion_d;
+  const auto setter =
+      kind == Request::get_viewpoint_by_degrees_s      ? Request::set_viewpoint_by_degrees_s
+      : kind == Request::get_viewpoint_by_degrees_d    ? Request::set_viewpoint_by_degrees_d
+      : kind == Request::get_viewpoint_by_radians      ? Request::set_viewpoint_by_radians
+      : kind == Request::get_viewpoint_by_quaternion_s ? Request::set_viewpoint_by_quaternion_s
+                                                       : Request::set_viewpoint_by_quaternion_d;
   (void)view_command(setter, in, note);
   return image_of(state.camera, job);
 }

@@ -39,15 +39,15 @@ std::vector<Echo> echoes_of(const trace::Scene& scene, std::span<const Beam> bea
   std::vector<Echo> out(beams.size());
   for (std::size_t i = 0; i < beams.size(); ++i)
     if (hits[i])
-      out[i] = {hits[i].distance, std::abs(glm::dot(hits[i].direction, scene.surface(hits[i]).normal))};
+      out[i] = {hits[i].distance,
+                std::abs(glm::dot(hits[i].direction, scene.surface(hits[i]).normal))};
   return out;
 }
 
 // The nearest corner cube that a beam meets before the surface.
 Echo cube_echo(const State& state, const Beam& beam, const Echo& surface) {
   Echo nearest;
-  const world::Pose lattice =
-      state.cube_motion.at({Vec3(0), state.cube_attitude}, beam.time);
+  const world::Pose lattice = state.cube_motion.at({Vec3(0), state.cube_attitude}, beam.time);
   for (const CornerCube& cube : state.cubes) {
     const Vec3 position = lattice.rotation * cube.position;
     const Vec3 normal = lattice.rotation * cube.normal;
@@ -115,8 +115,12 @@ Bytes Session::scan(bool doubles, WireReader& in, const Job& job) {
       Beam& beam = beams[j * columns + i];
       // results run from the top row down, or up with bit 17
       const std::uint64_t row = (lidar.flags >> 17 & 1) != 0 ? rows - 1 - j : j;
-      beam.azimuth = lidar.others[0] + ((static_cast<double>(i) + 0.5) / static_cast<double>(columns) - 0.5) * lidar.width;
-      beam.elevation = lidar.others[1] + (0.5 - (static_cast<double>(row) + 0.5) / static_cast<double>(rows)) * lidar.height;
+      beam.azimuth =
+          lidar.others[0] +
+          ((static_cast<double>(i) + 0.5) / static_cast<double>(columns) - 0.5) * lidar.width;
+      beam.elevation =
+          lidar.others[1] +
+          (0.5 - (static_cast<double>(row) + 0.5) / static_cast<double>(rows)) * lidar.height;
       Vec3 local = direction_of(beam.azimuth, beam.elevation);
       if (general) {
         const std::uint64_t k = j * columns + i;
@@ -175,9 +179,9 @@ Bytes Session::snapshot(WireReader& in, const Job& job) {
   std::vector<Beam> beams(pixels);
   std::vector<std::uint8_t> valid(pixels, 1);
   for (std::uint64_t i = 0; i < pixels; ++i) {
-    const auto ray = world::distorted_ray(
-        *camera, Vec2(static_cast<double>(i % camera->width) + 0.5,
-                      static_cast<double>(i / camera->width) + 0.5));
+    const auto ray =
+        world::distorted_ray(*camera, Vec2(static_cast<double>(i % camera->width) + 0.5,
+                                           static_cast<double>(i / camera->width) + 0.5));
     valid[i] = ray.has_value();
     if (ray) beams[i].origin = ray->origin, beams[i].direction = ray->direction;
   }
@@ -208,14 +212,13 @@ struct Axis {
     if (!(low <= high)) low = high = 0;
     double width = std::max(high - low, 1e-9 * std::max(1.0, std::abs(high)));
     if ((flags & 1) != 0) width = std::max(high, 1e-9);
-    if ((flags & 2) != 0) width = 2 * std::max({std::abs(high - middle), std::abs(low - middle), 1e-9});
+    if ((flags & 2) != 0)
+      width = 2 * std::max({std::abs(high - middle), std::abs(low - middle), 1e-9});
     // the largest sample lies in the last bin
     width *= 1 + 1e-9;
     if ((flags & 4) != 0) width = det::pow(10, std::ceil(det::log10(width)));
     size = (flags & 8) != 0 && fixed > 0 ? fixed : width / count;
-    offset = (flags & 1) != 0   ? 0
-             : (flags & 2) != 0 ? middle - 0.5 * size * count
-                                : low;
+    offset = (flags & 1) != 0 ? 0 : (flags & 2) != 0 ? middle - 0.5 * size * count : low;
   }
   // count: outside
   std::uint32_t bin(double value) const {
@@ -275,8 +278,8 @@ Bytes Session::radar(WireReader& in, const Job& job) {
     const std::uint32_t r = ranges.bin(echoes[i].range);
     const std::uint32_t s = speeds.bin(glm::dot(velocity, beams[i].direction));
     if (r == ranges.count || s == speeds.count) continue;
-    const double value = ((flags >> 8 & 1) != 0 ? 1 : echoes[i].cosine) /
-                         ((flags >> 9 & 1) != 0 ? 1.0 : samples);
+    const double value =
+        ((flags >> 8 & 1) != 0 ? 1 : echoes[i].cosine) / ((flags >> 9 & 1) != 0 ? 1.0 : samples);
     bins[std::size_t{s} * ranges.count + r] += value;
     total += value;
   }

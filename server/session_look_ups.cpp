@@ -63,8 +63,10 @@ std::vector<trace::Hit> looked_down(const trace::Scene& scene, std::span<const V
 
 Bytes Session::surface_request(Request kind, WireReader& in, const Job& job) {
   switch (kind) {
-    case Request::get_surface_patch: return patch(in, job);
-    case Request::get_view_as_dem: return dem(in, job);
+    case Request::get_surface_patch:
+      return patch(in, job);
+    case Request::get_view_as_dem:
+      return dem(in, job);
     case Request::get_elevation:
     case Request::get_elevations: {
       std::vector<Vec3> positions;
@@ -90,7 +92,8 @@ Bytes Session::surface_request(Request kind, WireReader& in, const Job& job) {
       for (const trace::Hit& hit : hits) out.real(hit ? hit.distance : 0).flag(bool(hit));
       return out.take();
     }
-    default: break;
+    default:
+      break;
   }
   (void)in.flag();  // boulders
   const bool one = kind == Request::get_surface_elevation;
@@ -104,8 +107,8 @@ Bytes Session::surface_request(Request kind, WireReader& in, const Job& job) {
   if (!in.finite()) throw RequestError{WireError::number, "a number is not finite"};
   std::vector<double> elevations;
   const auto hits = looked_down(stage_.rays(state(), job), points, elevations, job);
-  WireWriter out = one ? std::move(WireWriter().word(reply::kFloat))
-                       : array_reply(reply::kFloatArray, count);
+  WireWriter out =
+      one ? std::move(WireWriter().word(reply::kFloat)) : array_reply(reply::kFloatArray, count);
   for (std::size_t i = 0; i < count; ++i) out.real(elevations[i]).flag(bool(hits[i]));
   return out.take();
 }
@@ -177,8 +180,7 @@ Bytes Session::point_request(Request kind, WireReader& in, const Job& job) {
       const Vec2 pixel(x * camera->width, (1 - y) * camera->height);
       const auto ray = in.finite() ? world::distorted_ray(*camera, pixel) : std::nullopt;
       valid[i] = ray.has_value();
-      batch.add(scene, ray ? ray->origin : camera->position,
-                ray ? ray->direction : Vec3(0, 0, 1));
+      batch.add(scene, ray ? ray->origin : camera->position, ray ? ray->direction : Vec3(0, 0, 1));
     } else {
       const Vec3 direction(x, y, in.real());
       valid[i] = in.finite() && glm::length(direction) > 0;
@@ -187,13 +189,13 @@ Bytes Session::point_request(Request kind, WireReader& in, const Job& job) {
   }
   if (!in.finite()) throw RequestError{WireError::number, "a number is not finite"};
   const auto hits = batch.cast(scene, job);
-  WireWriter out = one ? std::move(WireWriter().word(reply::kPoint))
-                       : array_reply(reply::kPointArray, count);
+  WireWriter out =
+      one ? std::move(WireWriter().word(reply::kPoint)) : array_reply(reply::kPointArray, count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const bool hit = valid[i] != 0 && hits[i];
-    const Vec3 point = hit ? camera->position + batch.rays[i].origin +
-                                 batch.rays[i].direction * hits[i].distance
-                           : Vec3(0);
+    const Vec3 point =
+        hit ? camera->position + batch.rays[i].origin + batch.rays[i].direction * hits[i].distance
+            : Vec3(0);
     for (int k = 0; k < 3; ++k) out.real(point[k]);
     out.flag(hit);
   }

@@ -43,7 +43,9 @@ Result<std::unique_ptr<Stage>> Stage::open(const StageOptions& options, Diagnost
   std::vector<workspace::TargetFile> targets;
   for (const std::string& text : options.targets) targets.push_back(workspace::target_file(text));
   if (!options.defaults.ev->number) {
-    log.report(Code::E0201, {}, "--ev is 'auto', expected a number of stops: replies do not depend on earlier images");
+    log.report(
+        Code::E0201, {},
+        "--ev is 'auto', expected a number of stops: replies do not depend on earlier images");
     return failed;
   }
   auto world = targets.empty() && workspace::shows_sky(options.defaults)
@@ -171,8 +173,9 @@ void Stage::light_world(const State& state, const world::Camera& camera,
   if (max_component(state.ambient) > 0)
     for (const Vec3& direction : even_directions()) {
       world::Lamp lamp;
-      lamp.source = light::Sun{.direction = direction,
-                               .irradiance = state.ambient * irradiance_of(initial_.world.sun()) / 3.0};
+      lamp.source =
+          light::Sun{.direction = direction,
+                     .irradiance = state.ambient * irradiance_of(initial_.world.sun()) / 3.0};
       lamps.push_back(lamp);
     }
   const auto on = std::ranges::count_if(lamps, &world::Lamp::on);

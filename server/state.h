@@ -63,8 +63,8 @@ struct Fog {
 
 struct SkyColor {
   std::uint32_t type = 0;
-  Vec3 rgb{0};   // of type 8
-  Vec3 cie{0};   // x, y, Y of type 9
+  Vec3 rgb{0};  // of type 8
+  Vec3 cie{0};  // x, y, Y of type 9
   // Returns the colour of the background, 1: white; none: no colour, or stars.
   Vec3 color() const;
   bool shows_stars() const { return type == 2 || type == 7; }
@@ -77,8 +77,8 @@ struct CornerCube {
 
 // Settings of the LiDAR as SetLidarParameters has them.
 struct LidarParameters {
-  double width = 20, height = 20;           // degrees
-  std::uint32_t columns = 64, rows = 64;    // beams
+  double width = 20, height = 20;         // degrees
+  std::uint32_t columns = 64, rows = 64;  // beams
   double time_x = 0, time_y = 0;
   std::uint32_t samples_x = 1, samples_y = 1;  // of each beam
   std::uint32_t type = 0, flags = 1;
@@ -92,24 +92,24 @@ struct LidarPulse {
 
 struct State {
   world::World world;
-  world::Pose viewpoint;                // world_from_camera of the session's own cameras
+  world::Pose viewpoint;                 // world_from_camera of the session's own cameras
   std::map<std::uint32_t, Lens> lenses;  // by camera; the session's own are one: 0
-  std::uint32_t camera = 0;             // selected
+  std::uint32_t camera = 0;              // selected
   CameraLight light;
   Vec3 ambient{0};
   SkyColor sky;
   Fog fog;
   Quat world_from_icrs{1, 0, 0, 0};
-  double faintest = 8;  // magnitude of stars
-  double time = 0;      // global time, seconds
+  double faintest = 8;               // magnitude of stars
+  double time = 0;                   // global time, seconds
   std::optional<double> image_time;  // that of the last image
   LidarParameters lidar;
   std::vector<LidarPulse> pulses;
   std::vector<CornerCube> cubes;
   Quat cube_attitude{1, 0, 0, 0};
-  Motion cube_motion;  // its turn alone
-  std::shared_ptr<const Bytes> held;       // image of the hold buffer, as a reply
-  bool shows_held = false;                 // the next GetImage answers it
+  Motion cube_motion;                 // its turn alone
+  std::shared_ptr<const Bytes> held;  // image of the hold buffer, as a reply
+  bool shows_held = false;            // the next GetImage answers it
 };
 
 // Returns the camera whose lens and pose a number means: 0 for both of the session's own.

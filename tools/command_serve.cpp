@@ -19,19 +19,24 @@ using Json = nlohmann::ordered_json;
 using workspace::SettingId;
 
 // Settings of images that a session does not set by its requests.
-constexpr SettingId kSettings[] = {
-    SettingId::camera,       SettingId::look_at,        SettingId::up,
-    SettingId::quat,         SettingId::camera_frame,   SettingId::pose,
-    SettingId::joint,        SettingId::sun,            SettingId::sun_distance,
-    SettingId::sun_irradiance, SettingId::lamp,         SettingId::white,
-    SettingId::planet,       SettingId::sky,            SettingId::stars,
-    SettingId::star_catalogue, SettingId::date,         SettingId::orbit,
-    SettingId::fov,          SettingId::intrinsics,     SettingId::distortion,
-    SettingId::camera_file,  SettingId::size,           SettingId::exposure,
-    SettingId::noise_seed,   SettingId::line_time,      SettingId::ev,
-    SettingId::quality,      SettingId::samples,        SettingId::pixel_error,
-    SettingId::engine,       SettingId::shadows,        SettingId::levels,
-    SettingId::imposters,    SettingId::psf};
+constexpr SettingId kSettings[] = {SettingId::camera,       SettingId::look_at,
+                                   SettingId::up,           SettingId::quat,
+                                   SettingId::camera_frame, SettingId::pose,
+                                   SettingId::joint,        SettingId::sun,
+                                   SettingId::sun_distance, SettingId::sun_irradiance,
+                                   SettingId::lamp,         SettingId::white,
+                                   SettingId::planet,       SettingId::sky,
+                                   SettingId::stars,        SettingId::star_catalogue,
+                                   SettingId::date,         SettingId::orbit,
+                                   SettingId::fov,          SettingId::intrinsics,
+                                   SettingId::distortion,   SettingId::camera_file,
+                                   SettingId::size,         SettingId::exposure,
+                                   SettingId::noise_seed,   SettingId::line_time,
+                                   SettingId::ev,           SettingId::quality,
+                                   SettingId::samples,      SettingId::pixel_error,
+                                   SettingId::engine,       SettingId::shadows,
+                                   SettingId::levels,       SettingId::imposters,
+                                   SettingId::psf};
 
 struct Options {
   CommonOptions common;
@@ -64,9 +69,10 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("N")
       .group(group);
   arguments
-      .add("--address", options.address,
-           "Address to listen on (default 127.0.0.1: this machine alone); any other warns, as there "
-           "is no password")
+      .add(
+          "--address", options.address,
+          "Address to listen on (default 127.0.0.1: this machine alone); any other warns, as there "
+          "is no password")
       .type("ADDRESS")
       .group(group);
   arguments

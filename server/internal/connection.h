@@ -37,7 +37,10 @@ class Host {
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(asio::ip::tcp::socket socket, Host& host, std::uint64_t number)
-      : socket_(std::move(socket)), deadline_(socket_.get_executor()), host_(host), number_(number) {}
+      : socket_(std::move(socket)),
+        deadline_(socket_.get_executor()),
+        host_(host),
+        number_(number) {}
 
   void start();
   // The answer to the request under way.
@@ -59,8 +62,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Host& host_;
   const std::uint64_t number_;
   std::array<std::uint8_t, 1 << 16> chunk_;
-  Bytes buffer_;  // received, not yet answered
-  Bytes sent_;    // under way
+  Bytes buffer_;                                 // received, not yet answered
+  Bytes sent_;                                   // under way
   std::chrono::steady_clock::time_point begun_;  // of the request that is incomplete
   bool waits_ = false;                           // for the rest of one
   bool greeted_ = false;

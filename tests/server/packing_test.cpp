@@ -19,8 +19,7 @@ TEST(Packing, NumbersHaveTheBytesOfThePublicClient) {
   EXPECT_THAT(bytes_of(1), testing::ElementsAre(0, 0, 3, 0xFF, 0, 0, 0, 0));
   EXPECT_THAT(bytes_of(30), testing::ElementsAre(0, 0, 4, 3, 0xE0, 0, 0, 0));
   EXPECT_THAT(bytes_of(-2.5), testing::ElementsAre(0, 0, 0x0C, 0, 0x40, 0, 0, 0));
-  EXPECT_THAT(bytes_of(0.1),
-              testing::ElementsAre(0x99, 0x99, 0xA3, 0xFB, 0x99, 0x99, 0x99, 0x99));
+  EXPECT_THAT(bytes_of(0.1), testing::ElementsAre(0x99, 0x99, 0xA3, 0xFB, 0x99, 0x99, 0x99, 0x99));
 }
 
 TEST(Packing, NumbersReadBackToTheSameBits) {

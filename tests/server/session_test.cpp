@@ -47,10 +47,18 @@ class SessionTest : public testing::Test {
     auto stage = Stage::open(options, log_, {});
     ASSERT_TRUE(stage) << to_text(log_);
     stage_ = *std::move(stage);
-    session_ = std::make_unique<Session>(
-        *stage_, std::make_shared<State>(stage_->initial()), SessionOptions{});
-    ask(WireWriter().word(269).real64(0).real64(0).real64(kEye).real64(0).real64(1).real64(0)
-            .real64(0), reply::kOkay);
+    session_ = std::make_unique<Session>(*stage_, std::make_shared<State>(stage_->initial()),
+                                         SessionOptions{});
+    ask(WireWriter()
+            .word(269)
+            .real64(0)
+            .real64(0)
+            .real64(kEye)
+            .real64(0)
+            .real64(1)
+            .real64(0)
+            .real64(0),
+        reply::kOkay);
   }
 
   // The reply after its code, which is checked.
@@ -121,7 +129,8 @@ TEST_F(SessionTest, PointsUnderPixelsAreThoseOfThePinhole) {
 
 TEST_F(SessionTest, DirectionsAreInWorldAxes) {
   const Bytes reply = ask(WireWriter().word(6).real(0.1).real(0).real(-1), reply::kPoint);
-  EXPECT_THAT(floats(reply, 0), testing::Pointwise(testing::DoubleNear(2e-7), std::vector<double>{1.0, 0.0, 1.0}));
+  EXPECT_THAT(floats(reply, 0),
+              testing::Pointwise(testing::DoubleNear(2e-7), std::vector<double>{1.0, 0.0, 1.0}));
 }
 
 TEST_F(SessionTest, ElevationsAndPatchesAreThoseOfThePlanes) {
@@ -131,16 +140,17 @@ TEST_F(SessionTest, ElevationsAndPatchesAreThoseOfThePlanes) {
   EXPECT_EQ(floats(ask(WireWriter().word(2), reply::kFloat), 0, 5)[0], 10);
   // turned by 90 degrees, rows of rising x run along +y of the world
   const Bytes patch =
-      ask(WireWriter().word(25).flag(true).real(5).real(0).word(3).word(1).real(0.2)
-              .real(kPi / 2), reply::kFloatArray);
+      ask(WireWriter().word(25).flag(true).real(5).real(0).word(3).word(1).real(0.2).real(kPi / 2),
+          reply::kFloatArray);
   EXPECT_THAT(floats(patch, 4, 5), testing::ElementsAre(0.25, 0.25, 0.25));
   const Bytes wide =
       ask(WireWriter().word(25).flag(true).real(5).real(0).word(3).word(1).real(0.4).real(0),
           reply::kFloatArray);
   EXPECT_THAT(floats(wide, 4, 5), testing::ElementsAre(0, 0.25, 0));
   // heights above the level 10 m below the camera; the slab is that far away
-  const Bytes dem = ask(WireWriter().word(31).word(1).flag(false).word(2).word(1).real(5).real(1)
-                            .real(10), reply::kFloatArray);
+  const Bytes dem =
+      ask(WireWriter().word(31).word(1).flag(false).word(2).word(1).real(5).real(1).real(10),
+          reply::kFloatArray);
   EXPECT_THAT(floats(dem, 4, 5), testing::ElementsAre(0, 0));
   EXPECT_EQ(word_at(dem), 2u);
 }
@@ -181,11 +191,12 @@ TEST_F(SessionTest, ObjectsAndJointsMove) {
 
 TEST_F(SessionTest, FramesAreForwardUpRightOrigin) {
   const Bytes frame = ask(WireWriter().word(21).word(0).word(0), reply::kDoubleArray);
-  EXPECT_THAT(doubles(frame, 4), testing::Pointwise(testing::DoubleNear(1e-15),
-                                                    std::vector<double>{0, 0, -1, 0, 1, 0, 1, 0, 0, 0, 0, 5}));
+  EXPECT_THAT(doubles(frame, 4),
+              testing::Pointwise(testing::DoubleNear(1e-15),
+                                 std::vector<double>{0, 0, -1, 0, 1, 0, 1, 0, 0, 0, 0, 5}));
   const Bytes angles = ask(WireWriter().word(22).word(0).word(0), reply::kDoubleArray);
-  EXPECT_THAT(doubles(angles, 4),
-              testing::Pointwise(testing::DoubleNear(1e-15), std::vector<double>{0, -kPi / 2, 0, 0, 0, 5}));
+  EXPECT_THAT(doubles(angles, 4), testing::Pointwise(testing::DoubleNear(1e-15),
+                                                     std::vector<double>{0, -kPi / 2, 0, 0, 0, 5}));
   // camera 2 is the first frame of the objects
   const Bytes camera = ask(WireWriter().word(29).word(2), reply::kCameraProperties);
   WireReader in(camera);
@@ -244,7 +255,8 @@ TEST_F(SessionTest, PulsesScansAndSnapshotsMeasureThePlane) {
   const Bytes pulse =
       ask(WireWriter().word(13).real(0).real(0).real(3).real(0.3).real(0).real(-0.4),
           reply::kLidarPulse);
-  EXPECT_THAT(floats(pulse, 0), testing::Pointwise(testing::DoubleNear(1e-6), std::vector<double>{2.5, 0.8}));
+  EXPECT_THAT(floats(pulse, 0),
+              testing::Pointwise(testing::DoubleNear(1e-6), std::vector<double>{2.5, 0.8}));
   const Bytes miss = ask(WireWriter().word(13).real(0).real(0).real(4).real(0).real(0).real(1),
                          reply::kLidarPulse);
   EXPECT_THAT(floats(miss, 0), testing::ElementsAre(0, 0));
@@ -300,8 +312,8 @@ TEST_F(SessionTest, RadarBinsRangesAndSpeeds) {
   };
   const Bytes narrow = radar(1 | 8 | 16 | 128, 1);
   const auto head = floats(narrow, 4);
-  EXPECT_NEAR(head[6], 10, 1e-5);      // least range
-  EXPECT_NEAR(head[9], 3, 1e-5);       // largest speed
+  EXPECT_NEAR(head[6], 10, 1e-5);  // least range
+  EXPECT_NEAR(head[9], 3, 1e-5);   // largest speed
   EXPECT_EQ(word_at(std::span(narrow).subspan(4 * 11)), 8u);
   EXPECT_EQ(word_at(std::span(narrow).subspan(4 * 13)), 1000u);
   const std::size_t bins = 4 * 24;
