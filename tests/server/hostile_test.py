@@ -211,7 +211,7 @@ def main():
             honest.join(30)
             expect(process.poll() is None, "the server ended")
             expect(honest.wrong is None and honest.count > 20, (honest.wrong, honest.count))
-            expect(honest.longest < 10, f"the honest client waited {honest.longest} s")
+            expect(honest.longest < 30, f"the honest client waited {honest.longest} s")
             print(f"{honest.count} honest replies, the longest after {honest.longest:.3f} s")
             process.terminate()
             expect(process.wait(20) == 0, "the server ends cleanly")
