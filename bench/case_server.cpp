@@ -88,6 +88,17 @@ double range_error(const Bytes& reply, const image::Image& image, const Vec3& ca
   return worst;
 }
 
+// Against an encoding of its own: half a code of rounding.
+double code_error(const Bytes& reply, const image::Image& image) {
+  const std::size_t values = 3 * image.pixels();
+  double worst = 0;
+  for (std::size_t i = 0; i < values; ++i) {
+    const double value = std::clamp(kPi * static_cast<double>(image.radiance[i]), 0.0, 1.0) * 255;
+    worst = std::max(worst, std::fabs(value - reply[reply.size() - values + i]));
+  }
+  return worst;
+}
+
 void run_server(Context& context) {
   const std::uint32_t side = context.quick() ? 64 : 1024;
   const auto model = context.source("examples/servicer/servicer.pxn");
@@ -116,8 +127,8 @@ void run_server(Context& context) {
   });
   Wire wire(port.get_future().get());
   workspace::ViewSession session(options.stage.open, preview::ContextKind::automatic);
-  const std::size_t bytes = 8 + fmt::format("P6\n{} {}\n255\n", side, side).size() +
-                            std::size_t{3} * side * side;
+  const std::size_t bytes =
+      8 + fmt::format("P6\n{} {}\n255\n", side, side).size() + std::size_t{3} * side * side;
   const Bytes get_image = WireWriter().word(1).take();
   std::vector<double> beyond;
   Bytes image;
@@ -139,13 +150,7 @@ void run_server(Context& context) {
   const auto camera = (*stage)->camera_of((*stage)->initial(), 0);
   const auto drawn = (*stage)->draw((*stage)->initial(), *camera, nullptr, true, log, {});
   if (!drawn) return context.note("no OpenGL: the rows are missing");
-  // an encoding of its own: half a code of rounding
-  double codes = 0;
-  for (std::size_t i = 0; i < std::size_t{3} * side * side; ++i) {
-    const double value =
-        std::clamp(kPi * static_cast<double>(drawn->image.radiance[i]), 0.0, 1.0) * 255;
-    codes = std::max(codes, std::fabs(value - image[bytes - std::size_t{3} * side * side + i]));
-  }
+  const double codes = code_error(image, drawn->image);
   context.add({.case_name = "server",
                .setting = fmt::format("GetImage {}x{} beyond render --views -, servicer at 15 m",
                                       side, side),

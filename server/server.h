@@ -1,6 +1,6 @@
 // Server of the PANGU protocol over TCP (docs/server.md).
 //
-// One thread moves bytes, another one owns the stage and answers whole requests one after the
+// One thread moves bytes. Another one owns the stage and answers whole requests one after the
 // other, so that slow or hostile clients delay no other. A client has one request under way: what
 // it sends beyond waits in its socket, and the queue is never longer than the number of clients.
 #pragma once

@@ -51,6 +51,7 @@ class Session {
   bool view_command(Request kind, WireReader& in, std::string& note);
   bool lens_command(Request kind, WireReader& in, std::string& note);
   bool light_command(Request kind, WireReader& in, std::string& note);
+  bool lamp_command(Request kind, WireReader& in, std::string& note);
   bool object_command(Request kind, WireReader& in, std::string& note);
   bool lidar_command(Request kind, WireReader& in, std::string& note);
   Bytes image_request(Request kind, WireReader& in, const Job& job);

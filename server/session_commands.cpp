@@ -93,8 +93,8 @@ Motion motion_of(WireReader& in, bool doubles, bool pairs) {
 
 bool Session::command(Request kind, WireReader& in, std::string& note) {
   if (view_command(kind, in, note) || lens_command(kind, in, note) ||
-      light_command(kind, in, note) || object_command(kind, in, note) ||
-      lidar_command(kind, in, note))
+      light_command(kind, in, note) || lamp_command(kind, in, note) ||
+      object_command(kind, in, note) || lidar_command(kind, in, note))
     return true;
   note = "without effect";
   return false;
@@ -229,6 +229,14 @@ bool Session::light_command(Request kind, WireReader& in, std::string& note) {
       state.fog.begin = in.real64();
       state.fog.end = in.real64();
       return true;
+    default:
+      return false;
+  }
+}
+
+bool Session::lamp_command(Request kind, WireReader& in, std::string& note) {
+  State& state = *state_;
+  switch (kind) {
     case Request::bind_light_to_camera:
       if (in.word() != 0) note = "a light other than 0 is ignored";
       state.light.camera = in.word();

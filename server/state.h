@@ -102,7 +102,7 @@ struct State {
   Quat world_from_icrs{1, 0, 0, 0};
   double faintest = 8;               // magnitude of stars
   double time = 0;                   // global time, seconds
-  std::optional<double> image_time;  // that of the last image
+  std::optional<double> image_time;  // global time of the last image
   LidarParameters lidar;
   std::vector<LidarPulse> pulses;
   std::vector<CornerCube> cubes;

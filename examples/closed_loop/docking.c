@@ -1,6 +1,6 @@
 /*
- * Steers a camera to a docking ring by what a server measures, as docking.py: `panwright serve client.pxn`, then
- *   cc -std=c89 docking.c -lm -o docking && ./docking [PORT]
+ * Steers a camera to a docking ring by what a server measures, as docking.py: `panwright serve
+ * client.pxn`, then cc -std=c89 docking.c -lm -o docking && ./docking [PORT]
  */
 #define _POSIX_C_SOURCE 200809L
 #define _DEFAULT_SOURCE
@@ -17,7 +17,8 @@ static int find_centre(const unsigned char* image, size_t size, double* x, doubl
   int width, height, most, column, row;
   double total = 0, along = 0, down = 0;
   const unsigned char* pixels;
-  if (sscanf((const char*)image, "P6 %d %d %d", &width, &height, &most) != 3 || most != 255) return 0;
+  if (sscanf((const char*)image, "P6 %d %d %d", &width, &height, &most) != 3 || most != 255)
+    return 0;
   pixels = image + size - (size_t)3 * width * height;
   for (row = 0; row < height; ++row)
     for (column = 0; column < width; ++column) {
@@ -41,7 +42,8 @@ int main(int count, char** words) {
     fprintf(stderr, "no server\n");
     return 1;
   }
-  if (pw_set_field_of_view(server, FOV) != 0 || pw_set_sun(server, 0, 0, 1.5707963267948966) != 0) goto failed;
+  if (pw_set_field_of_view(server, FOV) != 0 || pw_set_sun(server, 0, 0, 1.5707963267948966) != 0)
+    goto failed;
   for (step = 0; step < 40; ++step) {
     size_t size;
     unsigned char* image;

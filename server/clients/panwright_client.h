@@ -1,5 +1,6 @@
 /*
- * Client of `panwright serve` and other servers of the PANGU protocol: one C89 file over POSIX sockets.
+ * Client of `panwright serve` and other servers of the PANGU protocol: one C89 file over POSIX
+ * sockets.
  *
  *   #define PANWRIGHT_CLIENT_IMPLEMENTATION   in one source, before #include "panwright_client.h"
  *
@@ -8,8 +9,9 @@
  *   image = pw_image(server, &size);           free(image) afterwards
  *   pw_close(server);
  *
- * Metres, radians; world_from_camera quaternions w x y z, camera x right, y down, z forward. Functions return 0 for
- * success; pw_error() has the reason of the last failure. docs/server.md has the protocol.
+ * Metres, radians; world_from_camera quaternions w x y z, camera x right, y down, z forward.
+ * Functions return 0 for success; pw_error() has the reason of the last failure. docs/server.md has
+ * the protocol.
  */
 #ifndef PANWRIGHT_CLIENT_H
 #define PANWRIGHT_CLIENT_H
@@ -27,17 +29,21 @@ const char* pw_error(const pw_client* client);
 
 int pw_set_viewpoint(pw_client* client, const double position[3], const double quaternion[4]);
 int pw_set_field_of_view(pw_client* client, double radians);
-int pw_set_object(pw_client* client, unsigned object, const double position[3], const double quaternion[4]);
-int pw_set_joint(pw_client* client, unsigned object, unsigned joint, const double* values, unsigned count);
+int pw_set_object(pw_client* client, unsigned object, const double position[3],
+                  const double quaternion[4]);
+int pw_set_joint(pw_client* client, unsigned object, unsigned joint, const double* values,
+                 unsigned count);
 /* The distance in metres; 0: as it is. */
 int pw_set_sun(pw_client* client, double distance, double azimuth, double elevation);
 
 /* The bytes of an image file, from malloc(); NULL: failed. */
 unsigned char* pw_image(pw_client* client, size_t* size);
-/* The world point under an image place, from (0, 0) lower left to (1, 1) upper right; *hit 0: nothing is there. */
+/* The world point under an image place, from (0, 0) lower left to (1, 1) upper right; *hit 0:
+ * nothing is there. */
 int pw_point(pw_client* client, double x, double y, double point[3], int* hit);
 /* Range along a ray, and the cosine of the incidence angle; 0 0: nothing is hit. */
-int pw_pulse(pw_client* client, const double position[3], const double direction[3], double* range, double* cosine);
+int pw_pulse(pw_client* client, const double position[3], const double direction[3], double* range,
+             double* cosine);
 
 #endif
 
@@ -67,7 +73,8 @@ static int pw_fail(pw_client* client, const char* text) {
 
 static void pw_add_word(pw_client* client, unsigned long word) {
   int shift;
-  for (shift = 24; shift >= 0; shift -= 8) client->request[client->size++] = (unsigned char)(word >> shift & 0xFF);
+  for (shift = 24; shift >= 0; shift -= 8)
+    client->request[client->size++] = (unsigned char)(word >> shift & 0xFF);
 }
 
 static void pw_begin(pw_client* client, unsigned long number) {
@@ -114,7 +121,8 @@ static int pw_read(pw_client* client, void* to, size_t count) {
 static int pw_read_word(pw_client* client, unsigned long* word) {
   unsigned char bytes[4];
   if (pw_read(client, bytes, 4) != 0) return -1;
-  *word = (unsigned long)bytes[0] << 24 | (unsigned long)bytes[1] << 16 | (unsigned long)bytes[2] << 8 | bytes[3];
+  *word = (unsigned long)bytes[0] << 24 | (unsigned long)bytes[1] << 16 |
+          (unsigned long)bytes[2] << 8 | bytes[3];
   return 0;
 }
 
@@ -135,7 +143,8 @@ static int pw_ask(pw_client* client, unsigned long expected) {
   size_t at = 0;
   unsigned long code, number;
   while (at < client->size) {
-    const ssize_t sent = send(client->socket, client->request + at, client->size - at, MSG_NOSIGNAL);
+    const ssize_t sent =
+        send(client->socket, client->request + at, client->size - at, MSG_NOSIGNAL);
     if (sent <= 0) return pw_fail(client, "the server closed the connection");
     at += (size_t)sent;
   }
@@ -146,7 +155,8 @@ static int pw_ask(pw_client* client, unsigned long expected) {
     size_t size;
     if (pw_read_word(client, &number) != 0 || pw_read(client, length, 2) != 0) return -1;
     size = (size_t)length[0] << 8 | length[1];
-    if (size >= sizeof text || pw_read(client, text, size) != 0) return pw_fail(client, "an error reply is too long");
+    if (size >= sizeof text || pw_read(client, text, size) != 0)
+      return pw_fail(client, "an error reply is too long");
     text[size] = '\0';
     return pw_fail(client, text);
   }
@@ -196,7 +206,8 @@ int pw_set_field_of_view(pw_client* client, double radians) {
   return pw_ask(client, 0);
 }
 
-int pw_set_object(pw_client* client, unsigned object, const double position[3], const double quaternion[4]) {
+int pw_set_object(pw_client* client, unsigned object, const double position[3],
+                  const double quaternion[4]) {
   pw_begin(client, 270);
   pw_add_word(client, object);
   pw_add_doubles(client, position, 3);
@@ -204,7 +215,8 @@ int pw_set_object(pw_client* client, unsigned object, const double position[3], 
   return pw_ask(client, 0);
 }
 
-int pw_set_joint(pw_client* client, unsigned object, unsigned joint, const double* values, unsigned count) {
+int pw_set_joint(pw_client* client, unsigned object, unsigned joint, const double* values,
+                 unsigned count) {
   unsigned i;
   pw_begin(client, 272);
   pw_add_word(client, object);
@@ -257,7 +269,8 @@ int pw_point(pw_client* client, double x, double y, double point[3], int* hit) {
   return 0;
 }
 
-int pw_pulse(pw_client* client, const double position[3], const double direction[3], double* range, double* cosine) {
+int pw_pulse(pw_client* client, const double position[3], const double direction[3], double* range,
+             double* cosine) {
   int k;
   pw_begin(client, 13);
   for (k = 0; k < 3; ++k) pw_add_float(client, position[k]);

@@ -17,11 +17,11 @@ namespace panwright::server {
 
 class Connection;
 
-// What connections share; all calls come from the thread of the sockets.
+// Shared side of all connections; all calls come from the thread of the sockets.
 class Host {
  public:
   virtual ~Host() = default;
-  // A client has said its version. False: there are too many.
+  // A client has sent its version. False: there are too many.
   virtual bool admit(Connection& connection) = 0;
   // Answers a whole request by Connection::reply().
   virtual void submit(std::shared_ptr<Connection> connection, Bytes request) = 0;
