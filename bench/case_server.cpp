@@ -75,7 +75,7 @@ double range_error(const Bytes& reply, const image::Image& image, const Vec3& ca
   double worst = 0;
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     const std::size_t at = 8 + i * kPointBytes;
-    server::WireReader in(std::span(reply).subspan(at));
+    server::WireReader in(std::span<const std::uint8_t>(reply).subspan(at));
     const double x = in.real(), y = in.real();
     const Vec3 point(x, y, in.real());
     const std::size_t row = image.height / 2 - 1;
