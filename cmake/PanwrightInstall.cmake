@@ -11,7 +11,7 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake COMPONENT dev)
 # public headers only: sub-folders without any are named here
-install(DIRECTORY base image ephemeris geometry mli materials light sensor scene pan world trace sky transport scenario labels instruments importers exporters compiler pxn preview workspace schemas
+install(DIRECTORY base image ephemeris geometry mli materials light sensor scene pan world trace sky transport scenario labels instruments importers exporters compiler pxn preview workspace server schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
         REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats)$" EXCLUDE)
@@ -19,6 +19,8 @@ install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json schema
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+# beside the examples, which name them
+install(DIRECTORY server/clients DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright/server")
 # pages with their images, as they link to each other
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")

@@ -107,11 +107,6 @@ class FliSource final : public Source {
   Flight flight_;
 };
 
-// Angles of `start`, degrees.
-struct Angles {
-  double yaw = 0, pitch = 0, roll = 0;
-};
-
 Quat about_x(double degrees) {
   const det::SinCos half = det::sincos(degrees * kDegree / 2);
   return Quat(half.cos, half.sin, 0, 0);
@@ -120,18 +115,30 @@ Quat about_z(double degrees) {
   const det::SinCos half = det::sincos(degrees * kDegree / 2);
   return Quat(half.cos, 0, 0, half.sin);
 }
-Quat without_roll(const Angles& a) { return about_z(a.yaw) * about_x(a.pitch) * about_x(-90); }
-Quat rotation_of(const Angles& a) { return without_roll(a) * about_z(-a.roll); }
+Quat without_roll(const FlightAngles& a) {
+  return about_z(a.yaw) * about_x(a.pitch) * about_x(-90);
+}
 
-Angles angles_of(const Quat& q) {
+}  // namespace
+
+Quat rotation_of(const FlightAngles& angles) {
+  return without_roll(angles) * about_z(-angles.roll);
+}
+
+FlightAngles angles_of(const Quat& world_from_camera) {
+  const Quat& q = world_from_camera;
   const Vec3 bore = q * Vec3(0, 0, 1);
-  Angles out;
+  FlightAngles out;
   out.pitch = det::asin(std::clamp(bore.z, -1.0, 1.0)) / kDegree;
   if (bore.x * bore.x + bore.y * bore.y > 1e-20) out.yaw = det::atan2(-bore.x, bore.y) / kDegree;
   const Quat roll = conjugate(without_roll(out)) * q;
-  out.roll = -2 * det::atan2(roll.z, roll.w) / kDegree;
+  // either sign of a quaternion is the same attitude
+  const double sign = roll.w < 0 ? -1 : 1;
+  out.roll = -2 * det::atan2(sign * roll.z, sign * roll.w) / kDegree;
   return out;
 }
+
+namespace {
 
 class FliReader {
  public:
@@ -340,7 +347,7 @@ class FliReader {
   std::vector<std::string_view> words_;
   Flight flight_;
   std::vector<Change<double>> times_;
-  Angles angles_;
+  FlightAngles angles_;
   double comment_rate_ = 0;
   std::string_view rate_place_;
   bool changes_said_ = false;

@@ -17,6 +17,7 @@
 #include <optional>
 #include <string>
 
+#include "base/math.h"
 #include "base/result.h"
 #include "scenario/source.h"
 #include "scenario/text.h"
@@ -28,6 +29,18 @@ struct FliOptions {
   std::optional<double> frame_rate;            // frames/s; none: as the file says
   bool strict = false;                         // unknown commands are errors
 };
+
+// Attitude of a camera as flight files and the PANGU protocol have it, degrees. At yaw 0 and pitch
+// 0 the boresight is +y; yaw is counted about +z, pitch upwards, roll clockwise about the
+// boresight.
+struct FlightAngles {
+  double yaw = 0, pitch = 0, roll = 0;
+};
+// Returns world_from_camera.
+Quat rotation_of(const FlightAngles& angles);
+// Returns the angles of a world_from_camera: pitch from -90 to 90; yaw 0 where the boresight is
+// vertical.
+FlightAngles angles_of(const Quat& world_from_camera);
 
 // Reads a flight. Frames have the times of set_time where these ascend from frame to frame; else
 // those of the frame rate, which is an option or a comment "# Frame rate: 10" (N8010); else an

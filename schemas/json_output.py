@@ -243,6 +243,10 @@ COMMANDS = {
         "lidar": "string: its name", "pulses": "integer", "points": "integer", "no_echo": "integer: pulses", "out_of_gate": "integer: pulses",
         "dropped": "integer: pulses", "false_alarms": "integer: points of no surface", "pulse_energy_j": "number: within the eye-safe limit",
         "mean_power_w?": "number: of a scan", "range?": "number[]: nearest and farthest point, metres"},
+    "serve": {
+        "requests?": "any: with --coverage a list of the protocol's requests: number, name, version, support (full, part, none) and note; with --replay their number",
+        "sessions?": "integer: with --replay: number of them", "different?": "integer: with --replay: replies that differ",
+        "first_different?": "string: with --replay: place of the first of them; empty: none"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

@@ -65,6 +65,12 @@ constexpr Example kExamples[] = {
     {"run", "rendezvous/approach.toml -o truth --every 150 --type npz",
      "Write radiance and ground truth of a frame every 150 s."},
 
+    {"serve", "client/client.pxn --size 512x512 --fov 40",
+     "Serve a model to simulators on 127.0.0.1:10363, each with a world of its own."},
+    {"serve", "7=client/client.pxn servicer/servicer.pxn --port 0 --log requests.jsonl --gl osmesa",
+     "Number an object 7, take a free port, and log requests for --replay."},
+    {"serve", "--coverage", "List the requests of the protocol and what each does."},
+
     {"labels", "labels -o coco --format coco",
      "Write masks, boxes and keypoints of all frames of a folder for COCO."},
     {"labels", "labels -o speed --format speedplus --target client",

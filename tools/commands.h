@@ -17,6 +17,7 @@ Command joints_command();
 Command render_command();
 Command scenario_command();
 Command run_command();
+Command serve_command();
 Command labels_command();
 Command stars_command();
 Command lookup_command();

@@ -18,7 +18,7 @@ LEVELS = [
      "instruments": ["labels", "preview/reference", "sensor"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "transport",
                    "preview", "preview/reference"]},
-    {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
+    {"studio": ["workspace", "preview"], "server": ["workspace", "trace"], "tools": ["workspace", "studio", "server", "mli"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
@@ -33,6 +33,7 @@ PARTS = {
     "preview": {"shaders": [], "gl": [], "model": ["gl"], "frame": ["model"], "reference": []},
     "image": {"internal": []},
     "sensor": {"internal": []},
+    "server": {"internal": []},
     "ephemeris": {"internal": []},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},

@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""The shipped clients steer to docking, from Python, C89 and Octave: the same steps. clients_test.py PANWRIGHT SOURCE_DIR CC [OCTAVE]
+
+Octave is left out where it or its package sockets is not installed, and it says so.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+PROGRAM, SOURCE, COMPILER = sys.argv[1:4]
+OCTAVE = sys.argv[4] if len(sys.argv) > 4 and "NOTFOUND" not in sys.argv[4] else None
+LOOP = pathlib.Path(SOURCE) / "examples" / "closed_loop"
+
+
+def expect(condition, what):
+    if not condition:
+        raise SystemExit(f"clients_test: {what}")
+
+
+def steered(words):
+    done = subprocess.run(words, capture_output=True, text=True, timeout=200)
+    expect(done.returncode == 0, f"{words}: {done.stdout}{done.stderr}")
+    steps = re.findall(r"step \d+: .*", done.stdout)
+    end = re.search(r"docked at (\S+) (\S+) (\S+)", done.stdout)
+    expect(end and len(steps) > 5, done.stdout)
+    x, y, z = map(float, end.groups())
+    # the axis of the client is x = y = 0, its ring at z = 3.61 m; its markings move the centre of brightness
+    expect(abs(x) < 0.15 and abs(y) < 0.15 and 5.5 < z < 7, end.group())
+    return steps, end.group()
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        program = os.path.join(folder, "docking")
+        subprocess.run([COMPILER, "-std=c89", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", str(LOOP / "docking.c"), "-lm", "-o", program],
+                       check=True)
+        server = subprocess.Popen([PROGRAM, "serve", str(LOOP.parent / "client" / "client.pxn"), "--port", "0", "--size", "64x64", "--samples", "2",
+                                   "--clients", "2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            line = server.stdout.readline()
+            if not line:
+                error = server.stderr.read()
+                if "E5007" in error or "E5001" in error:
+                    print("skipped: no OpenGL")
+                    sys.exit(77)
+                expect(False, error)
+            port = line.rsplit(":", 1)[1].strip()
+            by_python = steered([sys.executable, str(LOOP / "docking.py"), port])
+            expect(steered([program, port]) == by_python, "C steers as Python does")
+            has_sockets = OCTAVE and subprocess.run([OCTAVE, "--eval", "pkg load sockets"], capture_output=True).returncode == 0
+            if has_sockets:
+                expect(steered([OCTAVE, "-qf", str(LOOP / "docking.m"), port]) == by_python, "Octave steers as Python does")
+            else:
+                print("without Octave: it or its package sockets is not installed")
+            server.terminate()
+            expect(server.wait(20) == 0, "the server ends cleanly")
+        finally:
+            server.kill()
+
+
+main()
