@@ -1,5 +1,7 @@
 // Renderers and scenarios.
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "python/bindings.h"
 #include "python/model.h"
@@ -69,8 +71,9 @@ std::vector<double> times_every(const ScenarioOf& of, double every) {
   return times ? *times : std::vector<double>{};
 }
 
-View view_at(const std::shared_ptr<ScenarioOf>& of, double time, std::uint64_t number, bool labels,
-             const Worker& worker) {
+// A frame without labels, and its name.
+std::pair<View, std::string> bare_view(const std::shared_ptr<ScenarioOf>& of, double time,
+                                       std::uint64_t number, const Worker& worker) {
   DiagnosticLog log;
   const auto frame = workspace::frame_at(of->scenario, time, log);
   auto view = frame ? workspace::view_of(of->scenario, *frame, number, worker.world(), log)
@@ -82,11 +85,29 @@ View view_at(const std::shared_ptr<ScenarioOf>& of, double time, std::uint64_t n
     view->motion = [motion = std::move(view->motion), of](double after, DiagnosticLog& reports) {
       return motion(after, reports);
     };
+  return {*std::move(view), frame->name};
+}
+
+// at: the times of the frame, and of those before and after it
+View view_at(const std::shared_ptr<ScenarioOf>& of,
+             const std::tuple<double, std::optional<double>, std::optional<double>>& at,
+             std::uint64_t number, bool labels, bool flow, const Worker& worker) {
+  const auto& [time, before, after] = at;
+  auto [view, name] = bare_view(of, time, number, worker);
   if (of->labelling == nullptr)
     of->labelling = std::make_shared<const workspace::Labelling>(
         of->scenario.labels.value_or(workspace::Labelling()));
-  if (labels || of->scenario.labels) label(*view, of->labelling, frame->name, number, time);
-  return *std::move(view);
+  flow = flow || of->labelling->flow;
+  if (!labels && !flow && !of->scenario.labels) return view;
+  workspace::ViewLabels of_view{of->labelling, std::move(name), number, time, nullptr, nullptr};
+  const auto neighbour = [&](const std::optional<double>& when, std::uint64_t which) {
+    return flow && when ? std::make_shared<const View>(bare_view(of, *when, which, worker).first)
+                        : nullptr;
+  };
+  of_view.previous = neighbour(before, number - 1);
+  of_view.next = neighbour(after, number + 1);
+  view.labels = std::make_shared<const workspace::ViewLabels>(std::move(of_view));
+  return std::move(view);
 }
 
 std::unique_ptr<Worker> make_worker(const std::vector<std::pair<std::string, Model>>& targets,
@@ -175,8 +196,8 @@ void bind_drawing(py::module_& module) {
                                }
                                return out;
                              })
-      .def("view", &view_at, py::arg("time"), py::arg("number"), py::arg("labels"),
-           py::arg("worker"));
+      .def("view", &view_at, py::arg("times"), py::arg("number"), py::arg("labels"),
+           py::arg("flow"), py::arg("worker"));
   module.def("view", &view_of_text, py::arg("text"), py::arg("index"), py::arg("labels"));
 }
 

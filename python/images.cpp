@@ -116,6 +116,15 @@ py::array_t<std::uint8_t> whole_mask(const labels::Mask& mask, std::uint32_t hei
   return out;
 }
 
+// none: not asked for, or there is no such frame
+py::object flow_of(const py::object& self,
+                   std::optional<labels::Flow> labels::FrameLabels::*which) {
+  const auto& picture = self.cast<const Picture&>();
+  const auto* flow = picture.labels ? &((*picture.labels).*which) : nullptr;
+  if (flow == nullptr || !*flow) return py::none();
+  return array_of((*flow)->motion, {(*flow)->height, (*flow)->width, 2}, self);
+}
+
 py::object box_of(const std::optional<labels::Box>& box) {
   if (!box) return py::none();
   return py::make_tuple(box->left, box->top, box->right, box->bottom);
@@ -228,6 +237,14 @@ void bind_images(py::module_& module) {
           },
           doc("Image.world_from_camera"))
       .def_property_readonly("things", &things, doc("Image.things"))
+      .def_property_readonly(
+          "forward_flow",
+          [](const py::object& self) { return flow_of(self, &labels::FrameLabels::forward); },
+          doc("Image.forward_flow"))
+      .def_property_readonly(
+          "backward_flow",
+          [](const py::object& self) { return flow_of(self, &labels::FrameLabels::backward); },
+          doc("Image.backward_flow"))
       .def("_record", [](const Picture& p) { return p.what.record; })
       .def("srgb", &srgb, py::arg("ev") = py::none(), py::arg("photo") = py::none(),
            doc("Image.srgb"))

@@ -24,8 +24,8 @@ constexpr std::string_view kLayers =
     "keypoints in pixels (docs/image-files.md)";
 
 const Absent kAbsent[] = {
-    {{"noise", "read-noise", "shot-noise", "dark-current", "gain", "full-well", "iso",
-      "quantum-efficiency", "detector", "sensor", "bit-depth"},
+    {{"noise", "read-noise", "shot-noise", "dark-current", "full-well", "iso", "quantum-efficiency",
+      "detector", "sensor", "bit-depth"},
      kSensor},
     {{"star-catalog", "magnitude", "background", "skybox", "earth", "moon", "planets",
       "environment", "hdri", "atmosphere"},

@@ -106,7 +106,8 @@ class Image:
 
     radiance (H, W, 3) float32 in `unit`; coverage (H, W) float32, 0 to 1; depth and range (H, W) float32,
     metres, background infinite; normal (H, W, 3) float32, world axes; target_id, node_id and material_id
-    (H, W) uint32, background 0; standard_error (H, W, 3) float32, of the reference renderer.
+    (H, W) uint32, background 0; standard_error (H, W, 3) float32, of the reference renderer. Of a
+    detector also dn (H, W) uint16, and electrons (H, W) float32.
     """
 
     @property
@@ -139,6 +140,12 @@ class Image:
     @property
     def things(self) -> list[Thing]:
         """Labels, of an image drawn with labels=True."""
+    @property
+    def forward_flow(self) -> NDArray[np.float32] | None:
+        """(H, W, 2) motion right and down to the next frame, pixels; NaN: background. None: not drawn with flow=True, or the last frame."""
+    @property
+    def backward_flow(self) -> NDArray[np.float32] | None:
+        """(H, W, 2) the same to the frame before. None also: the first frame."""
     def srgb(self, ev: float | None = None, photo: bool | None = None) -> NDArray[np.uint8]:
         """(H, W, 3) codes of a PNG. ev: stops, in place of the view's. photo: tone curve, in place of the view's."""
     def save(self, path: str | PathLike[str]) -> None:
@@ -220,7 +227,7 @@ class Scenario:
     def targets(self) -> list[tuple[str, str]]: ...
     def __init__(self, path: str, target: str, strict: bool, settings: str) -> None: ...
     def times_every(self, seconds: float) -> list[float]: ...
-    def view(self, time: float, number: int, labels: bool, worker: Worker) -> View: ...
+    def view(self, times: tuple[float, float | None, float | None], number: int, labels: bool, flow: bool, worker: Worker) -> View: ...
 
 class Lookups:
     def __init__(self, targets: list[tuple[str, Model]], view: View, threads: int) -> None: ...

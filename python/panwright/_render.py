@@ -116,15 +116,19 @@ class Renderer:
         image, = self.frames([dict(view or {}, **settings)], labels=labels)
         return image
 
-    def frames(self, views: Iterable[Mapping[str, Any]] | Scenario, *, labels: bool = False, ahead: int = 4) -> Iterator[_core.Image]:
+    def frames(self, views: Iterable[Mapping[str, Any]] | Scenario, *, labels: bool = False, flow: bool = False,
+               ahead: int = 4) -> Iterator[_core.Image]:
         """Draws images, one after the other; the next ones while the caller works on one.
 
         views: as of render(); or a scenario, whose targets the renderer has.
+        flow: also labels with the motion to the next and the previous frame of a scenario.
         ahead: images of a batch, two of which are under way; memory grows with it.
         """
         if ahead < 1:
             raise ValueError(f"ahead is {ahead}, expected at least 1")
-        made = views._views(self._worker, labels) if isinstance(views, Scenario) else (
+        if flow and not isinstance(views, Scenario):
+            raise TypeError("flow is of the frames of a Scenario")
+        made = views._views(self._worker, labels, flow) if isinstance(views, Scenario) else (
             _core.view(_text({**self._settings, **view}), index, labels) for index, view in enumerate(views))
         return self._drawn(made, ahead)
 
@@ -181,11 +185,13 @@ class Scenario:
     def __len__(self) -> int:
         return len(self.times)
 
-    def _views(self, worker: _core.Worker, labels: bool) -> Iterator[Any]:
-        return (self._scenario.view(time, number, labels, worker) for number, time in enumerate(self.times))
+    def _views(self, worker: _core.Worker, labels: bool, flow: bool) -> Iterator[Any]:
+        neighbours = [None, *self.times, None]
+        return (self._scenario.view((time, neighbours[number], neighbours[number + 2]), number, labels, flow, worker)
+                for number, time in enumerate(self.times))
 
 
-def frames(scenario: Path | Scenario, *, labels: bool = False, gl: str = "auto", ahead: int = 4, threads: int = 0,
+def frames(scenario: Path | Scenario, *, labels: bool = False, flow: bool = False, gl: str = "auto", ahead: int = 4, threads: int = 0,
            **settings: Any) -> Iterator[_core.Image]:
     """Draws the frames of a scenario: `for image in panwright.frames("rendezvous.toml", every=10, labels=True)`.
 
@@ -196,7 +202,7 @@ def frames(scenario: Path | Scenario, *, labels: bool = False, gl: str = "auto",
     elif settings:
         raise TypeError("settings belong to the Scenario: " + ", ".join(settings))
     with Renderer(scenario.targets, gl=gl, threads=threads) as renderer:
-        yield from renderer.frames(scenario, labels=labels, ahead=ahead)
+        yield from renderer.frames(scenario, labels=labels, flow=flow, ahead=ahead)
 
 
 def command(*arguments: Any) -> dict[str, Any]:

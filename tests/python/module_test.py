@@ -147,6 +147,51 @@ class AgainstTheProgram(unittest.TestCase):
             seen += 1
         self.assertGreater(seen, 1)
 
+    def test_flow(self):
+        plain = (f'begin = 0\nend = 2\nstep = 1\nlook_at = "sat"\n[targets]\nsat = "{CUBESAT.resolve()}"\n[[source]]\nfile = "way.csv"\n'
+                 '[[source]]\nformula = "fixed"\nsun = [1, -1, 0.5]\n[view]\nsize = "48x32"\nfov = 20\nsamples = 1\n')
+        (self.path / "way.csv").write_text("time[s],camera.x[m],camera.y[m],camera.z[m]\n0,0,-3,1\n2,0.4,-2.8,1\n")
+        scenario, with_flow = self.path / "plain.toml", self.path / "flow.toml"
+        scenario.write_text(plain)
+        with_flow.write_text(plain + "[labels]\nflow = true\n")
+        settings = {"gl": "osmesa"}
+        run("run", with_flow, "-o", self.path / "flow", "--gl", "osmesa", "--type", "npz")
+        self.assertIsNotNone(next(pw.frames(with_flow, **settings)).forward_flow)
+        images = list(pw.frames(scenario, flow=True, **settings))
+        self.assertEqual(len(images), 3)
+        known = 0
+        for image in images:
+            for ours, name in ((image.forward_flow, "forward"), (image.backward_flow, "backward")):
+                file = self.path / f"flow/{image.number:06}.{name}.flo"
+                self.assertEqual(ours is None, not file.exists(), file)
+                if ours is None:
+                    continue
+                # of Middlebury: a number, width, height, then pairs; 1e10 is unknown
+                width, height = np.fromfile(file, "<i4", 2, offset=4)
+                written = np.fromfile(file, "<f4", offset=12).reshape(height, width, 2)
+                np.testing.assert_array_equal(np.where(np.isnan(ours), np.float32(1e10), ours), written)
+                known += np.isfinite(ours).any()
+        self.assertGreater(known, 0)
+        self.assertIsNone(images[0].backward_flow)
+        self.assertIsNone(images[-1].forward_flow)
+        self.assertIsNone(next(pw.frames(scenario, labels=True, **settings)).forward_flow)
+        with pw.Renderer(self.model, gl="osmesa") as renderer, self.assertRaises(TypeError):
+            renderer.frames([{}], flow=True).__next__()
+
+    def test_detector(self):
+        camera = self.path / "camera.toml"
+        camera.write_text("size = [64, 48]\nfocal_length_mm = 8\npixel_um = 20\n[optics]\nf_number = 4\n[detector]\nexposure_s = 1e-4\nread_noise_e = 9\n")
+        words = ("--camera", "3 -4 2", "--camera-file", camera, "--sun", "1 -1 0.5", "--gl", "osmesa", "--gain", 0.2, "--temperature", 310, "--noise-seed", 4)
+        run("render", CUBESAT, "-o", self.path / "dn.npz", *words)
+        with pw.Renderer(self.model, gl="osmesa", camera_file=camera) as renderer:
+            image = renderer.render(camera=[3, -4, 2], sun=[1, -1, 0.5], gain=0.2, temperature=310, noise_seed=4, labels=True)
+            self.assert_equal(image, self.path / "dn.npz")
+            self.assertEqual(image["dn"].dtype, np.uint16)
+            self.assertGreater(len(image.things[0].keypoints) + image.things[0].visible_pixels, 0)
+            image.save(self.path / "dn.fits")
+            with self.assertRaises(pw.Error):
+                renderer.render(camera=[3, -4, 2], gain=-1)
+
     def test_geometry(self):
         points, triangles = self.model.mesh()
         np.testing.assert_allclose([points.min(0), points.max(0)], self.model.bounds, atol=1e-12)

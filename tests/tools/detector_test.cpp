@@ -185,6 +185,68 @@ TEST(DetectorFiles, HaveTheirExposureAndNoise) {
   EXPECT_NEAR(brightest(numbers({"--exposure", "auto"})), 3286, 250);
 }
 
+// A gain and a temperature in place of the file's, which the record of the image has.
+TEST(DetectorFiles, HaveAnotherGainAndTemperature) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string dark = "dark_e_per_s = 1e7\noff = [\"shot\", \"read\", \"prnu\"]\n";
+  const std::string camera = folder.write("camera.toml", std::string(kCamera) + kDetector + dark);
+  const auto corner = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--camera-file", camera});
+    const Outcome done = panwright(render(folder, "n.npz", more));
+    EXPECT_EQ(done.code, 0) << done.err;
+    const auto numbers = layer<std::uint16_t>(folder / "n.npz", "dn");
+    return numbers.empty() ? 0 : numbers[0];
+  };
+  // 200 electrons of dark current at 293.15 K, 4045 numbers for 20000; at 308.15 K 3.5 times that
+  EXPECT_EQ(corner({}), 50 + 40);
+  EXPECT_EQ(corner({"--gain", "0.7"}), 50 + 140);
+  const double warm = 50 + 0.7 * 200 * 3.1;
+  EXPECT_NEAR(corner({"--gain", "0.7", "--temperature", "308.15"}), warm, 0.15 * warm);
+  const Outcome again = panwright({"render", "--again", folder / "n.npz", "-o", folder / "a.npz"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(contents(folder / "a.npz"), contents(folder / "n.npz"));
+  const Outcome none = panwright(render(folder, "a.png", {"--gain", "0.7"}));
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("--gain needs a detector"));
+  EXPECT_THAT(
+      panwright(render(folder, "a.png", {"--camera-file", camera, "--temperature", "400"})).err,
+      HasSubstr("--temperature is '400'"));
+}
+
+// Blocks of 2 × 2 pixels collect what the pixels do, on an image of half the sides.
+TEST(DetectorFiles, AreBinned) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string detector = "[detector]\nexposure_s = 1e-4\nfull_well_e = 1e6\n";
+  const std::string optics = "psf_px = 0.8\n";
+  const auto drawn = [&](const std::string& name, const std::string& binning) {
+    const std::string camera =
+        folder.write(name + ".toml", "binning = " + binning + "\n" + kCamera + optics + detector);
+    const Outcome done = panwright(render(folder, name + ".npz", {"--camera-file", camera}));
+    EXPECT_EQ(done.code, 0) << done.err;
+    return layer<float>(folder / (name + ".npz"), "electrons");
+  };
+  const auto fine = drawn("fine", "[1, 1]"), binned = drawn("binned", "[2, 2]");
+  ASSERT_EQ(fine.size(), 1200u);
+  ASSERT_EQ(binned.size(), 300u);
+  double all = 0, sum = 0, off = 0;
+  for (std::size_t i = 0; i < binned.size(); ++i) {
+    const std::size_t at = i / 20 * 2 * 40 + i % 20 * 2;
+    const double block = double{fine[at]} + fine[at + 1] + fine[at + 40] + fine[at + 41];
+    all += block;
+    sum += binned[i];
+    off += std::fabs(block - binned[i]);
+  }
+  EXPECT_NEAR(sum / all, 1, 0.005);
+  EXPECT_LT(off / all, 0.03);  // noise, samples, and the Gaussian of pixels in place of blocks
+  const Outcome report = panwright({"camera", folder / "binned.toml", "--json"});
+  ASSERT_EQ(report.code, 0) << report.err;
+  const auto json = nlohmann::json::parse(report.out);
+  EXPECT_NEAR(json["full_well_e"].get<double>(), 4e6, 1);
+  EXPECT_NEAR(json["focal_length_mm"].get<double>(), 64, 1e-9);
+}
+
 // Optics in thirds of pixels keep the light, and the truth of the pixel's centre.
 TEST(DetectorFiles, AreBlurredByTheirOptics) {
   const TemporaryFolder folder;
