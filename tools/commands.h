@@ -20,6 +20,7 @@ Command run_command();
 Command labels_command();
 Command stars_command();
 Command camera_command();
+Command dem_command();
 Command view_command();
 Command material_command();
 Command mli_command();

@@ -10,13 +10,13 @@ import sys
 LEVELS = [
     {"base": [], "schemas": []},
     {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"], "ephemeris": ["base"]},
-    {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
+    {"mli": ["geometry"], "terrain": ["image", "ephemeris"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
     {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
-    {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
+    {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli", "terrain"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
@@ -32,6 +32,7 @@ PARTS = {
     "image": {"internal": []},
     "sensor": {"internal": []},
     "ephemeris": {"internal": []},
+    "terrain": {"internal": [], "gdal": ["internal"]},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
