@@ -64,7 +64,8 @@ class Slopes {
     for (std::uint32_t k = 0; k < kBaselines; ++k) {
       const std::uint32_t apart = 1u << k;
       const Vec2 here = info_.map.spacing(info_.width / 2.0, row + 0.5);
-      if (apart < info_.width && here.x > 0) {
+      // at the poles posts of a row are neighbours of their opposites, and repeat each other
+      if (apart < info_.width && here.x > 0.25 * here.y) {
         const double scale = 1 / (here.x * apart);
         for (std::uint32_t x = 0; x + apart < info_.width; ++x) {
           const double step = heights[x + apart] - heights[x];

@@ -50,7 +50,7 @@ struct Survey {
 };
 
 // Reads all rows of a file. Slopes are those on the ground: distances follow the map's scale at
-// each row.
+// each row. Rows along which posts lie four times as close as rows do give none.
 //
 // Fails: E0001, E9601. Reports W9603 for a file of voids only, special values that the file does
 // not state, and a plateau at its lowest height. Cost: O(posts); memory 64 rows, and the image.
