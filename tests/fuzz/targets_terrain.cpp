@@ -24,8 +24,10 @@ class DataFolder {
   DataFolder() {
     std::string name = (fs::temp_directory_path() / "panwright-fuzz-XXXXXX").string();
     path_ = mkdtemp(name.data());
+    std::string data(4096, '\0');
+    for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(i * 7 % 251);
     for (const char* name : {"a.img", "input.dat"})
-      std::ofstream(path_ / name, std::ios::binary) << std::string(4096, '\x21');
+      std::ofstream(path_ / name, std::ios::binary) << data;
   }
   ~DataFolder() {
     std::error_code ignored;
