@@ -11,10 +11,10 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake COMPONENT dev)
 # public headers only: sub-folders without any are named here
-install(DIRECTORY base image ephemeris geometry mli materials light sensor scene pan world trace sky transport scenario labels instruments importers exporters compiler pxn preview workspace server schemas
+install(DIRECTORY base image ephemeris terrain geometry mli materials light sensor scene pan world trace sky transport scenario labels instruments importers exporters compiler pxn preview workspace server schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats)$" EXCLUDE)
+        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats|terrain/gdal)$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json schemas/labels.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
@@ -26,6 +26,7 @@ install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION "${CMAK
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(TARGETS panwright_gdal RUNTIME DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}/panwright")
 if(PANWRIGHT_HAS_STEP)
   install(TARGETS panwright_step RUNTIME DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}/panwright")
 endif()

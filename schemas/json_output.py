@@ -33,6 +33,8 @@ COMMON = {
     "written?": "string[]: files written",
 }
 
+EXTREME = {"column?": "integer", "row?": "integer", "posts?": "integer: that have this height", "latitude?": "number: degrees", "longitude?": "number: degrees east"}
+
 MATERIAL = {
     "name": "string: as in its file",
     "brdf": "string: its BRDF models in words",
@@ -247,6 +249,28 @@ COMMANDS = {
         "requests?": "any: with --coverage a list of the protocol's requests: number, name, version, support (full, part, none) and note; with --replay their number",
         "sessions?": "integer: with --replay: number of them", "different?": "integer: with --replay: replies that differ",
         "first_different?": "string: with --replay: place of the first of them; empty: none"},
+    "dem": {
+        "kind": "string: raster or shape", "format": "string: PDS3, PDS4, ISIS cube, GeoTIFF, ENVI, GDAL (driver); of a shape plates (.tab), plates (.plt), OBJ, ICQ, DSK type 2",
+        "files": "string[]: read, the label first", "unit": "string: of the file: m or km, or metres of a number; empty: of plain numbers", "unit_stated": "boolean: the file states it",
+        "min": "number|null: lowest height, metres over the sphere; of a shape the least radius; null: all posts are void", "max": "number|null: highest",
+        "width?": "integer: columns of a raster", "height?": "integer: rows", "bands?": "integer", "band?": "integer: the one read, from 1",
+        "sample?": "string: type of its numbers", "values?": "string: height, radius or plain", "scale?": "number: of stored numbers", "offset?": "number: added after the scale",
+        "target?": "string: body; of a DSK its NAIF id", "frame?": "string: coordinate system; of a DSK its NAIF id", "projection?": "string: as the file names it",
+        "placed?": "boolean: posts have a latitude and longitude", "pixel_m?": "number[]: metres on the map, along columns and rows",
+        "corner_m?": "number[]: outer corner of the first pixel on the map, x and y", "radius_m?": "number: of the sphere, at the equator", "polar_radius_m?": "number",
+        "positive_longitude?": "string: east or west, in the file; here longitudes count to the east", "longitude_domain?": "integer: 360: [0, 360); 180: [-180, 180)",
+        "center_longitude_deg?": "number: of the projection",
+        "corners_deg?": ("latitude and longitude of outer corners and centre", {
+            "upper_left": "number[]", "upper_right": "number[]", "lower_left": "number[]", "lower_right": "number[]", "center": "number[]"}),
+        "lowest?": ("its post", EXTREME), "highest?": ("its post", EXTREME),
+        "mean?": "number|null: metres", "deviation?": "number|null: standard, metres", "valid?": "integer: posts with a height", "voids?": "integer: posts without",
+        "voids_by_kind?": "object: number by kind: missing, null, low_instrument, low_representation, high_instrument, high_representation, out_of_range, not_finite, undeclared",
+        "missing_constant?": "number: stored number that stands for none",
+        "slopes?": ("along rows and columns, on the ground", [{
+            "posts": "integer: apart", "metres": "number: apart, at the middle", "rms_deg": "number: of the RMS tangent", "median_deg": "number: of absolute slopes", "pairs": "integer"}]),
+        "slope_rows?": "integer: slopes are of each n-th row", "exaggeration?": "number: factor of heights in the hillshade",
+        "vertices?": "integer: of a shape", "plates?": "integer", "size_m?": "vec3: of its bounds", "area_m2?": "number", "volume_m3?": "number: negative where plates face inwards",
+        "centroid_m?": "vec3: of the volume", "open_edges?": "integer: of one plate, or more than two", "flat_plates?": "integer: without an area"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

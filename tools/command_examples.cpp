@@ -110,6 +110,11 @@ constexpr Example kExamples[] = {
     {"camera", "cameras/wide_docking.toml --albedo 0.1 --json",
      "Print all numbers, with the exposure of a dark plate, as JSON."},
 
+    {"dem", "terrain/crater.lbl -o crater.png",
+     "Show its size, place, voids and slopes, and draw its hillshade."},
+    {"dem", "terrain/crater.lbl --void -32768 --json", "Print the same as JSON."},
+    {"dem", "terrain/body.tab --unit km -o body.png", "Draw three views of a shape model."},
+
     {"view", "servicer/servicer.pxn",
      "Open a window to move the camera, the Sun and the joints; edit the text in an editor."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080",

@@ -23,6 +23,7 @@ Command stars_command();
 Command lookup_command();
 Command lidar_command();
 Command camera_command();
+Command dem_command();
 Command view_command();
 Command material_command();
 Command mli_command();

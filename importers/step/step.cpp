@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/child_process.h"
 #include "base/text.h"
-#include "importers/step/internal/process.h"
 #include "importers/step/internal/wire.h"
 
 namespace panwright::importers::step {

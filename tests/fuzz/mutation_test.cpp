@@ -14,6 +14,7 @@
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/targets_roundtrip.h"
 #include "tests/fuzz/targets_scenario.h"
+#include "tests/fuzz/targets_terrain.h"
 #include "tests/support/paths.h"
 
 namespace panwright::mutation_test {
@@ -184,6 +185,20 @@ TEST(Mutations, Trajectories) {
     read += fuzz::scenario(as_bytes(mutated(wholes[i / 5 % wholes.size()], i))) > 0 ? 1 : 0;
   EXPECT_GT(read, 7 * kMutations / 10);
   EXPECT_LT(read, 7 * kMutations);
+}
+TEST(Mutations, Terrain) {
+  std::vector<std::string> wholes;
+  for (const char* file :
+       {"attached.img", "detached.lbl", "tiled.cub", "header.hdr", "label.xml", "strips.tif",
+        "tiles.tif", "plates.tab", "plates.plt", "cube.icq", "plates.bds"}) {
+    wholes.push_back(bytes_of(std::string("fuzz/corpus/terrain/") + file));
+    EXPECT_TRUE(fuzz::terrain(as_bytes(wholes.back()))) << file;
+  }
+  std::size_t read = 0;
+  for (std::uint64_t i = 0; i < 11 * kMutations; ++i)
+    read += fuzz::terrain(as_bytes(mutated(wholes[i / 5 % wholes.size()], i))) ? 1 : 0;
+  EXPECT_GT(read, 11 * kMutations / 10);
+  EXPECT_LT(read, 11 * kMutations);
 }
 TEST(Mutations, Pan) {
   for (std::uint64_t i = 0; i < kMutations; ++i) {

@@ -10,6 +10,7 @@
 #include "tests/fuzz/targets_gltf.h"
 #include "tests/fuzz/targets_roundtrip.h"
 #include "tests/fuzz/targets_scenario.h"
+#include "tests/fuzz/targets_terrain.h"
 #include "tests/support/paths.h"
 
 namespace panwright::replay_test {
@@ -48,6 +49,10 @@ TEST(Replay, ImageCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/imag
 TEST(Replay, ScenarioCorpus) {
   replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/scenario",
          [](std::span<const std::byte> bytes) { fuzz::scenario(bytes); });
+}
+TEST(Replay, TerrainCorpus) {
+  replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/terrain",
+         [](std::span<const std::byte> bytes) { fuzz::terrain(bytes); });
 }
 TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 

@@ -10,7 +10,7 @@ import sys
 LEVELS = [
     {"base": [], "schemas": []},
     {"image": ["base", "schemas"], "geometry": ["base", "schemas"], "materials": ["image", "schemas"], "ephemeris": ["base"]},
-    {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
+    {"mli": ["geometry"], "terrain": ["image", "ephemeris"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
@@ -18,7 +18,7 @@ LEVELS = [
      "instruments": ["labels", "preview/reference", "sensor"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "transport",
                    "preview", "preview/reference"]},
-    {"studio": ["workspace", "preview"], "server": ["workspace", "trace"], "tools": ["workspace", "studio", "server", "mli"]},
+    {"studio": ["workspace", "preview"], "server": ["workspace", "trace"], "tools": ["workspace", "studio", "server", "mli", "terrain"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
 ALLOWED = {room: targets for level in LEVELS for room, targets in level.items()}
@@ -35,6 +35,7 @@ PARTS = {
     "sensor": {"internal": []},
     "server": {"internal": []},
     "ephemeris": {"internal": []},
+    "terrain": {"internal": [], "gdal": ["internal"]},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},
     "instruments": {"internal": []},

@@ -1,4 +1,4 @@
-// Process that turns bytes into bytes, under limits. Private to importers.
+// Process that turns bytes into bytes, under limits.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 #include "base/job.h"
 
-namespace panwright::importers::step {
+namespace panwright {
 
 struct ProcessLimits {
   std::uint64_t memory = 0;  // bytes of address space
@@ -40,4 +40,4 @@ ProcessEnd run_process(const std::filesystem::path& program,
                        std::span<const std::string_view> input, const ProcessLimits& limits,
                        const std::function<bool(std::string_view)>& take, const Job& job);
 
-}  // namespace panwright::importers::step
+}  // namespace panwright

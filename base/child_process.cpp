@@ -1,4 +1,4 @@
-#include "importers/step/internal/process.h"
+#include "base/child_process.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -24,21 +24,21 @@
 #endif
 #endif
 
-namespace panwright::importers::step {
+namespace panwright {
 
 namespace {
 
-constexpr int kSlice = 50;                  // milliseconds between looks at the job
-constexpr std::size_t kChunk = 256u << 10;  // bytes read at once
-constexpr double kGrace = 2;                // seconds to end in, once the socket is closed
-constexpr double kMostOfASlice = 0.5;       // seconds: a stopped process counts no more
+constexpr int kPollSlice = 50;                  // milliseconds between looks at the job
+constexpr std::size_t kReadChunk = 256u << 10;  // bytes read at once
+constexpr double kEndGrace = 2;                 // seconds to end in, once the socket is closed
+constexpr double kMostOfSlice = 0.5;            // seconds: a stopped process counts no more
 
-class Descriptor {
+class SocketEnd {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  explicit SocketEnd(int number) : number_(number) {}
+  ~SocketEnd() { close(); }
+  SocketEnd(const SocketEnd&) = delete;
+  SocketEnd& operator=(const SocketEnd&) = delete;
   int number() const { return number_; }
   void close() {
     if (number_ >= 0) ::close(number_);
@@ -50,9 +50,9 @@ class Descriptor {
 };
 
 // What posix_spawn is told.
-class Plan {
+class SpawnPlan {
  public:
-  explicit Plan(int socket) {
+  explicit SpawnPlan(int socket) {
     posix_spawn_file_actions_init(&actions_);
     posix_spawn_file_actions_adddup2(&actions_, socket, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions_, socket, STDOUT_FILENO);
@@ -72,12 +72,12 @@ class Plan {
       sigaddset(&signals, signal);
     posix_spawnattr_setsigdefault(&attributes_, &signals);
   }
-  ~Plan() {
+  ~SpawnPlan() {
     posix_spawn_file_actions_destroy(&actions_);
     posix_spawnattr_destroy(&attributes_);
   }
-  Plan(const Plan&) = delete;
-  Plan& operator=(const Plan&) = delete;
+  SpawnPlan(const SpawnPlan&) = delete;
+  SpawnPlan& operator=(const SpawnPlan&) = delete;
 
   // errno, or 0.
   int start(const std::filesystem::path& program, pid_t& child) const {
@@ -92,12 +92,12 @@ class Plan {
 };
 
 // A child that does not outlive this.
-class Child {
+class ChildProcess {
  public:
-  explicit Child(pid_t pid) : pid_(pid) {}
-  ~Child() { end(); }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
+  explicit ChildProcess(pid_t pid) : pid_(pid) {}
+  ~ChildProcess() { end(); }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
 
   // It has been sent nothing yet, so that it cannot have used much.
   void limit(const ProcessLimits& limits) const {
@@ -143,9 +143,10 @@ class Child {
 };
 
 // The bytes that are still to be sent.
-class Input {
+class ProcessInput {
  public:
-  Input(std::span<const std::string_view> parts, int socket) : parts_(parts), socket_(socket) {}
+  ProcessInput(std::span<const std::string_view> parts, int socket)
+      : parts_(parts), socket_(socket) {}
 
   bool done() const { return done_; }
 
@@ -193,22 +194,22 @@ ProcessEnd run_process(const std::filesystem::path& program,
   int pair[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
     return {How::not_started, errno};
-  Descriptor socket(pair[0]);
-  Descriptor theirs(pair[1]);
+  SocketEnd socket(pair[0]);
+  SocketEnd theirs(pair[1]);
   pid_t pid = 0;
-  if (const int error = Plan(theirs.number()).start(program, pid); error != 0)
+  if (const int error = SpawnPlan(theirs.number()).start(program, pid); error != 0)
     return {How::not_started, error};
-  const Child child(pid);
+  const ChildProcess child(pid);
   theirs.close();
   child.limit(limits);
 
-  Input sending(input, socket.number());
-  std::vector<char> buffer(kChunk);
+  ProcessInput sending(input, socket.number());
+  std::vector<char> buffer(kReadChunk);
   double elapsed = 0;
   for (auto before = Clock::now();;) {
     const short events = static_cast<short>(POLLIN | (sending.done() ? 0 : POLLOUT));
     pollfd waiting{socket.number(), events, 0};
-    poll(&waiting, 1, kSlice);
+    poll(&waiting, 1, kPollSlice);
     job.poll();
     if (!sending.done()) sending.send_some();
     const ssize_t count = recv(socket.number(), buffer.data(), buffer.size(), MSG_DONTWAIT);
@@ -219,14 +220,14 @@ ProcessEnd run_process(const std::filesystem::path& program,
     if (count <= 0 && !nothing_yet) break;
     // note: neither a suspended machine nor Ctrl-Z uses up the time
     const auto now = Clock::now();
-    elapsed += std::min(std::chrono::duration<double>(now - before).count(), kMostOfASlice);
+    elapsed += std::min(std::chrono::duration<double>(now - before).count(), kMostOfSlice);
     before = now;
     if (elapsed > limits.clock_seconds) return {How::out_of_time, 0};
   }
-  const auto end = child.ended(kGrace);
+  const auto end = child.ended(kEndGrace);
   if (!end) return {How::exited, 0};
   if (end->how == How::killed && end->code == SIGXCPU) return {How::out_of_time, 0};
   return *end;
 }
 
-}  // namespace panwright::importers::step
+}  // namespace panwright

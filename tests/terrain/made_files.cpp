@@ -1,0 +1,59 @@
+#include "tests/terrain/made_files.h"
+
+namespace panwright::terrain::testing_support {
+
+const std::string kMoonMap =
+    "OBJECT = IMAGE_MAP_PROJECTION\n MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n"
+    " A_AXIS_RADIUS = 1737.4 <km>\n POSITIVE_LONGITUDE_DIRECTION = EAST\n CENTER_LATITUDE = 0\n"
+    " CENTER_LONGITUDE = 180 <deg>\n MAP_RESOLUTION = 0.0111111111111111111 <pix/deg>\n"
+    " LINE_PROJECTION_OFFSET = 1.0\n SAMPLE_PROJECTION_OFFSET = 1.5\nEND_OBJECT\n";
+
+std::string pds3_label(const std::string& pointer, const std::string& more,
+                       const std::string& map) {
+  return "PDS_VERSION_ID = PDS3\r\n/* a comment = with words */\r\nRECORD_BYTES = 16\r\n^IMAGE = " +
+         pointer + "\r\nOBJECT = IMAGE\r\n LINES = 3\r\n LINE_SAMPLES = 4\r\n" + more +
+         "END_OBJECT = IMAGE\r\n" + map + "END\r\n";
+}
+
+std::string dsk_file(const std::vector<std::array<double, 3>>& vertices,
+                     const std::vector<std::array<std::int32_t, 3>>& plates, bool big) {
+  constexpr std::size_t kRecordBytes = 1024;
+  // integers: head of 3, descriptor of 8, then the segment's; doubles: 34, then vertices
+  std::vector<std::int32_t> whole{1000001, 4, 4};
+  const auto nv = static_cast<std::int32_t>(vertices.size()),
+             np = static_cast<std::int32_t>(plates.size());
+  const std::vector<std::int32_t> descriptor{-1, -1, 11, 10 + 3 * np, 0, 34 + 3 * nv, 0, 0};
+  whole.insert(whole.end(), descriptor.begin(), descriptor.end());
+  const std::vector<std::int32_t> counts{nv, np, 1, 1, 1, 1, 1, 1, 1, 1};
+  whole.insert(whole.end(), counts.begin(), counts.end());
+  for (const auto& plate : plates) whole.insert(whole.end(), plate.begin(), plate.end());
+  std::vector<double> reals(34, 0.0);
+  reals[0] = 7, reals[1] = 2101955, reals[2] = 1, reals[3] = 2, reals[4] = 10105;
+  for (const auto& vertex : vertices) reals.insert(reals.end(), vertex.begin(), vertex.end());
+
+  const auto records = [](std::size_t words, std::size_t each) {
+    return (words + each - 1) / each;
+  };
+  const auto double_records = static_cast<std::int32_t>(records(reals.size(), 128));
+  const auto integer_records = static_cast<std::int32_t>(records(whole.size(), 256));
+  std::string file(kRecordBytes, '\0');
+  std::memcpy(file.data(), "DAS/DSK ", 8);
+  std::memcpy(file.data() + 84, big ? "BIG-IEEE" : "LTL-IEEE", 8);
+  std::vector<std::int32_t> directory(256, 0);
+  directory[4] = 1, directory[5] = static_cast<std::int32_t>(reals.size());
+  directory[6] = 1, directory[7] = static_cast<std::int32_t>(whole.size());
+  directory[8] = 2;  // doubles come first
+  directory[9] = double_records;
+  directory[10] = integer_records;  // positive: the next type of the cycle
+  for (const std::int32_t word : directory) file += bytes_of(word, big);
+  std::string part;
+  for (const double value : reals) part += bytes_of(value, big);
+  part.resize(static_cast<std::size_t>(double_records) * kRecordBytes);
+  file += part;
+  part.clear();
+  for (const std::int32_t value : whole) part += bytes_of(value, big);
+  part.resize(static_cast<std::size_t>(integer_records) * kRecordBytes);
+  return file + part;
+}
+
+}  // namespace panwright::terrain::testing_support
