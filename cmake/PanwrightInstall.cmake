@@ -11,7 +11,7 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake COMPONENT dev)
 # public headers only: sub-folders without any are named here
-install(DIRECTORY base image ephemeris geometry mli materials light sensor scene pan world trace sky scenario labels importers exporters compiler pxn preview workspace schemas
+install(DIRECTORY base image ephemeris geometry mli materials light sensor scene pan world trace sky scenario labels instruments importers exporters compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
         REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats)$" EXCLUDE)

@@ -228,6 +228,16 @@ COMMANDS = {
         "hip?": "integer: number in the Hipparcos catalogue", "name?": "string", "v": "number: magnitude V", "b_v?": "number: B - V, magnitudes",
         "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",
         "irradiance": "vec3: W/m2 in bands of 100 nm about 650, 550, 450 nm"}])},
+    "radar": {
+        "radar": "string: its name",
+        "ranges": ("columns", {"count": "integer", "first_m": "number: metres, of its centre", "step_m": "number: metres"}),
+        "speeds": ("rows", {"count": "integer", "first_m_s": "number: m/s, of its centre", "step_m_s": "number: m/s"}),
+        "gain": "number: largest of the antenna", "echo_power_w": "number: watts of all echoes", "outside": "number: share of it outside of the histogram",
+        "noise_w": "number: watts, mean of a cell", "response_sum": "number: sum over the cells of an echo whose largest cell is 1",
+        "rays": "integer", "hits": "integer: rays that met a surface", "ray_spacing_rad": "number: radians between rays",
+        "targets": ("without noise and antenna pattern", [{"name": "string", "cross_section_m2": "number: m2",
+            "range_m?": "number: metres, mean by power", "speed_m_s?": "number: m/s, the same"}]),
+        "altitude_m?": "number: metres, of an altimeter that has found a surface"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

@@ -19,6 +19,7 @@ Command scenario_command();
 Command run_command();
 Command labels_command();
 Command stars_command();
+Command radar_command();
 Command camera_command();
 Command view_command();
 Command material_command();

@@ -14,8 +14,9 @@ LEVELS = [
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
     {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
-    {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"]},
-    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "sensor", "preview", "preview/reference"]},
+    {"labels": ["trace", "sky", "image"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"],
+     "instruments": ["trace", "image", "sensor"]},
+    {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "preview", "preview/reference"]},
     {"studio": ["workspace", "preview"], "tools": ["workspace", "studio", "mli"]},
     {"python": ["workspace", "tools", "mli"]},
 ]
@@ -34,6 +35,7 @@ PARTS = {
     "ephemeris": {"internal": []},
     "scenario": {"internal": []},
     "labels": {"internal": [], "formats": ["internal"]},
+    "instruments": {"internal": []},
     "pxn": {"text": [], "expression": ["text"], "reader": ["expression"]},
 }
 BESIDE = {"preview/context": "gl", "preview/device": "model", "preview/renderer": "frame"}
