@@ -271,6 +271,16 @@ COMMANDS = {
         "slope_rows?": "integer: slopes are of each n-th row", "exaggeration?": "number: factor of heights in the hillshade",
         "vertices?": "integer: of a shape", "plates?": "integer", "size_m?": "vec3: of its bounds", "area_m2?": "number", "volume_m3?": "number: negative where plates face inwards",
         "centroid_m?": "vec3: of the volume", "open_edges?": "integer: of one plate, or more than two", "flat_plates?": "integer: without an area"},
+    "radar": {
+        "radar": "string: its name",
+        "ranges": ("columns", {"count": "integer", "first_m": "number: metres, of its centre", "step_m": "number: metres"}),
+        "speeds": ("rows", {"count": "integer", "first_m_s": "number: m/s, of its centre", "step_m_s": "number: m/s"}),
+        "gain": "number: largest of the antenna", "echo_power_w": "number: watts of all echoes", "outside": "number: share of it outside of the histogram",
+        "noise_w": "number: watts, mean of a cell", "response_sum": "number: sum over the cells of an echo whose largest cell is 1",
+        "rays": "integer", "hits": "integer: rays that met a surface", "ray_spacing_rad": "number: radians between rays",
+        "targets": ("without noise and antenna pattern", [{"name": "string", "cross_section_m2": "number: m2",
+            "range_m?": "number: metres, mean by power", "speed_m_s?": "number: m/s, the same"}]),
+        "altitude_m?": "number: metres, of an altimeter that has found a surface"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",

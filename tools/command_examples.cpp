@@ -78,6 +78,16 @@ constexpr Example kExamples[] = {
     {"labels", "labels -o sets --format yolo,yolo-seg,cryptomatte",
      "Write several formats, each into a folder of its own."},
 
+    {"radar",
+     "servicer/servicer.pxn --radar radar/docking_x_band.toml --camera \"13 -15.5 8\" --look-at "
+     "\"0 0 0\" -o echoes.png",
+     "Measure the echoes of a model by range and speed."},
+    {"radar", "rendezvous/approach.toml --radar radar/docking_x_band.toml --at 200 -o echoes.npz",
+     "Measure moving targets at a time of a scenario."},
+    {"radar",
+     "client/client.pxn --radar radar/docking_x_band.toml --camera \"0 -20 0\" --look-at \"0 0 0\" "
+     "--ideal --json -o echoes.csv",
+     "Write mean powers, and cross-sections as JSON."},
     {"stars", "--quat \"0.5 -0.5 0.5 -0.5\" --fov 10", "List the stars that a camera has in view."},
     {"stars",
      "--look-at \"0.37 0.88 -0.29\" --fov 20 --size 1024x1024 --stars 5 --date 2026-06-01T00:00:00",

@@ -22,6 +22,7 @@ Command labels_command();
 Command stars_command();
 Command lookup_command();
 Command lidar_command();
+Command radar_command();
 Command camera_command();
 Command dem_command();
 Command view_command();

@@ -179,6 +179,17 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W0222",
        {"camera", detector("coarse.toml", "exposure_s = 1\nread_noise_e = 2\ndn_per_e = 0.1\n")},
        {}},
+      {"E0263",
+       {"radar", pan, "--radar", folder.write("bad_radar.toml", "[signal]\n"), "-o", png},
+       {}},
+      {"W0264",
+       {"radar", pan, "--radar",
+        folder.write("bare_radar.toml",
+                     "[signal]\nfrequency_hz = 1e10\nbandwidth_hz = 1e8\ndwell_s = 0.01\n"
+                     "[antenna]\nbeam_deg = [10, 10]\n"
+                     "[histogram]\nrange_m = [0, 20]\nspeed_m_s = [-1, 1]\nrays = 8\n"),
+        "-o", png},
+       {}},
       {"W5017",
        {"render", pan, "-o", png, "--camera-file",
         detector("bright.toml", "exposure_s = 1e5\n", "1e6"), "--sun-irradiance", "1e20",
