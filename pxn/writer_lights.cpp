@@ -38,7 +38,7 @@ void write_members(std::string_view tag, const Member (&members)[N],
   if (open) out.close(tag);
 }
 
-// "NAME=X Y Z [QW QX QY QZ] [radius=…] [albedo=…] [law=…] [map=…]"
+// "NAME=[X Y Z [QW QX QY QZ]] [radius=…] [albedo=…] [law=…] [air=…] [map=…] [clouds=…] [night=…]"
 void write_planet(std::string_view text, ElementWriter& out) {
   const auto cut = [&](std::string_view mark) {
     const std::size_t at = text.find(mark);
@@ -50,14 +50,15 @@ void write_planet(std::string_view text, ElementWriter& out) {
   const std::size_t equals = text.find('=');
   const std::string_view name = text.substr(0, equals);
   text.remove_prefix(equals + 1);
-  const std::string_view map = cut(" map="), law = cut(" law="), albedo = cut(" albedo="),
+  const std::string_view night = cut(" night="), clouds = cut(" clouds="), map = cut(" map="),
+                         air = cut(" air="), law = cut(" law="), albedo = cut(" albedo="),
                          radius = cut(" radius=");
   std::size_t third = text.npos;  // the space behind the third number
   for (std::size_t at = 0, count = 0; at < text.size() && count < 3; ++at)
     if (text[at] == ' ' && ++count == 3) third = at;
   out.open("planet");
   out.attribute("body", name);
-  out.attribute("at", text.substr(0, third));
+  if (!text.empty()) out.attribute("at", text.substr(0, third));
   if (third != text.npos) out.attribute("quat", text.substr(third + 1));
   const auto part = [&](std::string_view attribute, std::string_view value) {
     if (!value.empty()) out.attribute(attribute, value);
@@ -65,7 +66,10 @@ void write_planet(std::string_view text, ElementWriter& out) {
   part("radius", radius);
   part("albedo", albedo);
   part("law", law);
+  part("air", air);
   part("map", map);
+  part("clouds", clouds);
+  part("night", night);
   out.close("planet");
 }
 
@@ -94,6 +98,7 @@ void write_settings(const std::vector<scene::Setting>& settings, ElementWriter& 
   if (settings.empty()) return;
   out.open("scene");
   if (const std::string* const date = value_of(settings, "date")) out.attribute("date", *date);
+  if (const std::string* const orbit = value_of(settings, "orbit")) out.attribute("orbit", *orbit);
   write_members("sun", kSunMembers, settings, out);
   for (const scene::Setting& setting : settings)
     if (setting.name == "planet") write_planet(setting.value, out);

@@ -90,6 +90,7 @@ Result<std::shared_ptr<const Moment>> moment_of(const Play& play, std::uint64_t 
 
 bool find_tracks(Play& play, const world::World& world, DiagnosticLog& log) {
   workspace::FrameMaker maker(world);
+  workspace::check_stars(play.scenario, log);
   // also checks the lens, and the names of joints
   const auto first = moment_of(play, 0, world, maker, log);
   if (!first) return false;

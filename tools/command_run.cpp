@@ -203,6 +203,7 @@ class SequenceRun {
   // Makes the first frame for its mistakes, and for the rows of its image.
   bool find_shutter(const scenario::Frame& frame, std::uint64_t number, const world::World& world,
                     workspace::ViewSession& session) {
+    workspace::check_stars(opened_->scenario, log_);
     auto view = workspace::view_of(opened_->scenario, frame, number, world, log_);
     if (!view) return false;
     const workspace::Settings& settings = view->settings;

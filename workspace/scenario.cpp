@@ -146,6 +146,16 @@ bool set_date(const Scenario& scenario, const scenario::Frame& frame, Settings& 
 
 }  // namespace
 
+void check_stars(const Scenario& scenario, DiagnosticLog& log) {
+  if (scenario.sequence.axes() != scenario::kRtnFrame || scenario.settings.orbit ||
+      !shows_stars(scenario.settings))
+    return;
+  log.report_file(Code::W8019, scenario.files.front(),
+                  "clohessy_wiltshire has axes that turn with its orbit, which is not given: stars "
+                  "are drawn as if these were the axes of J2000",
+                  "orbit = \"a=… e=… i=… raan=… aop=… nu=…\" in [view]");
+}
+
 Result<View> view_of(const Scenario& scenario, const scenario::Frame& frame, std::size_t number,
                      const world::World& world, DiagnosticLog& log) {
   Settings own;

@@ -60,6 +60,9 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
 // Returns a frame at one of these times. Fails: as scenario::Sequence::at().
 Result<scenario::Frame> frame_at(const Scenario& scenario, double time, DiagnosticLog& log);
 
+// Warns of what holds for every frame: W8019 for stars in axes that turn with an unknown orbit.
+void check_stars(const Scenario& scenario, DiagnosticLog& log);
+
 // Returns the view of a frame: the settings of the scenario, with the frame's own in their place:
 // also its date, and the orbit of the origin.
 //

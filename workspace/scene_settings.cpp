@@ -9,6 +9,8 @@
 #include <string_view>
 
 #include "base/text.h"
+#include "scenario/time.h"
+#include "workspace/orbit_text.h"
 #include "workspace/sky_settings.h"
 
 namespace panwright::workspace {
@@ -22,24 +24,12 @@ constexpr SettingId kOfScenes[] = {SettingId::sun,
                                    SettingId::sky,
                                    SettingId::stars,
                                    SettingId::star_catalogue,
-                                   SettingId::date};
+                                   SettingId::date,
+                                   SettingId::orbit};
 
 std::optional<SettingId> scene_setting(std::string_view name) {
   const auto at = std::ranges::find(kOfScenes, name, [](SettingId id) { return info_of(id).name; });
   return at == std::end(kOfScenes) ? std::nullopt : std::optional(*at);
-}
-
-// A file of the scene is beside the model.
-std::string beside(const std::filesystem::path& folder, std::string_view file) {
-  return (folder / std::filesystem::path(file)).lexically_normal().string();
-}
-
-std::string with_folder(SettingId id, std::string value, const std::filesystem::path& folder) {
-  if (folder.empty()) return value;
-  if (id == SettingId::star_catalogue) return beside(folder, value);
-  if (const std::size_t at = value.find(" map="); id == SettingId::planet && at != value.npos)
-    return value.substr(0, at + 5) + beside(folder, value.substr(at + 5));
-  return value;
 }
 
 // Messages of settings, as those of a scene in a file.
@@ -47,6 +37,17 @@ void forward_scene(const DiagnosticLog& from, const std::string& file, const std
                    DiagnosticLog& log) {
   for (const Diagnostic& each : from.entries())
     log.report_file(Code::E0203, file, place + each.message, each.hint);
+}
+
+// The elements are those at the scene's date; frames of other dates move on from there.
+void complete_orbit(Settings& settings) {
+  scenario::Orbit orbit;
+  if (!settings.orbit || !settings.date || !read_orbit(*settings.orbit, orbit).empty() ||
+      orbit.at_centre)
+    return;
+  std::string problem;
+  const auto epoch = scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem);
+  if (epoch) settings.orbit = completed_orbit(*settings.orbit, *epoch, "j2000");
 }
 
 }  // namespace
@@ -70,14 +71,16 @@ const Settings* SceneReader::read(const world::World& world, DiagnosticLog& log)
     const std::string_view name = model->scene_setting_name(i);
     const std::string value(model->string(model->scene()[i].value));
     if (const auto id = scene_setting(name))
-      read_setting(*id, std::string_view(with_folder(*id, value, folder)), settings_, apart);
+      read_setting(*id, std::string_view(value), settings_, apart);
     else
       log.report_file(Code::N1314, model->name(),
                       fmt::format("the scene's {} is not known to this version and has no effect",
                                   in_quotes(name)));
   }
+  if (!folder.empty()) place_sky_files(folder, settings_);  // files of a scene are beside the model
   if (apart.errors() == 0 && check(settings_, apart)) (void)check_sky(settings_, apart);
   sound_ = apart.errors() == 0;
+  if (sound_) complete_orbit(settings_);
   forward_scene(apart, model->name(), "the scene: ", log);
   for (auto other = first + 1; other != instances.end(); ++other)
     if (has_scene(*other) && other->model() != model)

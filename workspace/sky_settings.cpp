@@ -269,13 +269,25 @@ scenario::Epoch date_of(const Settings& settings) {
 }  // namespace
 
 void place_sky_files(const std::filesystem::path& folder, Settings& settings) {
-  if (settings.star_catalogue)
-    settings.star_catalogue = (folder / *settings.star_catalogue).string();
+  const auto placed = [&](std::string_view file) {
+    return (folder / std::filesystem::path(file)).lexically_normal().string();
+  };
+  if (settings.star_catalogue) settings.star_catalogue = placed(*settings.star_catalogue);
   if (!settings.planet) return;
   auto planets = *settings.planet;
-  for (auto& [name, text] : planets)
-    if (const std::size_t at = text.find("map="); at != text.npos && at + 4 < text.size())
-      text = text.substr(0, at + 4) + (folder / text.substr(at + 4)).string();
+  for (auto& [name, text] : planets) {
+    PlanetText planet;
+    bool empty_file = false;
+    static_cast<void>(words_by_key(text, planet, empty_file));
+    const std::string* const files[] = {&planet.files.map, &planet.files.clouds,
+                                        &planet.files.night};
+    std::string out = text.substr(0, next_file(text, 0));
+    for (std::size_t k = 0; k < std::size(kFileKeys); ++k)
+      if (!files[k]->empty())
+        out += fmt::format("{}{}{}", out.empty() || out.back() == ' ' ? "" : " ", kFileKeys[k],
+                           placed(*files[k]));
+    if (!empty_file) text = std::move(out);  // check_sky() reports it
+  }
   settings.planet = std::move(planets);
 }
 
@@ -287,6 +299,8 @@ bool uses_date(const Settings& settings) {
   return faintest_of(settings) || settings.orbit || needs_orbit(settings) ||
          shows_dated_sun(settings);
 }
+
+bool shows_stars(const Settings& settings) { return bool(faintest_of(settings)); }
 
 bool shows_dated_sun(const Settings& settings) {
   return has_name(settings, "sun") && !settings.sun;

@@ -31,6 +31,8 @@ bool check_sky(const Settings& settings, DiagnosticLog& log);
 // Returns whether a date changes the image: stars, an orbit, or bodies without a place of their
 // own.
 bool uses_date(const Settings& settings);
+// Returns whether stars are drawn.
+bool shows_stars(const Settings& settings);
 // Returns whether the Sun's disc is drawn, and nothing but the date may say where.
 bool shows_dated_sun(const Settings& settings);
 // Returns whether bodies have no place of their own: an orbit and a date must give it.

@@ -125,6 +125,8 @@ void Loader::read_scene(File& file, std::uint32_t element) {
   };
   if (values.has(element, attribute::scene_date))
     given(element, "date", values.text(element, attribute::scene_date).value_or(""));
+  if (values.has(element, attribute::scene_orbit))
+    given(element, "orbit", values.text(element, attribute::scene_orbit).value_or(""));
   const std::uint32_t end = document.elements[element].next;
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) {
     if (document.elements[c].id == ElementId::sun) {
@@ -136,16 +138,21 @@ void Loader::read_scene(File& file, std::uint32_t element) {
     } else if (document.elements[c].id == ElementId::planet) {
       const auto body = values.text(c, attribute::planet_body);
       std::string text = numbers(c, attribute::planet_at, 3);
-      if (!body || text.empty()) continue;  // reported
+      const bool placed = values.has(c, attribute::planet_at);
+      if (!body || (placed && text.empty())) continue;  // reported
       const auto part = [&](std::string_view key, const std::string& value) {
         if (!value.empty()) text += fmt::format(" {}{}", key, value);
       };
-      part("", numbers(c, attribute::planet_quat, 4));
+      if (placed) part("", numbers(c, attribute::planet_quat, 4));
       part("radius=", numbers(c, attribute::planet_radius, 3));
       part("albedo=", numbers(c, attribute::planet_albedo, 3));
       if (values.has(c, attribute::planet_law))
         part("law=", values.text(c, attribute::planet_law).value_or(""));
+      if (values.has(c, attribute::planet_air))
+        part("air=", values.text(c, attribute::planet_air).value_or(""));
       part("map=", file_at(c, attribute::planet_map));
+      part("clouds=", file_at(c, attribute::planet_clouds));
+      part("night=", file_at(c, attribute::planet_night));
       add(c, "planet", *body + "=" + text);
     } else if (document.elements[c].id == ElementId::stars) {
       given(c, "stars", numbers(c, attribute::stars_to, 1));

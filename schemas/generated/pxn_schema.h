@@ -383,6 +383,7 @@ inline constexpr std::size_t lamp_exponent = 7;
 inline constexpr std::size_t lamp_radius = 8;
 inline constexpr std::size_t lamp_state = 9;
 inline constexpr std::size_t scene_date = 0;
+inline constexpr std::size_t scene_orbit = 1;
 inline constexpr std::size_t sun_direction = 0;
 inline constexpr std::size_t sun_distance = 1;
 inline constexpr std::size_t sun_irradiance = 2;
@@ -394,7 +395,10 @@ inline constexpr std::size_t planet_quat = 2;
 inline constexpr std::size_t planet_radius = 3;
 inline constexpr std::size_t planet_albedo = 4;
 inline constexpr std::size_t planet_law = 5;
-inline constexpr std::size_t planet_map = 6;
+inline constexpr std::size_t planet_air = 6;
+inline constexpr std::size_t planet_map = 7;
+inline constexpr std::size_t planet_clouds = 8;
+inline constexpr std::size_t planet_night = 9;
 inline constexpr std::size_t stars_to = 0;
 inline constexpr std::size_t stars_catalogue = 1;
 inline constexpr std::size_t decal_on = 0;
@@ -1801,6 +1805,7 @@ inline constexpr ElementId kChoice_scene_2[] = {
 };
 inline constexpr Attribute kAttributes_scene[] = {
     {"date", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"orbit", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_scene[] = {
     {kChoice_scene_0, "", 0, 1, ""},
@@ -1830,14 +1835,21 @@ inline constexpr Number kNumbers_planet_radius[] = {
     {"y", 0, 1e+30, true, false},
     {"z", 0, 1e+30, true, false},
 };
+inline constexpr std::string_view kWords_planet_air[] = {
+    "earth",
+    "none",
+};
 inline constexpr Attribute kAttributes_planet[] = {
     {"body", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"at", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
     {"radius", 1, true, false, {ValueKind::real, 3, kNumbers_planet_radius, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"albedo", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
     {"law", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"air", 1, true, false, {ValueKind::word, 1, {}, kWords_planet_air, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"clouds", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"night", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_stars_to[] = {
     {"to", -30, 40, false, false},

@@ -116,23 +116,26 @@ std::string settings_of(const scene::Scene& scene) {
 
 TEST(Lights, SceneIsSettingsOfViews) {
   const Reading r = read_level_1(
-      R"(<scene date="2026-01-01T12:00:00">
+      R"(<scene date="2026-01-01T12:00:00" orbit="a=7000km i=50">
          <sun direction="1 0 2" distance="{1 + 0.5}" irradiance="7" limb_darkening="0.5" visible="on"/>
          <planet body="earth" at="0 0 -6778km"/>
          <planet body="rock" at="1 2 3" quat="0 0 0 1" radius="2km" albedo="0.1 0.2 0.3" law="rolo"/>
+         <planet body="moon" albedo="0.5" air="none"/>
          <stars to="6.5"/></scene>)");
   EXPECT_EQ(r.summary(), "");
   EXPECT_EQ(settings_of(*r.scene),
-            "date 2026-01-01T12:00:00\nsun 1 0 2\nsun-distance 1.5\nsun-irradiance 7 7 7\n"
+            "date 2026-01-01T12:00:00\norbit a=7000km i=50\nsun 1 0 2\nsun-distance "
+            "1.5\nsun-irradiance 7 7 7\n"
             "limb-darkening 0.5\nsky sun\nplanet earth=0 0 -6778000\n"
             "planet rock=1 2 3 0 0 0 1 radius=2000 2000 2000 albedo=0.1 0.2 0.3 law=rolo\n"
-            "stars 6.5\n");
+            "planet moon= albedo=0.5 0.5 0.5 air=none\nstars 6.5\n");
 }
 
 TEST(Lights, SceneProblems) {
   for (const auto& [scene, says] : std::initializer_list<std::pair<const char*, const char*>>{
            {R"(<planet at="0 0 0"/>)", "E1103"},
-           {R"(<planet body="earth"/>)", "E1103"},
+           {R"(<planet body="earth" air="mars"/>)", "E1"},
+           {R"(<planet body="earth" clouds="none.png"/>)", "E1301"},
            {R"(<planet body="rock" at="0 0 0" radius="0"/>)", "2:47 E1202"},
            {R"(<planet body="earth" at="0 0 0" map="none.png"/>)", "E1301"},
            {R"(<stars to="99"/>)", "2:19 E1202"},
@@ -152,8 +155,9 @@ TEST(Lights, SceneProblems) {
 
 TEST(Lights, ComeBackFromText) {
   const Reading r = read_level_1(
-      R"(<scene date="2026-01-01"><sun direction="1 0 2" visible="on"/>
-         <planet body="rock" at="1 2 3" quat="0 0 0 1" radius="2km 1km 1km" law="hapke 0.3 -0.2 1 0.1"/>
+      R"(<scene date="2026-01-01" orbit="earth"><sun direction="1 0 2" visible="on"/>
+         <planet body="moon" air="none"/>
+         <planet body="rock" at="1 2 3" quat="0 0 0 1" radius="2km 1km 1km" law="hapke 0.3 -0.2 1 0.1" air="none"/>
          <planet body="earth" at="0 0 -6778km" albedo="0.3"/><stars to="6.5"/></scene>
          <lamp name="a" type="spot" at="0.3 0 0" direction="1 2 3" intensity="4" half_angle="20"
                exponent="2" radius="0.01" state="off"/>

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/math.h"
+#include "base/program.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -375,6 +376,16 @@ TEST_F(Scenarios, SheetAndVideo) {
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(contents(video), first);
   EXPECT_EQ(contents(sheet), small);
+
+  if (!find_program("ffprobe").empty()) {
+    const std::string joined = folder_ / "video.mp4";
+    done = run_png({"--resume", "--video", joined});
+    ASSERT_EQ(done.code, 0) << done.err;
+    const Outcome probed =
+        support::run({find_program("ffprobe"), "-v", "error", "-count_frames", "-show_entries",
+                      "stream=nb_read_frames,r_frame_rate", "-of", "csv", joined});
+    EXPECT_THAT(probed.out, HasSubstr("stream,25/1,3"));
+  }
 
   // mistakes are found before a frame is drawn
   for (const auto& [words, expected] :

@@ -1,10 +1,12 @@
 // Lamps and scenes of models in worlds and frames.
 #include "workspace/scene_settings.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <variant>
 #include <vector>
@@ -209,6 +211,31 @@ TEST(SceneSettings, FilesAreBesideTheModel) {
   const auto frame = maker.frame(View(), log);
   ASSERT_TRUE(frame) << to_text(log);
   EXPECT_EQ(frame->sky->stars.catalogue->stars.size(), 1u);
+}
+
+// An orbit a quarter round, a quarter of a period after the scene's date.
+TEST(SceneSettings, PlanetsOfADateStandAboutTheScenesOrbit) {
+  const TemporaryFolder folder;
+  const world::World world =
+      world_of({{"m", folder.write("m.pxn",
+                                   "<pangu_model ver='1'><scene date='2026-03-20T12:00:00' "
+                                   "orbit='a=7000km'><planet body='earth' air='none' albedo='0.4'/>"
+                                   "</scene><sphere/></pangu_model>")}});
+  FrameMaker maker(world);
+  DiagnosticLog log;
+  const auto frame = maker.frame(View(), log);
+  ASSERT_TRUE(frame) << to_text(log);
+  ASSERT_EQ(frame->sky->bodies.size(), 1u);
+  EXPECT_LT(glm::length(frame->sky->bodies[0].centre - Vec3(-7e6, 0, 0)), 1);
+  EXPECT_FALSE(frame->sky->bodies[0].air);
+  EXPECT_EQ(frame->sky->bodies[0].albedo, Vec3(0.4));
+  const double quarter = 0.5 * kPi * std::sqrt(7e6 * 7e6 * 7e6 / 3.986004418e14);  // 1457.1 s
+  const auto later = maker.frame(
+      View(settings_of(
+          {{SettingId::date, fmt::format("2026-03-20T12:24:{:.3f}", quarter - 24 * 60)}})),
+      log);
+  ASSERT_TRUE(later) << to_text(log);
+  EXPECT_LT(glm::length(later->sky->bodies[0].centre - Vec3(0, -7e6, 0)), 100);
 }
 
 TEST(SceneSettings, TooManyLampsAreCounted) {

@@ -319,6 +319,26 @@ TEST_F(ScenarioByDate, RelativeOrbitsHaveTheAxesOfTheirOrbit) {
   at(relative + "sun = [1, 0, 0]\n", 0, "place of the earth is not known");
 }
 
+TEST_F(ScenarioByDate, StarsWithoutTheOrbitOfTheirAxesAreAWarning) {
+  const auto codes = [&](const std::string& formula, const std::string& view) {
+    std::ofstream(folder_ / "a.toml")
+        << "epoch = \"2026-03-20T12:00:00 UTC\"\n[[source]]\nformula = \"" << formula
+        << "\"\nposition = [0, -200, 0]\n"
+        << (formula == "fixed" ? "" : "rate = 1.08e-3\n") << "[view]\nfov = 30\n"
+        << view;
+    DiagnosticLog log;
+    const auto opened = open_scenario(folder_ / "a.toml", {}, log);
+    EXPECT_TRUE(opened) << to_text(log);
+    if (opened) check_stars(*opened, log);
+    return to_text(log);
+  };
+  EXPECT_THAT(codes("clohessy_wiltshire", "stars = 6\n"), HasSubstr("W8019"));
+  EXPECT_THAT(codes("clohessy_wiltshire", "sky = \"stars\"\n"), HasSubstr("W8019"));
+  EXPECT_EQ(codes("clohessy_wiltshire", "stars = 6\norbit = \"a=7000km\"\n"), "");
+  EXPECT_EQ(codes("clohessy_wiltshire", ""), "");
+  EXPECT_EQ(codes("fixed", "stars = 6\n"), "");
+}
+
 TEST_F(ScenarioByDate, FilesAreThoseOfTheScenariosFolder) {
   std::ofstream(folder_ / "red.ppm") << "P3 2 1 255 200 0 0 100 0 0\n";
   std::ofstream(folder_ / "own.csv") << "ra[deg],dec[deg],v[mag]\n1,2,3\n";
@@ -327,6 +347,12 @@ TEST_F(ScenarioByDate, FilesAreThoseOfTheScenariosFolder) {
                              "star_catalogue = \"own.csv\"\nplanet = {earth = \"map=red.ppm\"}\n",
                          0);
   EXPECT_NE(frame.sky->bodies[0].map, nullptr);
+  const Frame cloudy = at(kFixed + std::string(kView) +
+                              "orbit = \"a=7000km\"\ndate = \"2026-03-20T12:00:00\"\n"
+                              "planet = {earth = \"clouds=red.ppm night=red.ppm\"}\n",
+                          0);
+  EXPECT_NE(cloudy.sky->bodies[0].map, nullptr);
+  EXPECT_NE(cloudy.sky->bodies[0].night, nullptr);
   EXPECT_EQ(frame.sky->stars.catalogue->stars.size(), 1u);
 }
 
