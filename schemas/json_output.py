@@ -229,6 +229,11 @@ COMMANDS = {
         "pixel": "number[]: column and row of the centre; pixel (i, j) covers [i, i+1) x [j, j+1)", "direction": "vec3: unit, world axes, apparent",
         "irradiance": "vec3: W/m2 in bands of 100 nm about 650, 550, 450 nm"}])},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
+    "dataset": {
+        "action?": "string: plan, run, check or pack", "frames?": "integer: rows of the table",
+        "coverage?": "object: of plan: range, phase and pixels, each with unit, least, median, most, edges and counts of bins",
+        "images?": "object[]: of run, as of the command `run`", "kept?": "integer: frames that were whole", "rendered?": "integer: frames that were made",
+        "whole?": "integer: frames whose files have their hashes", "archives?": "string[]: of pack"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
         "readings?": "integer: with --fit: lines of the table",

@@ -18,6 +18,7 @@ Command render_command();
 Command scenario_command();
 Command run_command();
 Command labels_command();
+Command dataset_command();
 Command stars_command();
 Command camera_command();
 Command view_command();

@@ -67,7 +67,7 @@ LINES = [
     "material copper", "material mli_gold_kapton white_z93", "material --list", "material --fit table.txt", "material golld",
     "mli crinkled", "mli quilted --cells 40 --fit slope_rms=0.1", "mli blankets/blankets.pxn", "mli crinkld",
     "diff paper/figure8.pxn paper/figure5a.pxn", "diff c.pan c.pan", "fmt --check cubesat/cubesat.pxn wrong.pxn", "upgrade paper/figure7.pxn -o u.pxn",
-    "expand client/client.pxn -o e.pxn", "explain E1101", "explain", "explain E9999", "scenario rendezvous/approach.toml --frames 0..2", "scenario none.toml", "stars --look-at 1,0,0 --fov 20 --stars 5", "camera cameras/wide_docking.toml", "camera none.toml", "labels labels --format coco -o labelled", "labels none --format coco -o others", "help", "help render", "version", "completion zsh", "info --wrong", "view none.pxn --size 1x1", "new probe", "new probe", "new a.b",
+    "expand client/client.pxn -o e.pxn", "explain E1101", "explain", "explain E9999", "scenario rendezvous/approach.toml --frames 0..2", "scenario none.toml", "stars --look-at 1,0,0 --fov 20 --stars 5", "camera cameras/wide_docking.toml", "camera none.toml", "labels labels --format coco -o labelled", "labels none --format coco -o others", "dataset plan dataset/plan.toml -o set", "dataset check set", "dataset run none", "help", "help render", "version", "completion zsh", "info --wrong", "view none.pxn --size 1x1", "new probe", "new probe", "new a.b",
 ]
 IMAGES = ["render cubesat/cubesat.pxn --size 16x16 -o a.png", "render cubesat/cubesat.pxn --size 8x8 -o a.exr --engine reference --samples 1", "render none.pxn", "run rendezvous/approach.toml --frames 0 --samples 1 -o frames", "run none.toml -o x"]
 # results that grow often: what they add is described when it is there to stay
