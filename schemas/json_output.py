@@ -282,6 +282,11 @@ COMMANDS = {
             "range_m?": "number: metres, mean by power", "speed_m_s?": "number: m/s, the same"}]),
         "altitude_m?": "number: metres, of an altimeter that has found a surface"},
     "labels": {"output": "string: the folder", "formats": "string[]: those written", "frames": "integer: number of them"},
+    "dataset": {
+        "action?": "string: plan, run, check or pack", "frames?": "integer: rows of the table",
+        "coverage?": "object: of plan: range, phase and pixels, each with unit, least, median, most, edges and counts of bins",
+        "images?": "object[]: of run, as of the command `run`", "kept?": "integer: frames that were whole", "rendered?": "integer: frames that were made",
+        "whole?": "integer: frames whose files have their hashes", "archives?": "string[]: of pack"},
     "material": {
         "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
         "readings?": "integer: with --fit: lines of the table",

@@ -41,6 +41,7 @@ NAVIGATION = [
     ("Exposures", "exposures.md"),
     ("Cameras", "cameras.md"),
     ("Detectors", "detector.md"),
+    ("Data sets", "datasets.md"),
     ("Reference renderer", "reference-renderer.md"),
     ("Accuracy", "accuracy.md"),
     ("Conventions", "conventions.md"),

@@ -88,6 +88,11 @@ constexpr Example kExamples[] = {
      "client/client.pxn --radar radar/docking_x_band.toml --camera \"0 -20 0\" --look-at \"0 0 0\" "
      "--ideal --json -o echoes.csv",
      "Write mean powers, and cross-sections as JSON."},
+    {"dataset", "plan dataset/plan.toml -o set",
+     "Write the table of the frames that a plan declares, and what they cover."},
+    {"dataset", "run set --shard 0/40", "Render the first fortieth of them, or what is not whole."},
+    {"dataset", "check set --json", "Compare every file with its hash; print JSON."},
+
     {"stars", "--quat \"0.5 -0.5 0.5 -0.5\" --fov 10", "List the stars that a camera has in view."},
     {"stars",
      "--look-at \"0.37 0.88 -0.29\" --fov 20 --size 1024x1024 --stars 5 --date 2026-06-01T00:00:00",

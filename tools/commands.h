@@ -19,6 +19,7 @@ Command scenario_command();
 Command run_command();
 Command serve_command();
 Command labels_command();
+Command dataset_command();
 Command stars_command();
 Command lookup_command();
 Command lidar_command();

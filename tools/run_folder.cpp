@@ -41,6 +41,16 @@ std::optional<std::string> unfinished(const std::string& name) {
 
 }  // namespace
 
+void remove_unfinished_files(const fs::path& folder, const std::set<std::string>& files) {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const auto of = unfinished(at->path().filename().string());
+    if (of && files.contains(*of)) left.push_back(at->path());
+  }
+  for (const fs::path& file : left) fs::remove(file, error);
+}
+
 RunFolder::RunFolder(fs::path path, std::vector<std::string> types,
                      std::shared_ptr<const workspace::Labelling> labelling)
     : path_(std::move(path)), types_(std::move(types)), labelling_(std::move(labelling)) {}
@@ -125,13 +135,7 @@ void RunFolder::remove_unfinished(const std::set<std::string>& stems) const {
   std::set<std::string> files = {std::string(kFrames), std::string(kSettingsFile)};
   for (const std::string& stem : stems)
     for (std::string& file : files_of(stem)) files.insert(std::move(file));
-  std::error_code error;
-  std::vector<fs::path> left;
-  for (fs::directory_iterator at(path_, error), end; !error && at != end; at.increment(error)) {
-    const auto of = unfinished(at->path().filename().string());
-    if (of && files.contains(*of)) left.push_back(at->path());
-  }
-  for (const fs::path& file : left) fs::remove(file, error);
+  remove_unfinished_files(path_, files);
 }
 
 bool RunFolder::begin(const std::set<std::string>& stems, const std::string& manifest,

@@ -12,6 +12,11 @@
 
 namespace panwright::tools {
 
+// Removes from a folder what killed programs left of files: names as base/file.h gives them until
+// they are whole, where the file system has no nameless ones.
+void remove_unfinished_files(const std::filesystem::path& folder,
+                             const std::set<std::string>& files);
+
 class RunFolder {
  public:
   // types: extensions of the images. labelling: null: no labels.

@@ -19,6 +19,7 @@
 #include "scenario/kernels.h"
 #include "scenario/simulators.h"
 #include "scenario/sun.h"
+#include "workspace/internal/config_json.h"
 #include "workspace/internal/scenario_source.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/quantities.h"
@@ -480,26 +481,6 @@ class ScenarioReader {
     good_ = require_file(*settings.camera_file, log_) && good_;
   }
 
-  static nlohmann::json as_json(const Table& value) {
-    if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
-    if (const auto* number = std::get_if<double>(&value.data)) {
-      // whole numbers are integers of JSON
-      if (*number == std::floor(*number) && std::fabs(*number) < 0x1p53)
-        return static_cast<std::int64_t>(*number);
-      return *number;
-    }
-    if (const auto* text = std::get_if<std::string>(&value.data)) return *text;
-    if (const auto* list = std::get_if<Table::List>(&value.data)) {
-      nlohmann::json out = nlohmann::json::array();
-      for (const Table& item : *list) out.push_back(as_json(item));
-      return out;
-    }
-    nlohmann::json out = nlohmann::json::object();
-    if (const auto* map = std::get_if<Table::Map>(&value.data))
-      for (const auto& [name, item] : *map) out[name] = as_json(item);
-    return out;
-  }
-
   void read_setting_of(ConfigTable& reader, const std::string& name, const Table& value,
                        Settings& settings) {
     std::string member = name;
@@ -515,7 +496,7 @@ class ScenarioReader {
       return reader.fail(value, fmt::format("view has no setting {}", in_quotes(name)),
                          near && *near != member ? fmt::format("did you mean '{}'?", *near) : "");
     }
-    const nlohmann::json read = as_json(value);
+    const nlohmann::json read = config_json(value);
     if (const std::string wrong = wrong_type(id, read); !wrong.empty())
       return reader.fail(value, in_quotes(name) + wrong);
     DiagnosticLog apart = log_.apart();
@@ -536,6 +517,26 @@ class ScenarioReader {
 };
 
 }  // namespace
+
+nlohmann::json config_json(const ConfigValue& value) {
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
+  if (const auto* number = std::get_if<double>(&value.data)) {
+    // whole numbers are integers of JSON
+    if (*number == std::floor(*number) && std::fabs(*number) < 0x1p53)
+      return static_cast<std::int64_t>(*number);
+    return *number;
+  }
+  if (const auto* text = std::get_if<std::string>(&value.data)) return *text;
+  if (const auto* list = std::get_if<ConfigValue::List>(&value.data)) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const ConfigValue& item : *list) out.push_back(config_json(item));
+    return out;
+  }
+  nlohmann::json out = nlohmann::json::object();
+  if (const auto* map = std::get_if<ConfigValue::Map>(&value.data))
+    for (const auto& [name, item] : *map) out[name] = config_json(item);
+  return out;
+}
 
 bool is_scenario(const fs::path& path) {
   constexpr std::string_view kExtensions[] = {".toml", ".csv", ".fli", ".json", ".oem", ".aem"};

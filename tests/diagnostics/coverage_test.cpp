@@ -240,6 +240,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
                     "BEGIN_ARRAY 1 1\n'X'\n'0^0'\n'1^1'\n'-63'\n'18F'\n'1'\n'A'\n1\n'1^1'\n"
                     "END_ARRAY 1 1\nTOTAL_ARRAYS 1\n")},
        {}},
+      {"E8017",
+       {"dataset", "plan", folder.write("plan.toml", "frmes = 1\n"), "-o", folder / "set"},
+       {}},
+      {"E8018", {"dataset", "check", folder / "none"}, {}},
       {"E9001", {"labels", folder.path(), "--format", "coco", "-o", folder / "coco"}, {}},
       {"W9002", {"labels", kLabels, "--format", "bop", "-o", folder / "bop"}, {}},
       {"E9003", {"labels", kLabels, "--format", "speed", "-o", folder / "speed"}, {}},
