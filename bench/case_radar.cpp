@@ -36,7 +36,7 @@ world::World sphere_world(double radius, std::uint32_t rings) {
 
 void run(Context& context) {
   for (const bool metal : {false, true}) {
-    const double radius = metal ? 0.1 : 1;
+    const double radius = 0.1;
     const auto world = sphere_world(radius, context.quick() ? 100 : 200);
     Radar radar;
     radar.frequency = instruments::kLightSpeed / 0.03;
@@ -52,17 +52,15 @@ void run(Context& context) {
         timed([&] { found = instruments::measure(radar, moment, nullptr, {}, log); },
               context.quick() ? 1 : 5);
     if (!found) continue;
-    const double x = 4 * kPi * radius / 0.03;
-    const double exact =
-        metal ? kPi * radius * radius * (1 + (2 - 2 * std::cos(x)) / (x * x) - 2 * std::sin(x) / x)
-              : 8 * kPi / 3 * 0.3;
+    const double disc = kPi * radius * radius;
+    const double exact = metal ? disc : 8.0 / 3 * 0.3 * disc;
     Row row{
         .case_name = "radar",
         .setting = fmt::format("{} rays={}", metal ? "metal, 3 bounces" : "lambert", found->rays),
         .speed_unit = "Mray/s",
         .error = std::fabs(found->targets[0].cross_section / exact - 1),
         .error_unit = "relative",
-        .reference = metal ? "cross-section of a sphere by physical optics"
+        .reference = metal ? "cross-section of a sphere by geometric optics"
                            : "cross-section of a Lambert sphere",
         .must_error = 0.02};
     set_rate(row, timing, 1e-6 * static_cast<double>(found->rays));

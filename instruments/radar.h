@@ -26,8 +26,8 @@ namespace panwright::instruments {
 
 inline constexpr double kLightSpeed = 299'792'458;  // m/s
 
-// Law by which a surface scatters a wave back: metal by physical optics, with phase and bounces; the others
-// by a cross-section of each square metre (sigma-nought) at random phases.
+// Law by which a surface scatters a wave back: metal by physical optics, with phase and bounces;
+// the others by a cross-section of each square metre (sigma-nought) at random phases.
 enum class ScatterLaw : std::uint8_t {
   metal,    // a smooth conductor: level is its reflectance
   lambert,  // 4 level cos²
