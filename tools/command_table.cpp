@@ -22,11 +22,11 @@ DescribedCommand described(Command command) {
 std::vector<DescribedCommand> command_table() {
   std::vector<DescribedCommand> table;
   for (auto* make :
-       {new_command,     compile_command, import_command,  export_command,    check_command,
-        info_command,    joints_command,  render_command,  scenario_command,  run_command,
-        labels_command,  dataset_command, stars_command,   camera_command,  view_command,      material_command,
-        mli_command,     diff_command,    fmt_command,     upgrade_command,   expand_command,
-        explain_command, help_command,    version_command, completion_command})
+       {new_command,      compile_command, import_command, export_command,   check_command,
+        info_command,     joints_command,  render_command, scenario_command, run_command,
+        labels_command,   dataset_command, stars_command,  camera_command,   view_command,
+        material_command, mli_command,     diff_command,   fmt_command,      upgrade_command,
+        expand_command,   explain_command, help_command,   version_command,  completion_command})
     table.push_back(described(make()));
   return table;
 }
