@@ -35,8 +35,8 @@ std::vector<double> axis(double first, double step, std::uint32_t count) {
   return out;
 }
 
-bool write_npz(const RadarHistogram& h, const std::filesystem::path& path,
-               const std::string& record, DiagnosticLog& log) {
+bool write_histogram_npz(const RadarHistogram& h, const std::filesystem::path& path,
+                         const std::string& record, DiagnosticLog& log) {
   const std::vector<std::uint64_t> plane{h.speeds, h.ranges};
   std::vector<image::Array> arrays;
   arrays.push_back(doubles("power_w", h.power, plane));
@@ -53,7 +53,8 @@ bool write_npz(const RadarHistogram& h, const std::filesystem::path& path,
   return image::write_arrays(path, arrays, log);
 }
 
-bool write_csv(const RadarHistogram& h, const std::filesystem::path& path, DiagnosticLog& log) {
+bool write_histogram_csv(const RadarHistogram& h, const std::filesystem::path& path,
+                         DiagnosticLog& log) {
   std::string text = "range_m,speed_m_s,power_w,mean_power_w,azimuth_rad,elevation_rad\n";
   const auto angle = [](double value) { return std::isnan(value) ? "" : format_double(value); };
   for (std::size_t i = 0; i < h.power.size(); ++i)
@@ -120,8 +121,8 @@ bool is_histogram_file(const std::filesystem::path& path) {
 bool write_histogram(const RadarHistogram& histogram, const std::filesystem::path& path,
                      const std::string& record, DiagnosticLog& log) {
   const auto type = image::image_format(path);
-  if (!type) return write_csv(histogram, path, log);
-  if (*type == image::ImageFormat::npz) return write_npz(histogram, path, record, log);
+  if (!type) return write_histogram_csv(histogram, path, log);
+  if (*type == image::ImageFormat::npz) return write_histogram_npz(histogram, path, record, log);
   const bool colours = *type == image::ImageFormat::png;
   const std::uint32_t side = std::max(histogram.ranges, histogram.speeds);
   image::Image image = picture(histogram, colours ? (kLeastSide + side - 1) / side : 1, colours);

@@ -13,8 +13,8 @@ namespace panwright::instruments {
 
 namespace {
 
-constexpr int kReach = 12;           // half steps: the response is 4e-6 there
-constexpr int kMargin = kReach + 2;  // and the reach of the interpolation
+constexpr int kCellReach = 12;           // half steps: the response is 4e-6 there
+constexpr int kMargin = kCellReach + 2;  // and the reach of the interpolation
 constexpr double kBoltzmann = 1.380649e-23;
 constexpr std::uint32_t kRadarStage = 64;  // stages of random numbers: one each look from here
 
@@ -82,10 +82,10 @@ void RadarGrid::add(const RadarEcho& echo) {
 }
 
 void RadarGrid::smooth(std::size_t plane, std::vector<double>& out) const {
-  std::array<double, 2 * kReach + 1> weights{};
-  for (int i = -kReach; i <= kReach; ++i) {
+  std::array<double, 2 * kCellReach + 1> weights{};
+  for (int i = -kCellReach; i <= kCellReach; ++i) {
     const double w = response(i);
-    weights[static_cast<std::size_t>(i + kReach)] = plane % 3 == power ? w * w : w;
+    weights[static_cast<std::size_t>(i + kCellReach)] = plane % 3 == power ? w * w : w;
   }
   const std::vector<double>& fine = fine_[plane];
   const std::size_t width = range_.fine;
@@ -96,14 +96,14 @@ void RadarGrid::smooth(std::size_t plane, std::vector<double>& out) const {
     for (std::size_t x = 0; x < range_.count; ++x) {
       double sum = 0;
       for (std::size_t k = 0; k < weights.size(); ++k)
-        sum += weights[k] * from[2 * x + kMargin - kReach + k];
+        sum += weights[k] * from[2 * x + kMargin - kCellReach + k];
       rows[y * range_.count + x] = sum;
     }
   }
   out.assign(std::size_t{range_.count} * speed_.count, 0.0);
   for (std::size_t y = 0; y < speed_.count; ++y)
     for (std::size_t k = 0; k < weights.size(); ++k) {
-      const double* from = &rows[(2 * y + kMargin - kReach + k) * range_.count];
+      const double* from = &rows[(2 * y + kMargin - kCellReach + k) * range_.count];
       for (std::size_t x = 0; x < range_.count; ++x)
         out[y * range_.count + x] += weights[k] * from[x];
     }
@@ -140,7 +140,7 @@ void RadarGrid::finish(const RadarOptions& options, RadarHistogram& out, const J
   out.first_speed = speed_.first;
   out.speed_step = speed_.step;
   double sum = 0;  // over whole steps
-  for (int i = -kReach; i <= kReach; i += 2) sum += response(i) * response(i);
+  for (int i = -kCellReach; i <= kCellReach; i += 2) sum += response(i) * response(i);
   out.response_sum = sum * sum;
   if (!options.ideal)
     out.noise = kBoltzmann * radar_.temperature * radar_.noise_figure / radar_.dwell;

@@ -91,7 +91,7 @@ constexpr Example kExamples[] = {
     {"dataset", "plan dataset/plan.toml -o set",
      "Write the table of the frames that a plan declares, and what they cover."},
     {"dataset", "run set --shard 0/40", "Render the first fortieth of them, or what is not whole."},
-    {"dataset", "check set --json", "Compare every file with its hash; print JSON."},
+    {"dataset", "run set --shard 1/40 --json", "Render the second fortieth; print JSON."},
 
     {"stars", "--quat \"0.5 -0.5 0.5 -0.5\" --fov 10", "List the stars that a camera has in view."},
     {"stars",

@@ -107,7 +107,7 @@ std::string dataset_table(std::span<const PlannedFrame> frames) {
   std::string out = "number,range[m],phase[deg],place.x[px],place.y[px],pixels\n";
   std::size_t number = 0;
   for (const PlannedFrame& frame : frames)
-    out += fmt::format("{},{:.6g},{:.5g},{:.6g},{:.6g},{:.5g}\n", number++, frame.range,
+    out += fmt::format("{},{:.6g},{:.7g},{:.6g},{:.6g},{:.5g}\n", number++, frame.range,
                        frame.phase, frame.place.x, frame.place.y, frame.pixels);
   return out;
 }

@@ -1,4 +1,4 @@
-// What a data set says of itself before anything is rendered: coverage, and its data card.
+// Coverage of a data set before anything is rendered, and its data card.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

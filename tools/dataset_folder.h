@@ -22,7 +22,7 @@ namespace panwright::tools {
 
 inline constexpr std::string_view kFrameExtension = ".frame.json";
 
-// What the frames of a set have in common.
+// Settings that the frames of a set have in common.
 struct DatasetSettings {
   std::string program;
   std::string plan;    // its file's name

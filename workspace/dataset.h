@@ -49,7 +49,7 @@ struct DatasetPlan {
   std::shared_ptr<const Labelling> labels;  // null: none
   std::string labels_json = "null";         // of it, for records
 
-  std::string target;  // that the camera looks at
+  std::string target;  // seen by the camera
   Vec3 point{0};       // of it, in its axes, metres
   bool turns = false;  // the target's attitude is drawn, evenly over all rotations
   Distribution range;  // metres from the point

@@ -3,7 +3,6 @@
 
 Slurm's array script is run by sh with the variables that Slurm sets: no cluster is started.
 """
-import importlib.util
 import os
 import pathlib
 import shutil
@@ -56,14 +55,17 @@ def snakemake(folder):
 
 
 def dask(folder):
-    run([sys.executable, examples / "with_dask.py", "set", SHARDS], folder)
+    run([DASK, examples / "with_dask.py", "set", SHARDS], folder)
 
 
+# Debian's Python has the package, another one may not
+DASK = next((p for p in (sys.executable, "/usr/bin/python3")
+             if subprocess.run([p, "-c", "import distributed"], capture_output=True).returncode == 0), None)
 ENGINES = {
     "slurm": (slurm, True, "bash"),
     "GNU parallel": (parallel, shutil.which("parallel"), "parallel"),
     "snakemake": (snakemake, shutil.which("snakemake"), "snakemake"),
-    "dask": (dask, importlib.util.find_spec("distributed"), "python3-distributed"),
+    "dask": (dask, DASK, "python3-distributed"),
 }
 
 with tempfile.TemporaryDirectory() as temporary:

@@ -114,7 +114,7 @@ TEST_F(Dataset, LawsAreWhatThePlanSays) {
   const Outcome done = plan(plan_text("4000"), "set");
   ASSERT_EQ(done.code, 0) << done.err;
   auto columns = coverage("set");
-  // Kolmogorov and Smirnov: 1.63 / sqrt(4000) = 0.026 at 1 %; measured 0.007 to 0.017
+  // Kolmogorov and Smirnov: 1.63 / sqrt(4000) = 0.026 at 1 %; measured 0.0075 to 0.0149
   constexpr double kMost = 0.026;
   Numbers range, phase, right, height, turn, roll;
   for (const double r : columns["range[m]"]) range.push_back(std::log(r / 4) / std::log(10));
@@ -169,12 +169,13 @@ TEST_F(Dataset, FramesShowWhatWasPlanned) {
         json::parse(contents(folder_ / fmt::format("set/frames/{:06}.labels.json", k)));
     const json& thing = labels["things"][0];
     const Numbers pixel = thing["keypoints"][0]["pixel"];
+    // six digits of the table: 5e-5 measured
     EXPECT_NEAR(pixel[0], columns.at("place.x[px]")[k], 1e-4);
     EXPECT_NEAR(pixel[1], columns.at("place.y[px]")[k], 1e-4);
     const double planned = columns.at("pixels")[k];
     EXPECT_GE(planned, 30);
-    // a box is convex; 64 samples a pixel: 1.2 % measured
-    EXPECT_NEAR(thing["visible_pixels"].get<double>(), planned, 0.03 * planned + 0.5) << k;
+    // a box is convex; the labels have 64 samples a pixel: 0.26 % measured
+    EXPECT_NEAR(thing["visible_pixels"].get<double>(), planned, 0.006 * planned) << k;
   }
 }
 
