@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kCellReach = 12;           // half steps: the response is 4e-6 there
 constexpr int kMargin = kCellReach + 2;  // and the reach of the interpolation
-constexpr double kBoltzmann = 1.380649e-23;
+constexpr double kBoltzmannJPerK = 1.380649e-23;
 constexpr std::uint32_t kRadarStage = 64;  // stages of random numbers: one each look from here
 
 // Amplitude at half steps from the centre: its square is 1/2 at two of them.
@@ -143,7 +143,7 @@ void RadarGrid::finish(const RadarOptions& options, RadarHistogram& out, const J
   for (int i = -kCellReach; i <= kCellReach; i += 2) sum += response(i) * response(i);
   out.response_sum = sum * sum;
   if (!options.ideal)
-    out.noise = kBoltzmann * radar_.temperature * radar_.noise_figure / radar_.dwell;
+    out.noise = kBoltzmannJPerK * radar_.temperature * radar_.noise_figure / radar_.dwell;
   const std::size_t cells = planes[power].size();
   const double none = std::numeric_limits<double>::quiet_NaN();
   out.mean_power.resize(cells);
