@@ -197,7 +197,17 @@ class DatasetCommand {
     workspace::View view;
     if (!workspace::read_planned_view(first.view, 0, defaults, view, log_)) return false;
     const world::World* world = session.world(view, {}, log_, context_.job());
-    if (world == nullptr || !session.frame(view, log_)) return false;
+    if (world == nullptr) return false;
+    const auto frame = session.frame(view, log_);
+    if (!frame || log_.has_errors()) return false;
+    for (const std::string& type : out.types)
+      if (frame->imager == nullptr && (type == "tif" || type == "fits")) {
+        log_.report(Code::E0202, {},
+                    "types has " + in_quotes(type) +
+                        ", which holds numbers of a detector, and the camera has none",
+                    "docs/detector.md");
+        return false;
+      }
     if (out.labels && !labels::named_things(*world, out.labels->options.parts, log_)) return false;
     for (const world::Instance& target : world->instances())
       out.build_ids.emplace_back(target.name(), target.model()->build_id().hex());

@@ -106,7 +106,8 @@ bool DatasetFolder::read_settings(DiagnosticLog& log) {
           labels.value("keypoint_slack", labelling.options.keypoint_slack);
       if (labels.contains("parts"))
         for (const auto& [label, node] : labels["parts"].items())
-          labelling.options.parts.push_back({label, node.get<std::string>()});
+          for (const Json& each : node.is_array() ? node : Json::array({node}))
+            labelling.options.parts.push_back({label, each.get<std::string>()});
       out.labels = std::make_shared<const workspace::Labelling>(std::move(labelling));
     }
     if (!out.types.empty()) return true;

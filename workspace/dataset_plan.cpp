@@ -128,18 +128,7 @@ class PlanReader {
       labels.options.keypoint_slack = *slack;
       if (!(*slack > 0)) own.fail(*own.find("keypoint_slack"), "keypoint_slack is not above 0 m");
     }
-    if (const ConfigValue* parts = own.find("parts")) {
-      const auto* map = std::get_if<ConfigValue::Map>(&parts->data);
-      if (map == nullptr) own.fail(*parts, "parts is not a table of nodes by label");
-      for (const auto& [label, value] : map != nullptr ? *map : ConfigValue::Map()) {
-        const auto* node = std::get_if<std::string>(&value.data);
-        if (node == nullptr || node->empty() || label.empty())
-          own.fail(value, fmt::format("{} is {}, expected the path of a node", in_quotes(label),
-                                      type_name(value)));
-        else
-          labels.options.parts.push_back({label, *node});
-      }
-    }
+    read_label_parts(own, labels.options.parts);
     plan_.labels_json = config_json(*member).dump();
     plan_.labels = std::make_shared<const Labelling>(std::move(labels));
     end(own);

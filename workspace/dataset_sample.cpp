@@ -368,6 +368,14 @@ Result<std::vector<PlannedFrame>> plan_frames(const DatasetPlan& plan,
   if (world == nullptr) return failed;
   const auto base = session.frame(view, log);
   if (!base) return failed;
+  // without a Sun, one shines over the camera's shoulder
+  view.settings.quat = Quat(0, 1, 0, 0);
+  const auto turned = session.frame(view, log);
+  if (!turned || log.has_errors()) return failed;
+  if (!plan.has_sun && turned->sun->direction != base->sun->direction) {
+    log.report_file(Code::E8017, {}, "the plan has no Sun", "[sun], or sun or date in [view]");
+    return failed;
+  }
   const auto target = std::ranges::find(world->instances(), plan.target, &world::Instance::name);
   if (plan.has_lens) {
     json whole = json::parse(text);

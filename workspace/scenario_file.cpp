@@ -201,28 +201,6 @@ class ScenarioReader {
     for (const Table& each : *list) add(each);
   }
 
-  static void read_label_parts(ConfigTable& part, std::vector<labels::ChosenPart>& parts) {
-    const Table* table = part.find("parts");
-    if (table == nullptr) return;
-    const auto* map = std::get_if<Table::Map>(&table->data);
-    if (map == nullptr) return part.fail(*table, "parts is not a table of nodes by label");
-    const auto add = [&](const std::string& label, const Table& value) {
-      const auto* node = std::get_if<std::string>(&value.data);
-      if (node == nullptr || node->empty() || label.empty())
-        return part.fail(value, fmt::format("{} is {}, expected the path of a node",
-                                            in_quotes(label), type_name(value)));
-      parts.push_back({label, *node});
-    };
-    for (const auto& [label, value] : *map) {
-      const auto* list = std::get_if<Table::List>(&value.data);
-      if (list == nullptr) {
-        add(label, value);
-        continue;
-      }
-      for (const Table& each : *list) add(label, each);
-    }
-  }
-
   void read_sources(ConfigTable& reader) {
     const Table* sources = reader.find("source");
     const auto* list = sources == nullptr ? nullptr : std::get_if<Table::List>(&sources->data);
@@ -517,6 +495,28 @@ class ScenarioReader {
 };
 
 }  // namespace
+
+void read_label_parts(ConfigTable& part, std::vector<labels::ChosenPart>& parts) {
+  const Table* table = part.find("parts");
+  if (table == nullptr) return;
+  const auto* map = std::get_if<Table::Map>(&table->data);
+  if (map == nullptr) return part.fail(*table, "parts is not a table of nodes by label");
+  const auto add = [&](const std::string& label, const Table& value) {
+    const auto* node = std::get_if<std::string>(&value.data);
+    if (node == nullptr || node->empty() || label.empty())
+      return part.fail(value, fmt::format("{} is {}, expected the path of a node", in_quotes(label),
+                                          type_name(value)));
+    parts.push_back({label, *node});
+  };
+  for (const auto& [label, value] : *map) {
+    const auto* list = std::get_if<Table::List>(&value.data);
+    if (list == nullptr) {
+      add(label, value);
+      continue;
+    }
+    for (const Table& each : *list) add(label, each);
+  }
+}
 
 nlohmann::json config_json(const ConfigValue& value) {
   if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;

@@ -333,6 +333,13 @@ TEST_F(Dataset, BadPlansAreRefusedWithAPlace) {
           "the camera is in a keep_out (2000 times)");
   EXPECT_THAT(plan(plan_text("3", "[sample]\nev = { choice = [[1]] }\n"), "bad").err,
               HasSubstr("ev"));
+  std::string dark = plan_text("3");
+  dark.erase(dark.find("[sun]"), dark.find("[labels]") - dark.find("[sun]"));
+  refused(dark, "the plan has no Sun");
+  EXPECT_THAT(plan(plan_text("3", "types = [\"tif\"]\n"), "bad").err, HasSubstr("E0202"));
+  EXPECT_THAT(plan(plan_text("3", "[sample]\ndefine = { sied = 1 }\n"), "bad").err,
+              HasSubstr("E1225"));
+  EXPECT_FALSE(fs::exists(folder_ / "bad"));
   EXPECT_EQ(act("run", "none").code, 1);
   EXPECT_EQ(plan(plan_text("3"), "set").code, 0);
   EXPECT_THAT(plan(plan_text("3"), "set").err, HasSubstr("not empty"));
