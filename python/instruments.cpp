@@ -60,10 +60,10 @@ py::array_t<double> vectors(const List& list, const Get& get) {
 
 // NaN where nothing was found.
 py::dict surfaces(const std::vector<SurfacePoint>& found) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
   using P = SurfacePoint;
   const auto vector_of = [&](Vec3 P::*member) {
-    return vectors(found, [&](const P& p) { return p ? p.*member : Vec3(kNone); });
+    return vectors(found, [&](const P& p) { return p ? p.*member : Vec3(kAbsent); });
   };
   py::dict out;
   out["distance"] = column<double>(found, [](const P& p) { return p.distance; });

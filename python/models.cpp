@@ -99,7 +99,7 @@ py::object bounds(const Model& model) {
     corners(0, k) = box->low[k];
     corners(1, k) = box->high[k];
   }
-  return std::move(out);
+  return out;
 }
 
 // Finest meshes of all instances in the model's axes, joints at their initial values.

@@ -22,8 +22,8 @@ namespace panwright::python {
 // Views that are drawn together, and their images.
 class Batch {
  public:
-  Batch(std::vector<workspace::View> views, std::uint64_t first, std::size_t threads)
-      : views(std::move(views)), first(first), job({threads, {}}) {}
+  Batch(std::vector<workspace::View> all, std::uint64_t number, std::size_t threads)
+      : views(std::move(all)), first(number), job({threads, {}}) {}
 
   // For the worker.
   void add(std::shared_ptr<Picture> picture);

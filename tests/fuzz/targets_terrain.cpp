@@ -26,8 +26,8 @@ class DataFolder {
     path_ = mkdtemp(name.data());
     std::string data(4096, '\0');
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(i * 7 % 251);
-    for (const char* name : {"a.img", "input.dat"})
-      std::ofstream(path_ / name, std::ios::binary) << data;
+    for (const char* file : {"a.img", "input.dat"})
+      std::ofstream(path_ / file, std::ios::binary) << data;
   }
   ~DataFolder() {
     std::error_code ignored;
