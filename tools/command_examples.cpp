@@ -86,8 +86,8 @@ constexpr Example kExamples[] = {
      "Measure moving targets at a time of a scenario."},
     {"radar",
      "client/client.pxn --radar radar/docking_x_band.toml --camera \"0 -20 0\" --look-at \"0 0 0\" "
-     "--ideal --json -o echoes.csv",
-     "Write mean powers, and cross-sections as JSON."},
+     "--ideal -o echoes.csv",
+     "Write mean powers, without noise or speckle."},
     {"dataset", "plan dataset/plan.toml -o set",
      "Write the table of the frames that a plan declares, and what they cover."},
     {"dataset", "run set --shard 0/40", "Render the first fortieth of them, or what is not whole."},
@@ -115,8 +115,7 @@ constexpr Example kExamples[] = {
      "client/client.pxn --lidar lidar/scanning_rvs.toml --camera \"9 -12 5\" --frame client -o "
      "scan.las -o scan.csv",
      "Scan a target; write the points in its axes."},
-    {"lidar",
-     "rendezvous/approach.toml --lidar lidar/flash_rvd.toml --at 100 --ideal -o ideal.pcd --json",
+    {"lidar", "rendezvous/approach.toml --lidar lidar/flash_rvd.toml --at 100 --ideal -o ideal.pcd",
      "Measure ranges without noise at a time of a scenario."},
 
     {"camera", "cameras/narrow_rvd.toml", "Show its field of view, MTF, noise and exposure."},

@@ -133,6 +133,7 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   const auto opened = options.input.open(log);
   if (!opened) return context.finish();
+  workspace::check_stars(opened->scenario, log);
   const scenario::Sequence& sequence = opened->scenario.sequence;
   std::vector<Course> courses;
   Json frames = Json::array();

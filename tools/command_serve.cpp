@@ -92,7 +92,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .bytes()
       .type("BYTES")
       .group(group);
-  arguments.add("--max-seconds", options.most_seconds, "Longest time of a request (default 60)")
+  arguments.add("--request-seconds", options.most_seconds, "Longest time of a request (default 60)")
       .positive()
       .type("S")
       .group(group);

@@ -240,6 +240,12 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
                     "BEGIN_ARRAY 1 1\n'X'\n'0^0'\n'1^1'\n'-63'\n'18F'\n'1'\n'A'\n1\n'1^1'\n"
                     "END_ARRAY 1 1\nTOTAL_ARRAYS 1\n")},
        {}},
+      {"W8019",
+       {"scenario",
+        folder.write("still.toml",
+                     "begin = 0\nend = 1\nstep = 1\n[[source]]\nformula = \"clohessy_wiltshire\"\n"
+                     "position = [0, -200, 0]\nrate = 1e-3\n[view]\nstars = 6\n")},
+       {}},
       {"E8017",
        {"dataset", "plan", folder.write("plan.toml", "frmes = 1\n"), "-o", folder / "set"},
        {}},

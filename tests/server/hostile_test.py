@@ -201,7 +201,7 @@ def main():
         with open(os.path.join(folder, "box.pxn"), "w", encoding="utf-8") as file:
             file.write(SCENE)
         process = subprocess.Popen([PROGRAM, "serve", "box.pxn", "--size", "4x4", "--engine", "reference", "--samples", "1", "--port", "0",
-                                    "--max-request", "1MB", "--max-seconds", "5"], stdout=subprocess.PIPE, text=True, cwd=folder)
+                                    "--max-request", "1MB", "--request-seconds", "5"], stdout=subprocess.PIPE, text=True, cwd=folder)
         port = int(process.stdout.readline().rsplit(":", 1)[1])
         honest = Honest(port)
         honest.start()

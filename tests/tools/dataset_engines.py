@@ -20,6 +20,7 @@ box = "box.pxn"
 range = { uniform = [4, 9] }
 [labels]
 [view]
+sun = [1, -1, 0.5]
 size = [32, 24]
 fov = 40
 engine = "reference"
