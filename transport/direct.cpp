@@ -1,4 +1,4 @@
-#include "transport/direct.h"
+#include "transport/internal/direct.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/bytes.h"
-#include "transport/direct.h"
+#include "transport/internal/direct.h"
 
 namespace panwright::transport {
 namespace {

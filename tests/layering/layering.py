@@ -34,6 +34,7 @@ PARTS = {
     "image": {"internal": []},
     "sensor": {"internal": []},
     "server": {"internal": []},
+    "transport": {"internal": []},
     "ephemeris": {"internal": []},
     "terrain": {"internal": [], "gdal": ["internal"]},
     "scenario": {"internal": []},
