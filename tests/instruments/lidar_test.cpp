@@ -533,7 +533,8 @@ TEST(LidarMotion, FollowsJoints) {
 
 TEST(LidarCloud, IsTheSameForAnyNumberOfThreads) {
   world::World world;
-  add(world, "box", single(box({4, 3, 2})), {Vec3(0, 0, 30), Quat(0.9, 0.1, 0.3, 0.2)});
+  add(world, "box", single(box({4, 3, 2})),
+      {Vec3(0, 0, 30), glm::normalize(Quat(0.9, 0.1, 0.3, 0.2))});
   Lidar lidar = flash_of(48, 0.3);
   lidar.excess_noise = 2;
   lidar.electronics_e = 3;
