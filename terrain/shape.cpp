@@ -472,7 +472,7 @@ std::vector<std::uint8_t> draw_shape(const Shape& shape, std::uint32_t side) {
       // rows run down, so that the sign of areas turns
       const double area =
           (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
-      if (area == 0) continue;
+      if (!std::isfinite(area) || area == 0) continue;
       Vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
       normal = glm::normalize(Vec3(normal.x, -normal.y, normal.z)) * (normal.z < 0 ? -1.0 : 1.0);
       const auto code = static_cast<std::uint8_t>(

@@ -25,7 +25,7 @@ class Tangents {
   void add(double tangent) {
     const double size = std::fabs(tangent);
     squares_ += size * size;
-    ++bins_[std::min(static_cast<std::size_t>(std::min(size / kBin, 1e9)), kBins)];
+    ++bins_[std::min(static_cast<std::size_t>(std::min(1e9, size / kBin)), kBins)];
     ++count_;
   }
   std::uint64_t count() const { return count_; }

@@ -52,6 +52,7 @@ std::vector<std::string> parts_of(std::string_view text) {
 
 std::optional<SampleType> envi_sample_type(double code, bool big) {
   using K = SampleType::Kind;
+  if (!(code >= 0 && code < 100)) return std::nullopt;
   switch (static_cast<int>(code)) {
     case 1:
       return SampleType{K::unsigned_integer, 1, big};

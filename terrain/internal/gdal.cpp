@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <algorithm>
 
 #include <array>
 #include <cmath>
@@ -128,7 +129,8 @@ SampleType type_named(const std::string& name) {
   using K = SampleType::Kind;
   const auto bits =
       parse_double(name.substr(std::min(name.find_first_of("0123456789"), name.size())));
-  const unsigned bytes = name == "Byte" ? 1 : static_cast<unsigned>(bits.value_or(64)) / 8;
+  const unsigned bytes =
+      name == "Byte" ? 1 : static_cast<unsigned>(std::clamp(bits.value_or(64), 8.0, 64.0)) / 8;
   const K kind = name.starts_with("Float") ? K::real
                  : name.starts_with("Int") ? K::signed_integer
                                            : K::unsigned_integer;
