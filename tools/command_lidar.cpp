@@ -12,9 +12,8 @@
 #include "instruments/point_files.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/instrument_world.h"
 #include "workspace/record.h"
-#include "workspace/scenario.h"
-#include "workspace/session.h"
 
 namespace panwright::tools {
 
@@ -32,25 +31,19 @@ constexpr std::uint64_t kMostLidarBytes = 1 << 20;
 
 struct Options {
   CommonOptions common;
-  ReadOptions read;
-  ViewOptions view;
-  std::vector<std::string> inputs;   // FILE or NAME=FILE, or one scenario
-  std::vector<std::string> targets;  // of a scenario
+  InstrumentInput input;
   std::string lidar;
   std::vector<std::string> outputs;
   std::string frame = "instrument";
-  std::optional<double> at;  // seconds
   bool ideal = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments
-      .add("input", options.inputs,
-           "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name). "
-           "Or one scenario (.toml) or trajectory, by which targets and instrument move from pulse "
-           "to pulse")
-      .required()
-      .type("[NAME=]FILE…");
+  declare_inputs(
+      arguments, options.input,
+      "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name). "
+      "Or one scenario (.toml) or trajectory, by which targets and instrument move from pulse to "
+      "pulse");
   arguments.add("--lidar", options.lidar, "LiDAR (docs/lidar.md)").required().type("FILE.toml");
   arguments
       .add("-o,--output", options.outputs,
@@ -65,44 +58,29 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("NAME");
   arguments.flag("--ideal", options.ideal,
                  "Ranges of the axes of the pulses alone: no footprint, receiver or noise");
-  arguments
-      .add("--at", options.at,
-           "Time of the first pulse in a scenario, seconds (default: its first frame)")
-      .finite()
-      .type("SECONDS");
-  arguments
-      .add(
-          "--target", options.targets,
-          "Model of a target, instead of the scenario's: a .pan, .pxn or CAD file; may be repeated")
-      .type("NAME=FILE")
-      .one_value();
-  for (const SettingId id :
-       {SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat,
-        SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun,
-        SettingId::sun_distance, SettingId::noise_seed, SettingId::frame_number})
-    declare(arguments, options.view, id);
-  declare(arguments, options.read);
-  declare(arguments, options.read.open.cad);
+  constexpr SettingId kSun[] = {SettingId::sun, SettingId::sun_distance};
+  declare_moment(arguments, options.input,
+                 "Time of the first pulse in a scenario, seconds (default: its first frame)", kSun);
   declare(arguments, options.common);
 }
 
 class LidarRun {
  public:
   LidarRun(const Options& options, CommandContext& context)
-      : options_(options), context_(context), log_(context.log()) {}
+      : options_(options), context_(context), log_(context.log()), world_(options.input, context) {}
 
   bool run() {
-    if (!read_lidar() || !open()) return false;
-    auto frame = session_->frame(*view_, log_);
+    if (!read_lidar() || !world_.open()) return false;
+    auto frame = world_.frame(log_);
     if (!frame) return false;
-    LidarMoment first{*world_, {}};
-    set(*frame, first);
+    LidarMoment first{world_.world(), {}};
+    world_.set(*frame, first);
     LidarOptions how;
     how.ideal = options_.ideal;
     how.seed = *frame->settings.noise_seed;
     how.frame = *frame->settings.frame_number;
     if (!choose_frame(first.world, how)) return false;
-    if (scenario_ && !scenario_->sequence.ordered())
+    if (world_.moves())
       how.motion = [this](double time, LidarMoment& moment) { return move(time, moment); };
     context_.step("measure");
     const auto cloud =
@@ -137,88 +115,15 @@ class LidarRun {
     return bool(lidar);
   }
 
-  bool open() {
-    auto read = options_.read.opening(log_);
-    auto settings = options_.view.settings(log_);
-    if (!read || !settings) return false;
-    if (!read->parameters.empty()) settings->define = std::exchange(read->parameters, {});
-    read->prune = false;  // as `render`
-    const bool moves =
-        options_.inputs.size() == 1 && workspace::is_scenario(options_.inputs.front());
-    if (moves ? !open_scenario(*std::move(settings)) : !take_models(*std::move(settings)))
-      return false;
-    session_.emplace(*std::move(read), preview::ContextKind::automatic);
-    if (!workspace::check(workspace::View(moves ? scenario_->settings : view_->settings), log_))
-      return false;
-    const workspace::View any(moves ? scenario_->settings : view_->settings);
-    world_ = session_->world(any, {}, log_, context_.job());
-    if (world_ == nullptr || log_.has_errors()) return false;
-    if (!moves) return true;
-    auto view = view_at(begin_, log_);
-    if (view) view_ = *std::move(view);
-    return bool(view);
-  }
-
-  bool take_models(workspace::Settings settings) {
-    if (options_.at || !options_.targets.empty()) {
-      log_.report(Code::E0201, {},
-                  fmt::format("{} needs a scenario, and models are given",
-                              options_.at ? "--at" : "--target"));
-      return false;
-    }
-    settings.targets = options_.inputs;
-    view_ = workspace::View(std::move(settings));
-    return true;
-  }
-
-  bool open_scenario(workspace::Settings settings) {
-    auto scenario = workspace::open_scenario(options_.inputs.front(), {}, log_);
-    if (!scenario) return false;
-    if (!options_.targets.empty()) settings.targets = options_.targets;
-    scenario->settings = workspace::with_defaults(std::move(settings), scenario->settings);
-    scenario_ = *std::move(scenario);
-    if (!scenario_->settings.targets) {
-      log_.report_file(Code::E8013, options_.inputs.front(),
-                       "the scenario names no model of a target",
-                       "[targets] in the scenario, or --target NAME=FILE");
-      return false;
-    }
-    if (options_.at) {
-      begin_ = *options_.at;
-      return true;
-    }
-    workspace::FrameChoice choice;
-    choice.numbers = std::pair<std::uint64_t, std::uint64_t>(0, 0);
-    const auto times = workspace::frame_times(*scenario_, choice, log_);
-    if (times) begin_ = times->front();
-    return bool(times);
-  }
-
-  Result<workspace::View> view_at(double time, DiagnosticLog& log) {
-    const auto frame = workspace::frame_at(*scenario_, time, log);
-    if (!frame) return failed;
-    return workspace::view_of(*scenario_, *frame, 0, *world_, log);
-  }
-
-  void set(const workspace::Frame& frame, LidarMoment& moment) const {
-    workspace::show(frame, *world_, moment.world);
-    moment.pose = {frame.camera().position, frame.camera().world_from_camera};
-  }
-
   // Warnings are those of the first pulse.
   bool move(double time, LidarMoment& moment) {
     DiagnosticLog apart = log_.apart();
-    const auto view = view_at(begin_ + time, apart);
-    const auto frame = view ? session_->frame(*view, apart) : Result<workspace::Frame>(failed);
-    if (frame) {
-      set(*frame, moment);
-      return true;
-    }
+    if (world_.move(time, moment, apart)) return true;
     for (const Diagnostic& each : apart.entries()) {
       const FileId file = each.where.file;
-      log_.report_file(each.code, file == kNoFile ? "" : apart.sources().file(file).name,
-                       fmt::format("the pulse at {:.9g} s: {}", begin_ + time, each.message),
-                       each.hint);
+      log_.report_file(
+          each.code, file == kNoFile ? "" : apart.sources().file(file).name,
+          fmt::format("the pulse at {:.9g} s: {}", world_.begin() + time, each.message), each.hint);
     }
     return false;
   }
@@ -274,11 +179,7 @@ class LidarRun {
   CommandContext& context_;
   DiagnosticLog& log_;
   Lidar lidar_;
-  std::optional<workspace::Scenario> scenario_;
-  std::optional<workspace::ViewSession> session_;
-  std::optional<workspace::View> view_;  // of the first pulse
-  const world::World* world_ = nullptr;
-  double begin_ = 0;
+  InstrumentWorld world_;
 };
 
 int run(const Options& options, const Host& host) {

@@ -12,9 +12,8 @@
 #include "instruments/radar_files.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/instrument_world.h"
 #include "workspace/record.h"
-#include "workspace/scenario.h"
-#include "workspace/session.h"
 
 namespace panwright::tools {
 
@@ -32,23 +31,17 @@ constexpr std::uint64_t kMostRadarBytes = 1 << 20;
 
 struct Options {
   CommonOptions common;
-  ReadOptions read;
-  ViewOptions view;
-  std::vector<std::string> inputs;   // FILE or NAME=FILE, or one scenario
-  std::vector<std::string> targets;  // of a scenario
+  InstrumentInput input;
   std::string radar;
   std::vector<std::string> outputs;
-  std::optional<double> at;  // seconds
   bool ideal = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
-  arguments
-      .add("input", options.inputs,
-           "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name). "
-           "Or one scenario (.toml) or trajectory, from which speeds follow")
-      .required()
-      .type("[NAME=]FILE…");
+  declare_inputs(
+      arguments, options.input,
+      "Targets: .pan, .pxn or CAD files; NAME=FILE names a target (default: the file's name). "
+      "Or one scenario (.toml) or trajectory, from which speeds follow");
   arguments.add("--radar", options.radar, "RADAR (docs/radar.md)").required().type("FILE.toml");
   arguments
       .add("-o,--output", options.outputs,
@@ -57,45 +50,31 @@ void declare_all(Arguments& arguments, Options& options) {
       .one_value()
       .type("FILE");
   arguments.flag("--ideal", options.ideal, "Mean power: no speckle, no noise");
-  arguments
-      .add("--at", options.at,
-           "Begin of the dwell in a scenario, seconds (default: its first frame)")
-      .finite()
-      .type("SECONDS");
-  arguments
-      .add(
-          "--target", options.targets,
-          "Model of a target, instead of the scenario's: a .pan, .pxn or CAD file; may be repeated")
-      .type("NAME=FILE")
-      .one_value();
-  for (const SettingId id : {SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat,
-                             SettingId::camera_frame, SettingId::pose, SettingId::joint,
-                             SettingId::noise_seed, SettingId::frame_number})
-    declare(arguments, options.view, id);
-  declare(arguments, options.read);
-  declare(arguments, options.read.open.cad);
+  declare_moment(arguments, options.input,
+                 "Begin of the dwell in a scenario, seconds (default: its first frame)");
   declare(arguments, options.common);
 }
 
 class RadarRun {
  public:
   RadarRun(const Options& options, CommandContext& context)
-      : options_(options), context_(context), log_(context.log()) {}
+      : options_(options), context_(context), log_(context.log()), world_(options.input, context) {}
 
   bool run() {
-    if (!read_radar() || !open()) return false;
-    auto frame = session_->frame(*view_, log_);
+    if (!read_radar() || !world_.open(0.5 * radar_.dwell)) return false;
+    auto frame = world_.frame(log_);
     if (!frame) return false;
-    RadarMoment moment{*world_, {}};
-    set(*frame, moment);
+    RadarMoment moment{world_.world(), {}};
+    world_.set(*frame, moment);
     RadarOptions how;
     how.ideal = options_.ideal;
     how.seed = *frame->settings.noise_seed;
     how.frame = *frame->settings.frame_number;
     std::optional<RadarMotion> motion;
-    if (scenario_ && !scenario_->sequence.ordered()) {
+    if (world_.moves()) {
       motion.emplace(RadarMotion{moment, moment});
-      if (!move(0, motion->begin) || !move(radar_.dwell, motion->end)) return false;
+      if (!world_.move(0, motion->begin, log_) || !world_.move(radar_.dwell, motion->end, log_))
+        return false;
     }
     context_.step("measure");
     const auto histogram = instruments::measure(radar_, moment, motion ? &*motion : nullptr, how,
@@ -126,84 +105,6 @@ class RadarRun {
     auto radar = instruments::read_radar(*text, options_.radar, log_);
     if (radar) radar_ = *std::move(radar);
     return bool(radar);
-  }
-
-  bool open() {
-    auto read = options_.read.opening(log_);
-    auto settings = options_.view.settings(log_);
-    if (!read || !settings) return false;
-    if (!read->parameters.empty()) settings->define = std::exchange(read->parameters, {});
-    read->prune = false;  // as `render`
-    const bool moves =
-        options_.inputs.size() == 1 && workspace::is_scenario(options_.inputs.front());
-    if (moves ? !open_scenario(*std::move(settings)) : !take_models(*std::move(settings)))
-      return false;
-    session_.emplace(*std::move(read), preview::ContextKind::automatic);
-    if (!workspace::check(workspace::View(moves ? scenario_->settings : view_->settings), log_))
-      return false;
-    const workspace::View any(moves ? scenario_->settings : view_->settings);
-    world_ = session_->world(any, {}, log_, context_.job());
-    if (world_ == nullptr || log_.has_errors()) return false;
-    if (!moves) return true;
-    const double middle = scenario_->sequence.ordered() ? 0 : 0.5 * radar_.dwell;
-    auto view = view_at(begin_ + middle);
-    if (view) view_ = *std::move(view);
-    return bool(view);
-  }
-
-  bool take_models(workspace::Settings settings) {
-    if (options_.at || !options_.targets.empty()) {
-      log_.report(Code::E0201, {},
-                  fmt::format("{} needs a scenario, and models are given",
-                              options_.at ? "--at" : "--target"));
-      return false;
-    }
-    settings.targets = options_.inputs;
-    view_ = workspace::View(std::move(settings));
-    return true;
-  }
-
-  bool open_scenario(workspace::Settings settings) {
-    auto scenario = workspace::open_scenario(options_.inputs.front(), {}, log_);
-    if (!scenario) return false;
-    if (!options_.targets.empty()) settings.targets = options_.targets;
-    scenario->settings = workspace::with_defaults(std::move(settings), scenario->settings);
-    scenario_ = *std::move(scenario);
-    if (!scenario_->settings.targets) {
-      log_.report_file(Code::E8013, options_.inputs.front(),
-                       "the scenario names no model of a target",
-                       "[targets] in the scenario, or --target NAME=FILE");
-      return false;
-    }
-    if (options_.at) {
-      begin_ = *options_.at;
-      return true;
-    }
-    workspace::FrameChoice choice;
-    choice.numbers = std::pair<std::uint64_t, std::uint64_t>(0, 0);
-    const auto times = workspace::frame_times(*scenario_, choice, log_);
-    if (times) begin_ = times->front();
-    return bool(times);
-  }
-
-  Result<workspace::View> view_at(double time) {
-    const auto frame = workspace::frame_at(*scenario_, time, log_);
-    if (!frame) return failed;
-    return workspace::view_of(*scenario_, *frame, 0, *world_, log_);
-  }
-
-  void set(const workspace::Frame& frame, RadarMoment& moment) const {
-    workspace::show(frame, *world_, moment.world);
-    moment.pose = {frame.camera().position, frame.camera().world_from_camera};
-  }
-
-  bool move(double time, RadarMoment& moment) {
-    const auto view = view_at(begin_ + time);
-    if (!view) return false;
-    const auto frame = session_->frame(*view, log_);
-    if (!frame) return false;
-    set(*frame, moment);
-    return true;
   }
 
   void report(const RadarHistogram& found, const RadarOptions& how) {
@@ -270,11 +171,7 @@ class RadarRun {
   DiagnosticLog& log_;
   Radar radar_;
   std::string record_;
-  std::optional<workspace::Scenario> scenario_;
-  std::optional<workspace::ViewSession> session_;
-  std::optional<workspace::View> view_;  // in the middle of the dwell
-  const world::World* world_ = nullptr;
-  double begin_ = 0;
+  InstrumentWorld world_;
 };
 
 int run(const Options& options, const Host& host) {
