@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <exception>
+#include <map>
 #include <new>
 #include <system_error>
 
@@ -47,7 +48,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-const CodeInfo& code_info(Code code) { return kCodes[static_cast<std::size_t>(code)]; }
+const CodeInfo& code_info(Code code) {
+  static const auto table = [] {
+    std::map<Code, const CodeInfo*> out;
+    for (const CodeInfo& info : kCodes) out.emplace(*code_from_name(info.name), &info);
+    return out;
+  }();
+  return *table.at(code);
+}
 
 std::span<const CodeInfo> all_codes() { return kCodes; }
 
@@ -55,7 +63,7 @@ std::optional<Code> code_from_name(std::string_view name) {
   std::string upper(name);
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   for (std::size_t i = 0; i < kCodes.size(); ++i)
-    if (kCodes[i].name == upper) return static_cast<Code>(i);
+    if (kCodes[i].name == upper) return Code(kCodes[i].name);
   return std::nullopt;
 }
 
@@ -98,8 +106,8 @@ int exit_code(const DiagnosticLog& log) {
   bool usage = false, io = false, damaged = false, cancelled = false, internal = false;
   for (const Diagnostic& entry : log.entries()) {
     const std::string_view name = code_info(entry.code).name;
-    if (entry.code == Code::E0001) cancelled = true;
-    if (entry.code == Code::E0003) internal = true;
+    if (entry.code == Code("E0001")) cancelled = true;
+    if (entry.code == Code("E0003")) internal = true;
     if (name.starts_with("E02")) usage = true;
     if (name.starts_with("E01")) io = true;
     if (name.starts_with("E4")) damaged = true;
@@ -110,7 +118,7 @@ int exit_code(const DiagnosticLog& log) {
 
 void report_exception(DiagnosticLog& log) {
   const auto report_memory = [&] {
-    log.report(Code::E0002, {}, "there is not enough memory for this work");
+    log.report(Code("E0002"), {}, "there is not enough memory for this work");
   };
   try {
     throw;
@@ -121,9 +129,9 @@ void report_exception(DiagnosticLog& log) {
     if (error.code() == std::errc::resource_unavailable_try_again ||
         error.code() == std::errc::not_enough_memory)
       return report_memory();
-    log.report(Code::E0003, {}, fmt::format("internal error: {}", error.what()));
+    log.report(Code("E0003"), {}, fmt::format("internal error: {}", error.what()));
   } catch (const std::exception& error) {
-    log.report(Code::E0003, {}, fmt::format("internal error: {}", error.what()));
+    log.report(Code("E0003"), {}, fmt::format("internal error: {}", error.what()));
   }
 }
 

@@ -1,6 +1,7 @@
 // Diagnostics: the problem, its place and the values accepted.
 #pragma once
 
+#include <compare>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,12 +17,30 @@ class FileUses;
 
 enum class Severity { note, warning, error };
 
-// Codes of diagnostics. E…: error, W…: warning, N…: note. The registry is
-// base/diagnostic_codes.def.
-enum class Code : std::uint16_t {
-#define PANWRIGHT_CODE(name, title, explanation) name,
-#include "base/diagnostic_codes.def"
-#undef PANWRIGHT_CODE
+// Code of a diagnostic, as Code("E1101"): E, W or N for error, warning or note, and four digits.
+// Its title and explanation stand in base/diagnostic_codes.def, so that a new code rebuilds one
+// file.
+class Code {
+ public:
+  explicit consteval Code(const char (&name)[6]) : Code(std::string_view(name, 5)) {}
+
+  constexpr Severity severity() const { return static_cast<Severity>(2 - value_ % 3); }
+  constexpr auto operator<=>(const Code&) const = default;
+
+ private:
+  friend std::optional<Code> code_from_name(std::string_view name);
+
+  // Throws, which ends a compilation, for other names.
+  explicit constexpr Code(std::string_view name) : value_(0) {
+    for (const char digit : name.substr(1)) {
+      if (digit < '0' || digit > '9') throw "a code has four digits";
+      value_ = static_cast<std::uint16_t>(10 * value_ + (digit - '0'));
+    }
+    if (name[0] != 'E' && name[0] != 'W' && name[0] != 'N') throw "a code begins with E, W or N";
+    value_ = static_cast<std::uint16_t>(3 * value_ + (name[0] == 'W' ? 1 : name[0] == 'N' ? 2 : 0));
+  }
+
+  std::uint16_t value_;  // 3 * digits + 0 E, 1 W, 2 N
 };
 
 struct CodeInfo {
@@ -42,7 +61,7 @@ struct Diagnostic {
   std::string object;   // path in the model, as group[2]/mesh; may be empty
   std::string hint;     // "did you mean 'diffuse'?"; may be empty
 
-  Severity severity() const { return code_info(code).severity; }
+  Severity severity() const { return code.severity(); }
 };
 
 // Collector of the problems of one run and of the source files they point into.

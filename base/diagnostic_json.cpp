@@ -1,3 +1,4 @@
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/diagnostic.h"
@@ -74,20 +75,18 @@ std::string to_json(const DiagnosticLog& log) {
 
 std::string to_sarif(const DiagnosticLog& log) {
   Json rules = Json::array();
-  std::vector<std::size_t> rule_index(all_codes().size(), all_codes().size());
+  std::map<Code, std::size_t> rule_index;
   Json results = Json::array();
   for (const Diagnostic& entry : log.entries()) {
-    const auto code = static_cast<std::size_t>(entry.code);
     const CodeInfo& about = code_info(entry.code);
-    if (rule_index[code] == all_codes().size()) {
-      rule_index[code] = rules.size();
+    if (rule_index.emplace(entry.code, rules.size()).second) {
       rules.push_back({{"id", about.name},
                        {"shortDescription", {{"text", about.title}}},
                        {"fullDescription", {{"text", about.explanation}}}});
     }
     Json result;
     result["ruleId"] = about.name;
-    result["ruleIndex"] = rule_index[code];
+    result["ruleIndex"] = rule_index.at(entry.code);
     result["level"] = severity_word(entry.severity());
     result["message"]["text"] =
         entry.hint.empty() ? entry.message : entry.message + " (" + entry.hint + ")";

@@ -76,7 +76,7 @@ std::string hint_of_missing(const std::filesystem::path& path) {
 
 void report_missing(const std::filesystem::path& path, int error, SourceSpan where,
                     DiagnosticLog& log) {
-  report(Code::E0101, path, reason("cannot open", path, error), where, log,
+  report(Code("E0101"), path, reason("cannot open", path, error), where, log,
          error == ENOENT ? hint_of_missing(path) : std::string());
 }
 
@@ -121,7 +121,7 @@ bool write_stream(int fd, const std::filesystem::path& path, std::span<const std
                   DiagnosticLog& log) {
   int error = 0;
   if (write_all(fd, bytes, 0, false, &error)) return true;
-  log.report_file(Code::E0103, path.string(), reason("cannot write", path, error));
+  log.report_file(Code("E0103"), path.string(), reason("cannot write", path, error));
   return false;
 }
 
@@ -152,12 +152,12 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
     return failed;
   }
   if (S_ISDIR(status.st_mode)) {
-    report(Code::E0101, path, reason("cannot open", path, EISDIR), where, log);
+    report(Code("E0101"), path, reason("cannot open", path, EISDIR), where, log);
     return failed;
   }
   if (log.files()) log.files()->was_opened(fd.get(), path);
   const auto too_large = [&](std::uint64_t size, const char* at_least) {
-    report(Code::E0104, path,
+    report(Code("E0104"), path,
            fmt::format("{} is {}{} bytes long, expected at most {}", in_quotes(path.string()),
                        at_least, size, max_bytes),
            where, log);
@@ -185,7 +185,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
       continue;
     }
     if (got < 0) {
-      report(Code::E0102, path, reason("cannot read", path, errno), where, log);
+      report(Code("E0102"), path, reason("cannot read", path, errno), where, log);
       return failed;
     }
     text.resize(before + static_cast<std::size_t>(got));
@@ -207,7 +207,7 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path, Diagnosti
   }
   if (!S_ISREG(status.st_mode)) {
     log.report_file(
-        Code::E0101, path.string(),
+        Code("E0101"), path.string(),
         S_ISDIR(status.st_mode)
             ? reason("cannot open", path, EISDIR)
             : fmt::format("{} is a pipe or a device, expected a file", in_quotes(path.string())));
@@ -218,7 +218,7 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path, Diagnosti
   if (size == 0) return MappedFile(nullptr, 0);
   void* data = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
   if (data == MAP_FAILED) {
-    log.report_file(Code::E0102, path.string(), reason("cannot map", path, errno));
+    log.report_file(Code("E0102"), path.string(), reason("cannot map", path, errno));
     return failed;
   }
   return MappedFile(static_cast<const std::byte*>(data), size);
@@ -254,7 +254,7 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
   struct stat target {};
   if (stat(file.path_.c_str(), &target) == 0 && !S_ISREG(target.st_mode)) {
     const int error = S_ISDIR(target.st_mode) ? EISDIR : EINVAL;
-    log.report_file(Code::E0103, path.string(),
+    log.report_file(Code("E0103"), path.string(),
                     reason("not a regular file, cannot replace", path, error));
     return failed;
   }
@@ -263,7 +263,7 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
   if (access("/proc/self/fd", X_OK) == 0)
     file.descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (file.descriptor_ < 0 && !file.create_named()) {
-    log.report_file(Code::E0103, path.string(), reason("cannot write", path, errno));
+    log.report_file(Code("E0103"), path.string(), reason("cannot write", path, errno));
     return failed;
   }
   if (target.st_nlink > 0) fchmod(file.descriptor_, target.st_mode & 07777);
@@ -311,7 +311,7 @@ AtomicFile::~AtomicFile() {
 }
 
 bool AtomicFile::fail(const char* action, int error, DiagnosticLog& log) {
-  log.report_file(Code::E0103, path_.string(), reason(action, path_, error));
+  log.report_file(Code("E0103"), path_.string(), reason(action, path_, error));
   return false;
 }
 
@@ -351,7 +351,7 @@ Result<MappedFile> AtomicFile::map(DiagnosticLog& log) const {
   if (size == 0) return MappedFile(nullptr, 0);
   void* data = mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor_, 0);
   if (data == MAP_FAILED) {
-    log.report_file(Code::E0102, path_.string(), reason("cannot map", path_, errno));
+    log.report_file(Code("E0102"), path_.string(), reason("cannot map", path_, errno));
     return failed;
   }
   return MappedFile(static_cast<const std::byte*>(data), size);
@@ -386,7 +386,7 @@ bool write_file(const std::filesystem::path& path, std::span<const std::byte> by
       !S_ISDIR(status.st_mode)) {
     const Descriptor fd(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
     if (fd.get() >= 0) return write_stream(fd.get(), path, bytes, log);
-    log.report_file(Code::E0103, path.string(), reason("cannot open", path, errno));
+    log.report_file(Code("E0103"), path.string(), reason("cannot open", path, errno));
     return false;
   }
   auto file = AtomicFile::create(path, log);

@@ -87,7 +87,7 @@ struct FileUses::State {
     if (input == inputs.end()) return;
     output.refused = true;
     const bool renamed = input->second != output.path;
-    log.report(Code::E0206, {},
+    log.report(Code("E0206"), {},
                fmt::format("{} names an input{}: it would be overwritten", named(output),
                            renamed ? " (" + in_quotes(input->second) + ")" : std::string()),
                "choose another output");
@@ -99,7 +99,7 @@ struct FileUses::State {
       Declared& other = outputs[i];
       if (same_file(other, output)) {
         if (other.kind == Output::in_place && output.kind == Output::in_place) return i;
-        log.report(Code::E0206, {},
+        log.report(Code("E0206"), {},
                    fmt::format("{} and {} are one file: one would overwrite the other",
                                named(other), named(output)),
                    "choose another output");
@@ -131,7 +131,7 @@ bool FileUses::will_write(const fs::path& path, std::string_view what, Diagnosti
   const fs::path folder = path.parent_path();
   if (kind != Output::diagnostics && !folder.empty() &&
       fs::status(folder, error).type() == fs::file_type::not_found) {
-    log.report_file(Code::E0103, path.string(),
+    log.report_file(Code("E0103"), path.string(),
                     "cannot write " + in_quotes(path.string()) + ": there is no folder " +
                         in_quotes(folder.string()));
     return false;

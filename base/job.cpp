@@ -78,8 +78,8 @@ void run_on_threads(const Job& job, const std::function<void()>& work) {
 }
 
 void report_cancelled(DiagnosticLog& log) {
-  if (!log.contains(Code::E0001))
-    log.report(Code::E0001, {}, "cancelled before the work was complete");
+  if (!log.contains(Code("E0001")))
+    log.report(Code("E0001"), {}, "cancelled before the work was complete");
 }
 
 }  // namespace panwright

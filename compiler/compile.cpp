@@ -144,7 +144,7 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
     const std::string place = place_of(scene.decals[i].source);
     if (known.insert(place).second)
       log.report(
-          Code::W2020, {},
+          Code("W2020"), {},
           fmt::format("{}: the decal is not visible: no surface within its box faces it", place),
           "give a normal that points away from the surface, or omit it");
   }
@@ -173,7 +173,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
     if (allowed[i])
       planned += alone ? 0 : more;
     else
-      logs[i].report(Code::E2003, {},
+      logs[i].report(Code("E2003"), {},
                      fmt::format("{:.0f} triangles here and {:.0f} in the shapes before exceed the "
                                  "limit of {} for a model (--max-triangles)",
                                  more, planned, options.max_triangles));
@@ -206,7 +206,7 @@ void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
     if (!gains[i]) continue;
     const materials::Material& material = scene.materials[i];
     const materials::Gain& gain = *gains[i];
-    log.report(Code::W1408, {},
+    log.report(Code("W1408"), {},
                fmt::format("the material {} reflects {:.4f} times the light that arrives at {:.1f} "
                            "degrees from its normal, expected at most 1",
                            in_quotes(material.name), gain.albedo, det::acos(gain.mu) / kDegree),
@@ -294,7 +294,7 @@ void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& lo
   if (first == nullptr) return;
   const auto material = static_cast<std::size_t>(first->user->material);
   log.report(
-      Code::N2021, {},
+      Code("N2021"), {},
       fmt::format(
           "{} without texture coordinates {} them from {} bounds; the first has the material {}",
           count == 1 ? "1 mesh" : fmt::format("{} meshes", count), count == 1 ? "gets" : "get",

@@ -281,7 +281,7 @@ Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& opti
     const std::string kept =
         report.capped ? fmt::format("; kept {} that these rays leave undecided", report.ambiguous)
                       : "";
-    log.report_file(Code::N6304, {},
+    log.report_file(Code("N6304"), {},
                     fmt::format("removed {} of {} triangles ({:.1f} %) as hidden; none of {} rays "
                                 "reached them from outside{}",
                                 gone, report.triangles_before,

@@ -33,7 +33,7 @@ bool is_das(std::string_view text) {
 bool add_kernel(Kernels::Data& data, const std::string& name, std::span<const std::byte> bytes,
                 DiagnosticLog& log) {
   const auto refuse = [&](const std::string& why, const char* hint = "") {
-    log.report_file(Code::E8015, name, why, hint);
+    log.report_file(Code("E8015"), name, why, hint);
     return false;
   };
   const std::string_view text = as_text(bytes);
@@ -52,7 +52,7 @@ bool add_kernel(Kernels::Data& data, const std::string& name, std::span<const st
         ++count;
       }
     if (count > 0)
-      log.report_file(Code::W8016, name,
+      log.report_file(Code("W8016"), name,
                       fmt::format("{} of {}: {}", counted(count, "segment"),
                                   data.infos.size() - first, fmt::join(skipped, ", ")));
     return true;
@@ -213,7 +213,7 @@ Result<Kernels> Kernels::load(std::span<const std::filesystem::path> paths, Diag
       continue;
     }
     if (file->bytes().size() > kMaxKernelBytes) {
-      log.report_file(Code::E0104, path.string(), "a kernel over 16 GiB");
+      log.report_file(Code("E0104"), path.string(), "a kernel over 16 GiB");
       return failed;
     }
     data->files.push_back(std::move(*file));
@@ -222,7 +222,7 @@ Result<Kernels> Kernels::load(std::span<const std::filesystem::path> paths, Diag
     if (!named && is_meta_kernel(text)) {
       const auto more = files_of(text, path);
       if (more.size() > kMostFiles) {
-        log.report_file(Code::E8015, path.string(),
+        log.report_file(Code("E8015"), path.string(),
                         fmt::format("it names {} files, at most {}", more.size(), kMostFiles));
         return failed;
       }

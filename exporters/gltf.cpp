@@ -339,34 +339,34 @@ class Exporter {
 
   void say_what_is_lost() {
     if (!model_.lamps().empty())
-      log_.report_file(Code::W6402, model_.name(),
+      log_.report_file(Code("W6402"), model_.name(),
                        fmt::format("glTF does not keep {}, whose light is not in candela",
                                    counted(model_.lamps().size(), "lamp")));
     if (!model_.scene().empty())
-      log_.report_file(Code::W6402, model_.name(),
+      log_.report_file(Code("W6402"), model_.name(),
                        "glTF does not keep the scene: Sun, planets and stars");
     for (const auto& [what, loss] : materials_.losses()) {
       const std::string others =
           loss.materials > 1 ? fmt::format(", the most of {} materials", loss.materials) : "";
-      log_.report_file(Code::W6402, model_.name(),
+      log_.report_file(Code("W6402"), model_.name(),
                        fmt::format("glTF does not keep {}: {} of the light of {} changes{}", what,
                                    percent(loss.share), in_quotes(loss.worst), others));
     }
     if (uncoupled_ > 0)
       log_.report_file(
-          Code::W6402, model_.name(),
+          Code("W6402"), model_.name(),
           fmt::format(
               "glTF does not keep that {} others: they have values of their own",
               uncoupled_ == 1 ? "1 joint follows" : fmt::format("{} joints follow", uncoupled_)));
     if (!model_.joints().empty() && !options_.articulations)
-      log_.report_file(Code::W6402, model_.name(),
+      log_.report_file(Code("W6402"), model_.name(),
                        fmt::format("glTF does not keep {}: parts are placed by the joint values",
                                    counted(model_.joints().size(), "joint")));
     if (model_.decals().empty()) return;
     std::set<std::uint32_t> under;
     for (const pan::layout::Decal& decal : model_.decals()) under.insert(decal.instance);
     log_.report_file(
-        Code::W6402, model_.name(),
+        Code("W6402"), model_.name(),
         fmt::format("glTF does not keep {} over {}", counted(model_.decals().size(), "decal"),
                     counted(under.size(), "surface")));
   }
@@ -389,7 +389,7 @@ class Exporter {
     text.resize((text.size() + 3) / 4 * 4, ' ');
     const std::uint64_t size = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());
     if (size > 0xffffffffu) {
-      log_.report_file(Code::E6002, model_.name(),
+      log_.report_file(Code("E6002"), model_.name(),
                        fmt::format("{} bytes are more than a GLB file can hold", size));
       return failed;
     }

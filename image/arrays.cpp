@@ -100,7 +100,7 @@ Result<std::vector<float>> depth_of_exr(const std::filesystem::path& path, std::
         std::int64_t{window.max.x} + 1 != std::int64_t{width} ||
         std::int64_t{window.max.y} + 1 != std::int64_t{height} || channel->xSampling != 1 ||
         channel->ySampling != 1) {
-      log.report_file(Code::E0102, path.string(),
+      log.report_file(Code("E0102"), path.string(),
                       fmt::format("the image is not of {} x {} pixels", width, height));
       return failed;
     }
@@ -114,7 +114,7 @@ Result<std::vector<float>> depth_of_exr(const std::filesystem::path& path, std::
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& problem) {
-    log.report_file(Code::E0102, path.string(),
+    log.report_file(Code("E0102"), path.string(),
                     fmt::format("the EXR decoder failed: {}", problem.what()));
     return failed;
   }
@@ -150,7 +150,7 @@ Result<std::vector<Array>> read_arrays(const std::filesystem::path& path,
     return failed;
   };
   ZipReader zip(file->bytes());
-  if (!zip.good()) return fail(Code::E0102, "the file is no whole zip archive");
+  if (!zip.good()) return fail(Code("E0102"), "the file is no whole zip archive");
   std::vector<Array> out;
   for (const ZipReader::Entry& entry : zip.entries()) {
     constexpr std::string_view kExtension = ".npy";
@@ -158,14 +158,14 @@ Result<std::vector<Array>> read_arrays(const std::filesystem::path& path,
     const std::string name = entry.name.substr(0, entry.name.size() - kExtension.size());
     if (!names.empty() && std::ranges::find(names, name) == names.end()) continue;
     if (entry.size > max_bytes)
-      return fail(Code::E0104, fmt::format("array {} exceeds the limit", in_quotes(name)));
+      return fail(Code("E0104"), fmt::format("array {} exceeds the limit", in_quotes(name)));
     max_bytes -= entry.size;
     const auto bytes = zip.content(entry);
     auto array = bytes ? array_of(name, *bytes) : std::nullopt;
     if (!array)
-      return fail(Code::E0102, fmt::format("array {} is damaged, or of another form than numbers "
-                                           "in C order",
-                                           in_quotes(name)));
+      return fail(Code("E0102"), fmt::format("array {} is damaged, or of another form than numbers "
+                                             "in C order",
+                                             in_quotes(name)));
     out.push_back(*std::move(array));
   }
   return out;
@@ -182,7 +182,7 @@ Result<std::vector<float>> read_depth(const std::filesystem::path& path, std::ui
   if (arrays->empty()) return std::vector<float>{};
   const Array& array = arrays->front();
   if (array.type != "<f4" || array.shape != std::vector<std::uint64_t>{height, width}) {
-    log.report_file(Code::E0102, path.string(),
+    log.report_file(Code("E0102"), path.string(),
                     fmt::format("the depth is not of {} x {} pixels", width, height));
     return failed;
   }

@@ -32,9 +32,10 @@ class PpmReader {
     std::uint64_t height = 0;
     std::uint64_t most = 0;
     if (!number(width) || !number(height) || !number(most))
-      return {Code::E3001, "the PPM header holds no width, height and largest value"};
+      return {Code("E3001"), "the PPM header holds no width, height and largest value"};
     if (most == 0 || most > 65535)
-      return {Code::E3001, fmt::format("the PPM's largest value is {}, expected 1 to 65535", most)};
+      return {Code("E3001"),
+              fmt::format("the PPM's largest value is {}, expected 1 to 65535", most)};
     if (const ImageProblem problem = check_image_size(width, height, max_bytes_); problem.code)
       return problem;
     const std::uint64_t samples = 3 * width * height;
@@ -42,21 +43,22 @@ class PpmReader {
     // in text a sample is a digit and a blank at least
     const std::uint64_t needed = text ? 2 * samples - 1 : 1 + samples * sample_bytes;
     if (bytes_.size() - at_ < needed)
-      return {Code::E3001, fmt::format("the PPM is cut short: {} x {} pixels need {} bytes more",
-                                       width, height, needed - (bytes_.size() - at_))};
+      return {Code("E3001"), fmt::format("the PPM is cut short: {} x {} pixels need {} bytes more",
+                                         width, height, needed - (bytes_.size() - at_))};
     if (!text) ++at_;
     out_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
     out_.rgba.assign(4 * width * height, 255);
     for (std::uint64_t i = 0; i < samples; ++i) {
       std::uint64_t value = 0;
       if (text) {
-        if (!number(value)) return {Code::E3001, "the PPM's pixels are not numbers, or too few"};
+        if (!number(value)) return {Code("E3001"), "the PPM's pixels are not numbers, or too few"};
       } else {
         for (std::uint64_t k = 0; k < sample_bytes; ++k)
           value = value << 8 | static_cast<unsigned char>(bytes_[at_++]);
       }
       if (value > most)
-        return {Code::E3001, fmt::format("a PPM value is {}, above its largest, {}", value, most)};
+        return {Code("E3001"),
+                fmt::format("a PPM value is {}, above its largest, {}", value, most)};
       out_.rgba[4 * (i / 3) + i % 3] = static_cast<std::uint8_t>((255 * value + most / 2) / most);
     }
     return {};
@@ -86,12 +88,12 @@ class PpmReader {
 
 ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_bytes) {
   if (width == 0 || height == 0)
-    return {Code::E3001, fmt::format("the image is {} x {} pixels", width, height)};
+    return {Code("E3001"), fmt::format("the image is {} x {} pixels", width, height)};
   if (width > kMaxTextureSide || height > kMaxTextureSide)
-    return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
-                                     width, height, kMaxTextureSide)};
+    return {Code("E3002"), fmt::format("the image is {} x {} pixels, expected at most {} a side",
+                                       width, height, kMaxTextureSide)};
   if (4 * width * height > max_bytes)
-    return {Code::E3002,
+    return {Code("E3002"),
             fmt::format("with {} x {} pixels the textures exceed the memory limit", width, height)};
   return {};
 }
@@ -99,8 +101,8 @@ ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::ui
 ImageProblem check_row_size(std::uint64_t width, std::uint64_t height) {
   if (width == 0 || height == 0) return check_image_size(width, height, ~std::uint64_t{0});
   if (width > kMaxRowSide || height > kMaxRowSide)
-    return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
-                                     width, height, kMaxRowSide)};
+    return {Code("E3002"), fmt::format("the image is {} x {} pixels, expected at most {} a side",
+                                       width, height, kMaxRowSide)};
   return {};
 }
 
@@ -135,7 +137,7 @@ ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_by
     return PpmReader(text, max_bytes, out).run();
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, max_bytes, out);
   if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, max_bytes, out);
-  return {Code::E3001, "unknown image format, expected PPM (P6 or P3), PNG or JPEG"};
+  return {Code("E3001"), "unknown image format, expected PPM (P6 or P3), PNG or JPEG"};
 }
 
 std::optional<std::string> normal_map_problem(std::span<const std::uint8_t> rgba) {

@@ -26,7 +26,7 @@ class GifReader {
     try {
       return read();
     } catch (const Damaged& damaged) {
-      return {Code::E3001, fmt::format("the GIF is damaged: {}", damaged.what)};
+      return {Code("E3001"), fmt::format("the GIF is damaged: {}", damaged.what)};
     }
   }
 
@@ -112,13 +112,13 @@ class GifReader {
     out_.height = std::max(out_.height, frame.top + frame.height);
     const std::uint64_t pixels = std::uint64_t{out_.width} * out_.height;
     if (frame.width == 0 || frame.height == 0)
-      return {Code::E3001, fmt::format("the image is {} x {} pixels", frame.width, frame.height)};
+      return {Code("E3001"), fmt::format("the image is {} x {} pixels", frame.width, frame.height)};
     if (out_.width > kMaxTextureSide || out_.height > kMaxTextureSide)
-      return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
-                                       out_.width, out_.height, kMaxTextureSide)};
+      return {Code("E3002"), fmt::format("the image is {} x {} pixels, expected at most {} a side",
+                                         out_.width, out_.height, kMaxTextureSide)};
     if (4 * pixels > max_bytes_)
-      return {Code::E3002, fmt::format("with {} x {} pixels the textures exceed the memory limit",
-                                       out_.width, out_.height)};
+      return {Code("E3002"), fmt::format("with {} x {} pixels the textures exceed the memory limit",
+                                         out_.width, out_.height)};
     if (pixels > kMostPixelsPerByte * bytes_.size()) throw Damaged{"it is too short for its size"};
     out_.rgba.assign(4 * pixels, 0);
     decode(frame);

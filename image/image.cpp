@@ -53,13 +53,13 @@ bool write_image(const std::filesystem::path& path, const Image& image, const Pn
   const auto format = image_format(path);
   if (!format) {
     log.report_file(
-        Code::E0202, path.string(),
+        Code("E0202"), path.string(),
         fmt::format("images are written as .png, .exr, .npy, .npz, .tif or .fits, not {}",
                     in_quotes(path.extension().string())));
     return false;
   }
   if ((*format == ImageFormat::tiff || *format == ImageFormat::fits) && image.dn.empty()) {
-    log.report_file(Code::E0202, path.string(),
+    log.report_file(Code("E0202"), path.string(),
                     "the file holds numbers of a detector, and the camera has none; expected .png, "
                     ".exr, .npy or .npz",
                     "docs/detector.md");

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kTagBytes = 16u << 20;
 
 ImageProblem damage_of(const TiffFile& file) {
-  return {Code::E3001, fmt::format("the TIFF is damaged ({})", file.message())};
+  return {Code("E3001"), fmt::format("the TIFF is damaged ({})", file.message())};
 }
 
 template <class T>
@@ -69,7 +69,7 @@ ImageProblem decode_strips(const TiffFile& file, const TiffHead& head, std::uint
   const std::size_t bytes = head.bits / 8;
   const auto line = static_cast<std::size_t>(TIFFScanlineSize(tiff));
   if (line < std::size_t{head.width} * together * bytes)
-    return {Code::E3001, "the TIFF has rows shorter than its width"};
+    return {Code("E3001"), "the TIFF has rows shorter than its width"};
   std::vector<std::byte> buffer(line);
   std::vector<double> values(head.width);
   // a compressed strip is decoded from its first row on
@@ -100,9 +100,9 @@ ImageProblem decode_tiles(const TiffFile& file, const TiffHead& head, std::uint3
   const std::size_t bytes = head.bits / 8;
   const auto size = static_cast<std::uint64_t>(TIFFTileSize64(tiff));
   if (wide == 0 || high == 0 || size < std::uint64_t{wide} * high * together * bytes)
-    return {Code::E3001, "the TIFF has tiles of no size"};
+    return {Code("E3001"), "the TIFF has tiles of no size"};
   if (size + std::uint64_t{high} * head.width * sizeof(double) > max_bytes)
-    return {Code::E3002, fmt::format("tiles of {} x {} pixels need too much memory", wide, high)};
+    return {Code("E3002"), fmt::format("tiles of {} x {} pixels need too much memory", wide, high)};
   std::vector<std::byte> tile(size);
   std::vector<double> values(std::size_t{high} * head.width);
   for (std::uint32_t y = first / high * high; y < first + count; y += high) {
@@ -138,15 +138,16 @@ ImageProblem read_tiff_head(std::span<const std::byte> bytes, TiffHead& head) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &format);
   TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
   if (head.width == 0 || head.height == 0 || samples == 0)
-    return {Code::E3001, "the TIFF has no pixels"};
+    return {Code("E3001"), "the TIFF has no pixels"};
   const bool real = format == SAMPLEFORMAT_IEEEFP;
   const bool whole = format == SAMPLEFORMAT_UINT || format == SAMPLEFORMAT_INT;
   const bool good = (whole && (bits == 8 || bits == 16 || bits == 32 || bits == 64)) ||
                     (real && (bits == 32 || bits == 64));
   if (!good || photometric == PHOTOMETRIC_YCBCR)
-    return {Code::E3001, fmt::format("the TIFF has samples of {} bits of a kind that is not read, "
-                                     "expected integers of 8 to 64 bits or floats of 32 or 64",
-                                     bits)};
+    return {Code("E3001"),
+            fmt::format("the TIFF has samples of {} bits of a kind that is not read, "
+                        "expected integers of 8 to 64 bits or floats of 32 or 64",
+                        bits)};
   head.bits = bits;
   head.bands = samples;
   head.sample = real                         ? TiffHead::Sample::real
@@ -155,7 +156,7 @@ ImageProblem read_tiff_head(std::span<const std::byte> bytes, TiffHead& head) {
   head.big_endian = TIFFIsBigEndian(tiff) != 0;
   if (double(head.width) * head.height * samples * (bits / 8) >
       double(kMostTiffRatio) * double(bytes.size()))
-    return {Code::E3001,
+    return {Code("E3001"),
             fmt::format("the TIFF is too short for {} x {} pixels", head.width, head.height)};
   head.pixel_scale = copied<double>(tiff, kPixelScale);
   head.tiepoint = copied<double>(tiff, kTiepoint);

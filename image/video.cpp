@@ -77,7 +77,7 @@ std::optional<PngParts> parts_of(const fs::path& path, DiagnosticLog& log) {
     if (name == "IEND" && out.header.size() == 13 && !out.rows.empty()) return out;
     at += 12 + length;
   }
-  log.report_file(Code::E0102, path.string(), "the file is not a whole PNG");
+  log.report_file(Code("E0102"), path.string(), "the file is not a whole PNG");
   return std::nullopt;
 }
 
@@ -138,7 +138,7 @@ bool write_animation(const fs::path& path, std::span<const fs::path> images, std
       if (!good || !write_chunk(*file, "acTL", {control}, log)) return false;
     }
     if (image->header != header) {
-      log.report_file(Code::E0102, images[k].string(),
+      log.report_file(Code("E0102"), images[k].string(),
                       "the image differs in size or kind from the first one");
       return false;
     }
@@ -174,11 +174,11 @@ bool write_sheet(const fs::path& path, std::span<const fs::path> images, std::si
     DecodedImage image;
     const ImageProblem problem = decode_image(file->bytes(), kMostPixelBytes, image);
     if (problem.code) {
-      log.report_file(Code::E0102, name.string(), problem.message);
+      log.report_file(Code("E0102"), name.string(), problem.message);
       return false;
     }
     if (k > 0 && (image.width != first.width || image.height != first.height)) {
-      log.report_file(Code::E0102, name.string(), "the image differs in size from the first one");
+      log.report_file(Code("E0102"), name.string(), "the image differs in size from the first one");
       return false;
     }
     const std::uint32_t times = (std::max(image.width, image.height) + side - 1) / side;

@@ -257,22 +257,22 @@ void report_meshes(const MeshReport& mesh_report, DiagnosticLog& log) {
   tell(total.normals_turned, "triangle's normals turned to its outside",
        "triangles' normals turned to their outside");
   tell(total.filled, "hole filled", "holes filled");
-  if (!done.empty()) log.report_file(Code::N6301, {}, done);
+  if (!done.empty()) log.report_file(Code("N6301"), {}, done);
   if (total.non_manifold_edges > 0)
     log.report_file(
-        Code::W6302, {},
+        Code("W6302"), {},
         fmt::format("{} by more than two triangles",
                     plural(total.non_manifold_edges, "edge is shared", "edges are shared")),
         worst(mesh_report, &CleanReport::non_manifold_edges));
   if (total.holes > total.filled)
     log.report_file(
-        Code::W6303, {},
+        Code("W6303"), {},
         fmt::format("{}, with boundary loops of {:.4g} m in all",
                     plural(total.holes - total.filled, "hole", "holes"), total.hole_length),
         worst(mesh_report, &CleanReport::holes));
   if (total.t_junctions > 0)
     log.report_file(
-        Code::W6305, {},
+        Code("W6305"), {},
         fmt::format("{} of other triangles",
                     plural(total.t_junctions, "vertex lies on the edge", "vertices lie on edges")),
         worst(mesh_report, &CleanReport::t_junctions));
@@ -399,21 +399,21 @@ void warn_of_unit(const Imported& model, double size, const UnitGuess& guess, Di
   const std::string of_format =
       unitless ? "the format has no unit" : "the unit of the format is the metre";
   if (!guess.plausible)
-    log.report_file(Code::W6006, file,
+    log.report_file(Code("W6006"), file,
                     fmt::format("{}; the model is {:.4g} m large then, implausible for a "
                                 "spacecraft in any unit: it is kept in metres",
                                 unitless ? of_format + ", metres are assumed" : of_format, size),
                     "--units gives its unit");
   else if (guess.unit != 1)
     log.report_file(
-        Code::W6006, file,
+        Code("W6006"), file,
         fmt::format("{}, but in metres the model would be {:.4g} m large: {} are assumed, {:.4g} m",
                     of_format, size, guess.name, size * guess.unit),
         fmt::format("--units m keeps {:.4g} m, --units {} says that {:.4g} m is right", size,
                     guess.name, size * guess.unit));
   else if (unitless || size < kLeastWhole)
     log.report_file(
-        Code::W6006, file,
+        Code("W6006"), file,
         fmt::format("{}: the model is {:.4g} m large{}", of_format, size,
                     unitless ? fmt::format(" if that is metres, as is assumed, {:.4g} m if it is "
                                            "millimetres",
@@ -437,7 +437,7 @@ double scale_of_stated(Imported& model, std::optional<double> unit, double size,
     if (!model.lacks_unit) return 1;
     model.assumed_unit = unit_name(model.file_unit);
     if (size > 0)
-      log.report_file(Code::W6006, file,
+      log.report_file(Code("W6006"), file,
                       fmt::format("the file states no unit: the model is {:.4g} m large if it is "
                                   "{}, as is assumed, {:.4g} m if it is m",
                                   size, model.assumed_unit, size / model.file_unit),
@@ -446,7 +446,7 @@ double scale_of_stated(Imported& model, std::optional<double> unit, double size,
   }
   if (model.file_unit == 0) {
     log.report_file(
-        Code::W6013, file,
+        Code("W6013"), file,
         fmt::format("the file states several units, and {} is not used", unit_name(*unit)));
     return 1;
   }
@@ -454,7 +454,7 @@ double scale_of_stated(Imported& model, std::optional<double> unit, double size,
   if (std::fabs(scale - 1) < kSameUnit) return 1;
   if (!model.lacks_unit)
     log.report_file(
-        Code::W6013, file,
+        Code("W6013"), file,
         fmt::format("the unit of the file is {}, and {} is used instead: the model is {:.4g} m "
                     "large, not {:.4g} m",
                     unit_name(model.file_unit), unit_name(*unit), size * scale, size));
@@ -473,7 +473,8 @@ double scale_of(Imported& model, std::optional<double> unit, double size, Diagno
   // where metres are implausible, the file breaks the rule of its format
   const bool plausible = guess.plausible && guess.unit == 1 && size >= kLeastWhole;
   if (!is_unitless(model.format) && *unit != 1 && plausible)
-    log.report_file(Code::W6013, model.scene.inputs.empty() ? "" : model.scene.inputs.front().path,
+    log.report_file(Code("W6013"),
+                    model.scene.inputs.empty() ? "" : model.scene.inputs.front().path,
                     fmt::format("the unit of the format is the metre, and {} is used instead: the "
                                 "model is {:.4g} m large, not {:.4g} m",
                                 unit_name(*unit), size * *unit, size));

@@ -65,7 +65,7 @@ class FolderFiles : public Files {
     }
     DiagnosticLog log = log_.apart();  // the caller says it in its own words
     auto text = read_file(real, left_, log);
-    if (!text) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
+    if (!text) return log.contains(Code("E0104")) ? Outcome::too_large : Outcome::unreadable;
     left_ -= text->size();
     bytes = std::make_shared<const std::string>(std::move(*text));
     return Outcome::found;

@@ -187,7 +187,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
   bytes.forget(0, size);
   const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
   if (!unpacked.problem.empty()) {
-    report(Code::E6003, name, unpacked.problem, included_at, log);
+    report(Code("E6003"), name, unpacked.problem, included_at, log);
     if (!unpacked.bytes) return failed;
   }
   const bool packed = unpacked.bytes->data() != bytes->data();
@@ -197,7 +197,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
       "\x89"
       "PAN");
   if (is_pan || text.substr(0, 4096).find("<pangu_model") != text.npos) {
-    report(Code::E6001, name,
+    report(Code("E6001"), name,
            is_pan ? "this is a pan model, expected a CAD file"
                   : "this is a pxn model, expected a CAD file",
            included_at, log,
@@ -207,7 +207,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
   }
   const auto format = format_of(text, path, packed, options.assume);
   if (part && format && is_robot(*format)) {
-    report(Code::E6001, name, "a robot description is not part of another one, expected a mesh",
+    report(Code("E6001"), name, "a robot description is not part of another one, expected a mesh",
            included_at, log);
     return failed;
   }
@@ -215,7 +215,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
                                                                : other_format_by_bytes(text, path);
   if (!other && !format) other = other_format_by_name(path);
   if (other) {
-    report(Code::E6001, name,
+    report(Code("E6001"), name,
            fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY, STEP, URDF "
                        "or MJCF",
                        other->name),
@@ -225,7 +225,7 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
   const auto first = static_cast<FileId>(log.sources().size());
   const InputFile file{path, name, recoded.bytes, included_at, job};
   if (!recoded.deviation.empty() && format && is_robot(*format))
-    report(Code::W6221, name, recoded.deviation, included_at, log);
+    report(Code("W6221"), name, recoded.deviation, included_at, log);
   job.poll();
   // what is nothing else is left to the reader of VRML, which says what is wrong
   auto imported = read_as(format.value_or(Format::vrml97), files, file, options, log);
@@ -248,13 +248,13 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
     case Files::Outcome::found:
       break;
     case Files::Outcome::too_large:
-      report(Code::E0104, name, fmt::format("{} is larger than the limit", in_quotes(name)),
+      report(Code("E0104"), name, fmt::format("{} is larger than the limit", in_quotes(name)),
              included_at, log);
       return failed;
     case Files::Outcome::missing:
     case Files::Outcome::outside:
     case Files::Outcome::unreadable:
-      report(Code::E0101, name, fmt::format("{} cannot be read", in_quotes(name)), included_at,
+      report(Code("E0101"), name, fmt::format("{} cannot be read", in_quotes(name)), included_at,
              log);
       return failed;
   }
@@ -280,7 +280,7 @@ Result<Imported> import_file(const fs::path& path, const Options& options, Diagn
   std::error_code error;
   if (!require_file(path, log)) return failed;
   if (!fs::is_regular_file(path, error)) {
-    log.report_file(Code::E0101, path.string(),
+    log.report_file(Code("E0101"), path.string(),
                     fmt::format("{} is not a regular file", in_quotes(path.string())));
     return failed;
   }
@@ -293,7 +293,7 @@ Result<Imported> import_file(const fs::path& path, const Options& options, Diagn
     const fs::path relative =
         (beside.lexically_relative(root) / path.filename()).lexically_normal();
     if (error || relative.empty() || *relative.begin() == "..") {
-      log.report_file(Code::E0101, path.string(),
+      log.report_file(Code("E0101"), path.string(),
                       fmt::format("it does not lie in {}, the folder of --root",
                                   in_quotes(options.root.string())));
       return failed;

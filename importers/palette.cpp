@@ -148,7 +148,7 @@ class Splitter {
     drop_unused();
     std::set<std::int32_t> palettes;
     for (const auto& [key, index] : materials_) palettes.insert(key.first);
-    log.report_file(Code::N6301, {},
+    log.report_file(Code("N6301"), {},
                     fmt::format("replaced {} by {} of one colour each",
                                 counted(palettes.size(), "palette image"),
                                 counted(materials_.size(), "material")));

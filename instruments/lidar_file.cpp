@@ -15,8 +15,8 @@ namespace panwright::instruments {
 
 namespace {
 
-constexpr Code kLidarCode = Code::E0261;
-constexpr Code kRowsCode = Code::E0262;
+constexpr Code kLidarCode = Code("E0261");
+constexpr Code kRowsCode = Code("E0262");
 
 // Numbers of one table within bounds.
 class LidarTable : public ConfigTable {

@@ -157,7 +157,7 @@ void RadarTracer::choose_surfaces(DiagnosticLog& log) {
   if (count > 5) missing.resize(5);
   for (std::string& each : missing) each = in_quotes(each);
   log.report(
-      Code::W0264, {},
+      Code("W0264"), {},
       fmt::format("{} without a surface, taken as Lambert of 0.1: {}{}", counted(count, "material"),
                   fmt::join(missing, ", "), count > 5 ? ", …" : ""));
 }

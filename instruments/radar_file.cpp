@@ -14,7 +14,7 @@ namespace panwright::instruments {
 
 namespace {
 
-constexpr Code kRadarCode = Code::E0263;
+constexpr Code kRadarCode = Code("E0263");
 constexpr std::size_t kMostSurfaces = 4096;
 
 constexpr std::string_view kBeamPatterns[] = {"gaussian", "aperture", "uniform"};

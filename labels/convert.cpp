@@ -39,12 +39,12 @@ Result<std::vector<fs::path>> frames_in(const fs::path& folder, DiagnosticLog& l
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
     if (at->path().filename().string().ends_with(kLabelsExtension)) out.push_back(at->path());
   if (error) {
-    log.report_file(Code::E0101, folder.string(),
+    log.report_file(Code("E0101"), folder.string(),
                     fmt::format("the folder cannot be read: {}", error.message()));
     return failed;
   }
   if (out.empty()) {
-    log.report_file(Code::E9003, folder.string(),
+    log.report_file(Code("E9003"), folder.string(),
                     fmt::format("the folder has no frames with labels, NAME{}", kLabelsExtension));
     return failed;
   }
@@ -108,14 +108,14 @@ class FolderConversion {
         const auto near = nearest_name(name, names);
         std::string all;
         for (const auto& each : names) all += (all.empty() ? "" : ", ") + std::string(each);
-        log_.report(Code::E0201, {},
+        log_.report(Code("E0201"), {},
                     fmt::format("{} is no format of labels, expected {}", in_quotes(name), all),
                     near ? fmt::format("did you mean '{}'?", *near) : "");
         return {};
       }
       if (std::ranges::find(out, &*at) == out.end()) out.push_back(&*at);
     }
-    if (out.empty()) log_.report(Code::E0201, {}, "no format of labels is given");
+    if (out.empty()) log_.report(Code("E0201"), {}, "no format of labels is given");
     return out;
   }
 
@@ -123,7 +123,7 @@ class FolderConversion {
   bool is_empty(const fs::path& folder) {
     std::error_code ignored;
     if (conversion_.again || fs::is_empty(folder, ignored)) return true;
-    log_.report_file(Code::E9003, folder.string(), "the folder to write has files already",
+    log_.report_file(Code("E9003"), folder.string(), "the folder to write has files already",
                      "choose another folder");
     return false;
   }
@@ -135,7 +135,7 @@ class FolderConversion {
 
   bool take(FrameLabels& frame, const fs::path& file) {
     const auto refuse = [&](std::string message) {
-      log_.report_file(Code::E9003, file.string(), std::move(message));
+      log_.report_file(Code("E9003"), file.string(), std::move(message));
       return false;
     };
     if (!numbers_.insert(frame.number).second)
@@ -167,7 +167,7 @@ class FolderConversion {
     if (!text) return;
     const auto frames = static_cast<std::size_t>(std::ranges::count(*text, '\n'));
     if (frames > found)
-      log_.report_file(Code::W9002, conversion_.folder.string(),
+      log_.report_file(Code("W9002"), conversion_.folder.string(),
                        fmt::format("{} of {} frames of the run have labels", found, frames),
                        "panwright run … --resume makes the others");
   }
@@ -179,7 +179,7 @@ class FolderConversion {
     for (const std::string& target : conversion_.targets) {
       if (std::ranges::find(names, target) != names.end()) continue;
       const auto near = nearest_name(target, names);
-      log_.report_file(Code::E9003, conversion_.folder.string(),
+      log_.report_file(Code("E9003"), conversion_.folder.string(),
                        fmt::format("the frames have no target {}", in_quotes(target)),
                        near ? fmt::format("did you mean '{}'?", *near) : "");
       return false;
@@ -242,7 +242,7 @@ void Output::report_losses() {
     if (!loss.first.empty()) frames = fmt::format("frame {}", loss.first);
     if (loss.frames > 1) frames += fmt::format(" and {} more", loss.frames - 1);
     log_.report_file(
-        Code::W9002, {},
+        Code("W9002"), {},
         fmt::format("{}: {}{}{}", format_, frames, frames.empty() ? "" : ": ", loss.what));
   }
   losses_.clear();
@@ -266,7 +266,7 @@ const Thing* Output::only_target(const FrameLabels& frame, bool& good) {
 }
 
 bool Output::impossible(const FrameLabels& frame, std::string why, std::string hint) {
-  log_.report_file(Code::E9003, conversion_.folder.string(),
+  log_.report_file(Code("E9003"), conversion_.folder.string(),
                    fmt::format("{}: frame {}: {}", format_, frame.name, why), std::move(hint));
   return false;
 }
@@ -275,7 +275,7 @@ bool Output::make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (fs::is_directory(folder, error)) return true;
-  log_.report_file(Code::E0103, folder.string(), "the folder cannot be made");
+  log_.report_file(Code("E0103"), folder.string(), "the folder cannot be made");
   return false;
 }
 
@@ -316,7 +316,7 @@ bool Output::place_png(const FrameLabels& frame, const fs::path& file) {
   fs::create_hard_link(from, to, error);
   if (error) fs::copy_file(from, to, error);
   if (error)
-    log_.report_file(Code::E0103, to.string(),
+    log_.report_file(Code("E0103"), to.string(),
                      fmt::format("the image cannot be copied: {}", error.message()));
   return !error;
 }

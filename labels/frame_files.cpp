@@ -104,7 +104,7 @@ bool write_frame(const std::filesystem::path& folder, const FrameLabels& frame, 
   std::error_code error;
   std::filesystem::remove(json, error);
   if (error) {
-    log.report_file(Code::E0103, json.string(), "the old file cannot be removed");
+    log.report_file(Code("E0103"), json.string(), "the old file cannot be removed");
     return false;
   }
   std::vector<image::Array> arrays;

@@ -108,7 +108,7 @@ Result<Things> named_things(const world::World& world, const std::vector<ChosenP
   for (std::size_t k = 0; k < chosen.size(); ++k)
     if (!found[k]) {
       const auto near = nearest_node(world, chosen[k].node);
-      log.report(Code::E9005, {},
+      log.report(Code("E9005"), {},
                  fmt::format("the label {} is for {}, which is no node of a target",
                              in_quotes(chosen[k].label), in_quotes(chosen[k].node)),
                  fmt::format("{}nodes: panwright info MODEL --nodes",

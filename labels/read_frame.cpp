@@ -39,7 +39,7 @@ class FrameReader {
   bool fail(std::string_view where, std::string_view expected) {
     if (good_)
       log_.report_file(
-          Code::E9001, file_,
+          Code("E9001"), file_,
           fmt::format("member {} is missing or wrong, expected {}", in_quotes(where), expected));
     good_ = false;
     return false;
@@ -227,14 +227,14 @@ bool take_masks(const std::filesystem::path& path, FrameLabels& frame, Diagnosti
       total += std::uint64_t{mask->width} * mask->height;
   if (total == 0) return true;
   if (total > kMostMaskBytes) {
-    log.report_file(Code::E0104, path.string(), "the masks exceed 2 GiB");
+    log.report_file(Code("E0104"), path.string(), "the masks exceed 2 GiB");
     return false;
   }
   constexpr std::uint64_t kHeader = 1 << 10;
   auto arrays = image::read_arrays(path, {}, total + 2 * kHeader * frame.things.size(), log);
   if (!arrays) return false;
   const auto fail = [&](const std::string& name) {
-    log.report_file(Code::E9001, path.string(),
+    log.report_file(Code("E9001"), path.string(),
                     fmt::format("the mask {} is missing, or of another size", in_quotes(name)));
     return false;
   };
@@ -260,7 +260,7 @@ bool take_masks(const std::filesystem::path& path, FrameLabels& frame, Diagnosti
 Result<FrameLabels> read_frame(const std::filesystem::path& json, DiagnosticLog& log,
                                const FrameParts& parts) {
   const auto fail = [&](std::string message) {
-    log.report_file(Code::E9001, json.string(), std::move(message));
+    log.report_file(Code("E9001"), json.string(), std::move(message));
     return failed;
   };
   const std::string name = json.filename().string();

@@ -42,14 +42,14 @@ void settle_diffuse(Material& material, const Fields& fields, const Reporter& re
     material.diffuse_brdf = *fields.hapke;
     // the numbers of level 0 have no names
     if (!fields.hapke_named)
-      report(Code::W1404,
+      report(Code("W1404"),
              fmt::format("hapke is read as single-scattering albedo {}, opposition width {}, "
                          "opposition strength {} and mean roughness {} degrees",
                          text(fields.hapke->w), text(fields.hapke->h), text(fields.hapke->b0),
                          text(exact_degrees(fields.hapke->roughness))));
     if (fields.oren_nayar)
-      report(Code::N1401, fmt::format("oren {} is not used, because hapke is given",
-                                      text(fields.oren_nayar->sigma)));
+      report(Code("N1401"), fmt::format("oren {} is not used, because hapke is given",
+                                        text(fields.oren_nayar->sigma)));
   } else if (fields.oren_nayar) {
     material.diffuse_brdf = *fields.oren_nayar;
   }
@@ -63,12 +63,12 @@ void settle_specular(Material& material, const Fields& fields, const Reporter& r
     material.specular_brdf = *fields.cook_torrance;
     const auto& [c, m, f, g] = *fields.cook_torrance;
     if (c != 1 || f != 1 || g != 1)
-      report(Code::W1403,
+      report(Code("W1403"),
              fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public models use 1",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
     if (fields.blinn_phong)
-      report(Code::N1401, fmt::format("shine {} is not used, because cook is given",
-                                      text(fields.blinn_phong->shine)));
+      report(Code("N1401"), fmt::format("shine {} is not used, because cook is given",
+                                        text(fields.blinn_phong->shine)));
   } else if (fields.specular || fields.blinn_phong) {
     material.specular_brdf = fields.blinn_phong.value_or(BlinnPhong{});
   }
@@ -81,7 +81,7 @@ bool has_microfacets(const Material& material) {
 // Fields whose partner is missing. An explicit weight of 0 is intended and not reported.
 void report_idle_fields(const Material& material, const Fields& fields, const Reporter& report) {
   const auto idle = [&](std::string_view field, std::string_view reason) {
-    report(Code::N1405, fmt::format("{} has no effect, because {}", field, reason));
+    report(Code("N1405"), fmt::format("{} has no effect, because {}", field, reason));
   };
   const bool dark = material.specular == Vec3(0);
   if (dark && fields.cook_torrance)
@@ -139,18 +139,19 @@ void report_energy(const Material& material, const Reporter& report) {
   const Vec3& w = material.weights;
   const double sum = w.x + w.y + w.z;
   if (sum > 1 + kSumTolerance) {
-    report(Code::W1402, fmt::format("the weights {} {} {} of reflect add up to {:.6g}, expected at "
-                                    "most 1 to conserve energy",
-                                    text(w.x), text(w.y), text(w.z), sum));
+    report(Code("W1402"),
+           fmt::format("the weights {} {} {} of reflect add up to {:.6g}, expected at "
+                       "most 1 to conserve energy",
+                       text(w.x), text(w.y), text(w.z), sum));
     return;
   }
   constexpr const char* kChannels[] = {"red", "green", "blue"};
   for (int k = 0; k < 3; ++k) {
     const double reflected = w.x * material.diffuse[k] + w.y * material.specular[k];
     if (reflected <= 1 + kSumTolerance) continue;
-    report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}, "
-                                    "expected at most 1 to conserve energy{}",
-                                    reflected, kChannels[k], as_codes(material)));
+    report(Code("W1402"), fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}, "
+                                      "expected at most 1 to conserve energy{}",
+                                      reflected, kChannels[k], as_codes(material)));
     return;
   }
 }

@@ -111,7 +111,7 @@ class Complaints {
   }
   bool report(DiagnosticLog& log) const {
     for (const Kind& kind : kinds_)
-      log.report(Code::E1409, kind.where,
+      log.report(Code("E1409"), kind.where,
                  kind.words + (kind.count > 1 ? fmt::format(", and {} like it",
                                                             counted(kind.count - 1, "line"))
                                               : std::string()),
@@ -419,12 +419,12 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
   if (complaints.report(log)) return failed;
   if (readings.size() > kMostReadings) {
     log.report_file(
-        Code::E1409, path.string(),
+        Code("E1409"), path.string(),
         fmt::format("{}, expected at most {}", counted(readings.size(), "reading"), kMostReadings));
     return failed;
   }
   if (usable < kFewestReadings) {
-    log.report_file(Code::E1409, path.string(),
+    log.report_file(Code("E1409"), path.string(),
                     fmt::format("{} with light and viewer above the horizon, expected at least {}",
                                 counted(usable, "reading"), kFewestReadings));
     return failed;

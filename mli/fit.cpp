@@ -144,7 +144,7 @@ class Fitter {
   }
 
   bool refuse(const std::string& message) {
-    log_.report(Code::E7001, where_, message);
+    log_.report(Code("E7001"), where_, message);
     return false;
   }
 

@@ -43,7 +43,7 @@ void Sampler::add_grid(geometry::Mesh& mesh, std::size_t first, std::size_t colu
 
 bool FormProblems::length(std::string_view what, double value, bool zero) {
   if ((value >= kMinLength && value <= kMaxLength) || (zero && value == 0)) return true;
-  log.report(Code::E7001, where,
+  log.report(Code("E7001"), where,
              fmt::format("the form's {} is {}, expected {} to {} m{}", what, value, kMinLength,
                          kMaxLength, zero ? ", or 0" : ""));
   return false;
@@ -52,7 +52,7 @@ bool FormProblems::length(std::string_view what, double value, bool zero) {
 bool FormProblems::fits(const Vec2& needed, const Vec2& sheet) {
   if (needed.x <= sheet.x * (1 + 1e-9) && needed.y <= sheet.y * (1 + 1e-9)) return true;
   log.report(
-      Code::E7001, where,
+      Code("E7001"), where,
       fmt::format(
           "the sheet is {:.6g} by {:.6g} m, expected at least {:.6g} by {:.6g} m for this form",
           sheet.x, sheet.y, needed.x, needed.y));
@@ -61,7 +61,7 @@ bool FormProblems::fits(const Vec2& needed, const Vec2& sheet) {
 
 bool FormProblems::vertices(double count) {
   if (count <= kMaxVertices) return true;
-  log.report(Code::E7001, where,
+  log.report(Code("E7001"), where,
              fmt::format(
                  "the form has {:.0f} vertices, expected at most {:.0f}: a coarser sheet has fewer",
                  count, kMaxVertices));
@@ -70,7 +70,7 @@ bool FormProblems::vertices(double count) {
 
 void FormProblems::folded(std::size_t triangles, std::size_t all, double height, double room) {
   if (triangles == 0) return;
-  log.report(Code::W7002, where,
+  log.report(Code("W7002"), where,
              fmt::format("the sheet intersects itself in {} of {} triangles: its height is {:.3g} "
                          "m, expected at most {:.3g} m",
                          std::min(triangles, all), all, height, room));
@@ -114,7 +114,7 @@ Result<geometry::Mesh> boxed(const Sheet& sheet, const Box& box, FormProblems& p
     if (!problems.length("size", s[k], false)) return failed;
     if (s[k] > 2 * box.flange) continue;
     problems.log.report(
-        Code::E7001, problems.where,
+        Code("E7001"), problems.where,
         fmt::format("a side of the box is {} m, expected more than twice the flange, {} m", s[k],
                     box.flange));
     return failed;

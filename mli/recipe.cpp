@@ -26,7 +26,8 @@ class Checker {
   bool good() const { return good_; }
   void wrong(std::string_view what) {
     good_ = false;
-    log_.report(Code::E7001, where_, fmt::format("{}{}{}", name_, name_.empty() ? "" : ": ", what));
+    log_.report(Code("E7001"), where_,
+                fmt::format("{}{}{}", name_, name_.empty() ? "" : ": ", what));
   }
   // what: "width"
   bool within(std::string_view what, double value, double low, double high,

@@ -15,7 +15,7 @@ bool scale_slopes(const SlopeRms& wanted, const Grid& grid, const SourceSpan& wh
                   DiagnosticLog& log, const Job& job) {
   const double slope = slope_rms(*grid.heights, grid.columns, {grid.cell, grid.cell}, job);
   if (!(slope > 0) && wanted.slope > 0) {
-    log.report(Code::E7001, where,
+    log.report(Code("E7001"), where,
                fmt::format("operation {}, slope_rms: the sheet is flat here, expected an earlier "
                            "operation that makes wrinkles",
                            grid.index + 1));

@@ -66,7 +66,7 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
                longest = 1.5 * made_of.cell();
   const auto too_many = [&] {
     log.report(
-        Code::E7001, where,
+        Code("E7001"), where,
         fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; use "
                     "larger cells (<mli_settings> of <mli type=\"wrap\">) or fewer faces",
                     options.max_triangles, made_of.cell()));
@@ -206,7 +206,7 @@ void Wrapper::drape_all() {
 bool usable(const geometry::Mesh& mesh, std::span<const std::uint32_t> chosen, const WrapOptions& o,
             DiagnosticLog& log, const SourceSpan& where) {
   const auto bad = [&](std::string text) {
-    log.report(Code::E7001, where, std::move(text));
+    log.report(Code("E7001"), where, std::move(text));
     return false;
   };
   if (!(o.stand_off >= kMinLength && o.stand_off <= kMaxLength))
@@ -361,10 +361,10 @@ Result<Wrap> wrapped(const geometry::Mesh& mesh, std::span<const std::uint32_t> 
     tally.add(*out);
     const bool bare = !(out->area_accepted > 0);
     if (tally.refused > 0 || bare)
-      log.report(bare ? Code::E7001 : Code::W7002, where, tally.refusals());
+      log.report(bare ? Code("E7001") : Code("W7002"), where, tally.refusals());
     if (tally.scaled > 0)
-      log.report(Code::W7002, where, tally.scalings(enough_stand_off(options, tally.least)));
-    if (tally.held > 0) log.report(Code::W7002, where, tally.holds());
+      log.report(Code("W7002"), where, tally.scalings(enough_stand_off(options, tally.least)));
+    if (tally.held > 0) log.report(Code("W7002"), where, tally.holds());
     if (bare) return failed;
     return out;
   });

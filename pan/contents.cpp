@@ -368,7 +368,7 @@ bool write_section(const Writing& writing, const Tables& tables, const layout::S
 }
 
 bool is_beyond(const Tables& tables, const std::string& path, DiagnosticLog& log) {
-  if (!tables.beyond.empty()) log.report_file(Code::E0103, path, tables.beyond);
+  if (!tables.beyond.empty()) log.report_file(Code("E0103"), path, tables.beyond);
   return !tables.beyond.empty();
 }
 
@@ -476,7 +476,7 @@ std::optional<Runs> announced(const MeshProducer& producer, const std::string& p
       problem =
           fmt::format("meshes 0 to {} have {} vertices, more than a file holds", i, runs.vertices);
     if (!problem) continue;
-    log.report_file(Code::E0103, path, *problem);
+    log.report_file(Code("E0103"), path, *problem);
     return {};
   }
   return runs;
@@ -514,7 +514,7 @@ bool write_produced(const MeshProducer& producer, const Runs& runs, Writer& writ
           fmt::format("the producer broke off before mesh {} of {}", i, producer.shapes.size());
     if (!problem) problem = misshapen(mesh, producer.shapes[i], i);
     if (problem) {
-      log.report_file(Code::E0103, path, *problem);
+      log.report_file(Code("E0103"), path, *problem);
       return false;
     }
     add_mesh(mesh, tables);

@@ -61,24 +61,24 @@ struct Complaint {
 };
 
 std::optional<Complaint> check_magic(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return Complaint{Code::E4001, "the file is empty", {}};
+  if (bytes.empty()) return Complaint{Code("E4001"), "the file is empty", {}};
   const std::string_view magic(reinterpret_cast<const char*>(layout::kMagic),
                                sizeof layout::kMagic);
   if (begins_with(bytes, magic.substr(0, std::min(bytes.size(), magic.size())))) {
     if (bytes.size() >= sizeof(layout::Header)) return {};
     return Complaint{
-        Code::E4005,
+        Code("E4005"),
         fmt::format("the file is {} bytes long, expected at least the {} of the header",
                     bytes.size(), sizeof(layout::Header)),
         {}};
   }
   if (damaged_by_text_mode(bytes))
-    return Complaint{Code::E4002, "the first bytes show that the file was transferred as text",
+    return Complaint{Code("E4002"), "the first bytes show that the file was transferred as text",
                      "transfer the file again in binary mode"};
   std::string seen;
   for (const std::byte byte : bytes.first(std::min<std::size_t>(bytes.size(), 8)))
     seen += fmt::format(" {:02x}", static_cast<unsigned>(byte));
-  return Complaint{Code::E4001,
+  return Complaint{Code("E4001"),
                    fmt::format("the file begins with{}, expected 89 50 41 4e 0d 0a 1a 0a", seen),
                    {}};
 }
@@ -86,28 +86,28 @@ std::optional<Complaint> check_magic(std::span<const std::byte> bytes) {
 std::optional<Complaint> check_header(const layout::Header& header, std::uint64_t size) {
   constexpr std::uint32_t kSwapped = 0x01020304;
   if (header.endian == kSwapped)
-    return Complaint{Code::E4003, "the file is big-endian, expected little-endian", {}};
+    return Complaint{Code("E4003"), "the file is big-endian, expected little-endian", {}};
   if (header.header_hash != internal::header_hash(header))
-    return Complaint{Code::E4007, "the header (bytes 0 to 127) does not match its checksum", {}};
+    return Complaint{Code("E4007"), "the header (bytes 0 to 127) does not match its checksum", {}};
   if (header.complete != layout::kComplete)
-    return Complaint{Code::E4006, "the complete mark is missing: the writer was stopped", {}};
+    return Complaint{Code("E4006"), "the complete mark is missing: the writer was stopped", {}};
   if (header.endian != layout::kEndianTag || header.major != layout::kMajor)
-    return Complaint{Code::E4003,
+    return Complaint{Code("E4003"),
                      fmt::format("the file has format {}.{}, expected {}.x", header.major,
                                  header.minor, layout::kMajor),
                      "compile the model again with this version of panwright"};
   const std::uint64_t unknown = header.required_features & ~layout::kKnownRequiredFeatures;
   if (unknown != 0)
-    return Complaint{Code::E4004,
+    return Complaint{Code("E4004"),
                      fmt::format("the file (format {}.{}) requires the features {:#x}, which this "
                                  "program does not support",
                                  header.major, header.minor, unknown),
                      "update panwright, or compile the model again with this version"};
   if (!all_zero(header.reserved))
-    return Complaint{Code::E4012, "reserved words of the header (bytes 80 to 119) are not 0", {}};
+    return Complaint{Code("E4012"), "reserved words of the header (bytes 80 to 119) are not 0", {}};
   if (header.total_length != size)
     return Complaint{
-        Code::E4005,
+        Code("E4005"),
         fmt::format("the file is {} bytes long, but its header says {}", size, header.total_length),
         {}};
   // note: compared so that nothing can overflow; total_length is the size of real bytes here
@@ -116,7 +116,7 @@ std::optional<Complaint> check_header(const layout::Header& header, std::uint64_
   if (count > layout::kMaxSections || offset < sizeof(layout::Header) || offset > size ||
       offset % layout::kSectionAlignment != 0 ||
       size - offset != count * sizeof(layout::DirectoryEntry))
-    return Complaint{Code::E4008,
+    return Complaint{Code("E4008"),
                      fmt::format("the directory of {} sections at byte {} does not end with the "
                                  "file at byte {}",
                                  count, offset, size),
@@ -215,7 +215,7 @@ Result<Model> Model::open(const std::filesystem::path& path, DiagnosticLog& log)
   std::error_code error;
   const std::uint64_t now = std::filesystem::file_size(path, error);
   if (!error && now < model.bytes_.size()) {
-    log.report_file(Code::E4005, model.name_,
+    log.report_file(Code("E4005"), model.name_,
                     fmt::format("the file shrank from {} to {} bytes while it was opened",
                                 model.bytes_.size(), now));
     return failed;
@@ -240,7 +240,7 @@ Result<Model> Model::read(const std::filesystem::path& path, std::uint64_t max_b
   auto model = from_bytes(as_bytes(*text), path.string(), log);
   if (!model) return failed;
   if (model->unpacked_bytes_ <= max_bytes) return model;
-  log.report_file(Code::E0104, model->name_,
+  log.report_file(Code("E0104"), model->name_,
                   fmt::format("its sections decompress to {} bytes, expected at most {}",
                               model->unpacked_bytes_, max_bytes));
   return failed;
@@ -272,30 +272,31 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
                          DiagnosticLog& log) {
   const auto refuse = [&](Code code, const std::string& problem) {
     log.report_file(code, name_, problem,
-                    code == Code::E4004
+                    code == Code("E4004")
                         ? "update panwright, or compile the model again with this version"
                         : "");
     return false;
   };
   const std::uint64_t features = header().required_features;
   if (is_derived(found) && !(features & layout::kFeatureMeshStreams))
-    return refuse(Code::E4008, section_name(found) +
-                                   " is made from streams, but the header does not declare them");
+    return refuse(Code("E4008"), section_name(found) +
+                                     " is made from streams, but the header does not declare them");
   if (has_codec(found) && !is_derived(found) && !(features & layout::kFeatureCompressed))
-    return refuse(Code::E4008, section_name(found) +
-                                   " is compressed, but the header does not declare compression");
+    return refuse(Code("E4008"), section_name(found) +
+                                     " is compressed, but the header does not declare compression");
   if (!known(found.kind) || found.version != 1) {
     if (found.flags & layout::kSectionOptional) return true;
-    return refuse(Code::E4004, fmt::format("{} has version {}, which this program does not support",
-                                           section_name(found), found.version));
+    return refuse(Code("E4004"),
+                  fmt::format("{} has version {}, which this program does not support",
+                              section_name(found), found.version));
   }
   if (found.codec > static_cast<std::uint32_t>(layout::Codec::streams))
-    return refuse(Code::E4004,
+    return refuse(Code("E4004"),
                   fmt::format("{} is compressed by method {}, which this program does not support",
                               section_name(found), found.codec));
-  if (const auto problem = missized(found, features)) return refuse(Code::E4008, *problem);
+  if (const auto problem = missized(found, features)) return refuse(Code("E4008"), *problem);
   if (entry_of_kind_[found.kind] != 0)
-    return refuse(Code::E4008, section_name(found) + " is repeated");
+    return refuse(Code("E4008"), section_name(found) + " is repeated");
   entry_of_kind_[found.kind] = number;
   if (used_in_place(found)) {
     content_[found.kind] = bytes_.subspan(found.offset, found.raw_length);
@@ -332,7 +333,7 @@ bool Model::streams_fit(DiagnosticLog& log) {
     problem = fmt::format("section 'stream_bytes' stores {} bytes, too few for {} of meshes",
                           stored, raw);
   if (problem.empty()) return true;
-  log.report_file(Code::E4008, name_, problem);
+  log.report_file(Code("E4008"), name_, problem);
   return false;
 }
 
@@ -341,7 +342,7 @@ bool Model::parse(DiagnosticLog& log) {
   if (!complaint) complaint = check_header(header(), bytes_.size());
   if (!complaint &&
       header().directory_hash != internal::block_hash(bytes_.subspan(header().directory_offset)))
-    complaint = Complaint{Code::E4007,
+    complaint = Complaint{Code("E4007"),
                           fmt::format("the directory (from byte {}) does not match its checksum",
                                       header().directory_offset),
                           {}};
@@ -354,21 +355,21 @@ bool Model::parse(DiagnosticLog& log) {
   for (const layout::DirectoryEntry& found : directory()) {
     ++number;
     if (const auto problem = misplaced(found, begin, header().directory_offset)) {
-      log.report_file(Code::E4008, name_, *problem);
+      log.report_file(Code("E4008"), name_, *problem);
       return false;
     }
     begin += found.stored_length;
     if (!take_section(found, number, log)) return false;
   }
   if (begin != header().directory_offset) {
-    log.report_file(Code::E4008, name_,
+    log.report_file(Code("E4008"), name_,
                     fmt::format("the sections end at byte {}, but the directory begins at {}",
                                 begin, header().directory_offset));
     return false;
   }
   if (!streams_fit(log)) return false;
   if (unpacked_bytes_ > layout::kMaxUnpackedBytes) {
-    log.report_file(Code::E4015, name_,
+    log.report_file(Code("E4015"), name_,
                     fmt::format("the sections decompress to {} bytes, expected at most {}",
                                 unpacked_bytes_, layout::kMaxUnpackedBytes));
     return false;
@@ -376,7 +377,7 @@ bool Model::parse(DiagnosticLog& log) {
   bool complete = true;
   for (const layout::SectionInfo& info : layout::kSections) {
     if (info.optional || entry(info.kind)) continue;
-    log.report_file(Code::E4008, name_, fmt::format("section '{}' is missing", info.name));
+    log.report_file(Code("E4008"), name_, fmt::format("section '{}' is missing", info.name));
     complete = false;
   }
   return complete;

@@ -81,7 +81,7 @@ struct Writer::State {
     for (Reserved& section : reserved) {
       layout::DirectoryEntry& entry = entries[section.entry];
       if (section.filled != entry.raw_length) {
-        log.report_file(Code::E0103, path,
+        log.report_file(Code("E0103"), path,
                         fmt::format("section '{}' ends after {} of {} elements",
                                     layout::kSections[entry.kind - 1].name,
                                     section.filled / entry.stride, entry.count));
@@ -276,7 +276,7 @@ bool Writer::reserve(layout::SectionKind kind, std::uint64_t count, DiagnosticLo
   s.open = false;
   if (count > kMostBytes / info.stride) {
     log.report_file(
-        Code::E0103, s.path,
+        Code("E0103"), s.path,
         fmt::format("section '{}' would have {} elements of {} bytes, expected at most {}",
                     info.name, count, info.stride, kMostBytes / info.stride));
     s.broken = true;

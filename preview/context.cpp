@@ -171,33 +171,33 @@ Result<std::unique_ptr<Context>> Context::create(ContextKind kind, DiagnosticLog
   if (kind == ContextKind::osmesa) {
     auto attempt = create_osmesa_context();
     if (attempt.context) return std::move(attempt.context);
-    log.report_file(Code::E5001, {}, fmt::format("no OSMesa context: {}", attempt.reason));
+    log.report_file(Code("E5001"), {}, fmt::format("no OSMesa context: {}", attempt.reason));
     return failed;
   }
   if (kind == ContextKind::egl) {
     auto attempt = create_egl_context(false);
     if (attempt.context) return std::move(attempt.context);
-    log.report_file(Code::E5001, {}, fmt::format("no EGL context: {}", attempt.reason));
+    log.report_file(Code("E5001"), {}, fmt::format("no EGL context: {}", attempt.reason));
     return failed;
   }
   auto hardware = create_egl_context(true);
   if (hardware.context) return std::move(hardware.context);
   auto osmesa = create_osmesa_context();
   if (osmesa.context) {
-    log.report_file(Code::N5002, {},
+    log.report_file(Code("N5002"), {},
                     fmt::format("drawing with OSMesa ({}), because no EGL device is hardware: {}",
                                 osmesa.context->renderer(), hardware.reason));
     return std::move(osmesa.context);
   }
   auto software = create_egl_context(false);
   if (software.context) {
-    log.report_file(Code::N5002, {},
+    log.report_file(Code("N5002"), {},
                     fmt::format("drawing with EGL in software ({}), because no EGL device is "
                                 "hardware: {}; and no OSMesa: {}",
                                 software.context->renderer(), hardware.reason, osmesa.reason));
     return std::move(software.context);
   }
-  log.report_file(Code::E5001, {},
+  log.report_file(Code("E5001"), {},
                   fmt::format("no OpenGL 4.5 context: with EGL {}; with OSMesa {}", software.reason,
                               osmesa.reason));
   return failed;

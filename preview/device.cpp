@@ -57,18 +57,18 @@ Device::Counts Device::counts() const {
 
 bool Device::Impl::ready(DiagnosticLog& log) {
   if (lost) {
-    log.report_file(Code::E5001, {}, "the OpenGL context was lost; a new device takes its place");
+    log.report_file(Code("E5001"), {}, "the OpenGL context was lost; a new device takes its place");
     return false;
   }
   if (context->make_current()) return true;
-  log.report_file(Code::E5001, {}, "the OpenGL context cannot be made current");
+  log.report_file(Code("E5001"), {}, "the OpenGL context cannot be made current");
   return false;
 }
 
 bool Device::Impl::programs_ready(DiagnosticLog& log) {
   std::string problem;
   if (programs.settle(&problem)) return true;
-  log.report_file(Code::E5001, {},
+  log.report_file(Code("E5001"), {},
                   fmt::format("{} refuses a shader: {}", context->renderer(), problem));
   return false;
 }
@@ -77,7 +77,7 @@ bool Device::Impl::went_well(DiagnosticLog& log) {
   const GladGLContext& gl = context->gl();
   if (gl.GetGraphicsResetStatus && gl.GetGraphicsResetStatus() != GL_NO_ERROR) {
     lost = true;
-    log.report_file(Code::E5001, {}, "the OpenGL context was lost while it drew");
+    log.report_file(Code("E5001"), {}, "the OpenGL context was lost while it drew");
     return false;
   }
   const GLenum error = gl.GetError();
@@ -85,7 +85,7 @@ bool Device::Impl::went_well(DiagnosticLog& log) {
   // a lost context may report errors for ever
   for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {
   }
-  log.report_file(Code::E5003, {},
+  log.report_file(Code("E5003"), {},
                   fmt::format("the context failed while it drew, with OpenGL error 0x{:04x}",
                               static_cast<unsigned>(error)));
   return false;

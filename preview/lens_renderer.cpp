@@ -128,7 +128,7 @@ struct LensRenderer::Frame {
 // What views report, once; that one of them is empty matters to none.
 void LensRenderer::Frame::tell(const DiagnosticLog& apart) {
   for (const Diagnostic& each : apart.entries()) {
-    if (each.code == Code::W5006) continue;
+    if (each.code == Code("W5006")) continue;
     const auto& known = log.entries();
     if (std::none_of(known.begin(), known.end(), [&](const Diagnostic& one) {
           return one.code == each.code && one.message == each.message;
@@ -219,7 +219,7 @@ bool LensRenderer::draw_rest(Frame& frame) {
   const Density& density = frame.density;
   std::vector<LensPart> parts;
   if (!divide(frame.camera, whole, density.rate, kMostViewTexels, parts)) {
-    frame.log.report_file(Code::E5003, {},
+    frame.log.report_file(Code("E5003"), {},
                           "a few pixels of the lens see a wider field than a view can have",
                           "--engine reference draws any lens");
     return false;
@@ -424,7 +424,7 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
       std::uint64_t{camera.width} * camera.height * (options.ground_truth ? 48 : 16);
   if (camera.width > kMaxSide || camera.height > kMaxSide || bytes > options.max_bytes) {
     log.report_file(
-        Code::E5003, {},
+        Code("E5003"), {},
         fmt::format("an image of {} by {} pixels, expected at most {} a side and {:.4g} "
                     "GB of memory",
                     camera.width, camera.height, kMaxSide,
@@ -454,7 +454,7 @@ Result<image::Image> LensRenderer::render(Renderer& renderer, const world::World
   add_small(frame);
   estimate(frame);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
-    log.report_file(Code::W5006, {},
+    log.report_file(Code("W5006"), {},
                     "nothing is in view: no part of a target lies inside the image, or samples "
                     "missed it");
   return std::move(image);

@@ -57,7 +57,7 @@ void set_state(const GladGLContext& gl) {
 
 bool fits(const world::Camera& camera, const RenderOptions& options, DiagnosticLog& log) {
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
-    log.report_file(Code::E5003, {},
+    log.report_file(Code("E5003"), {},
                     fmt::format("an image of {} by {} pixels, expected at most {} a side",
                                 camera.width, camera.height, kMaxSide));
     return false;
@@ -66,7 +66,7 @@ bool fits(const world::Camera& camera, const RenderOptions& options, DiagnosticL
       std::uint64_t{camera.width} * camera.height * (options.ground_truth ? 48 : 16);
   if (bytes <= options.max_bytes) return true;
   log.report_file(
-      Code::E5003, {},
+      Code("E5003"), {},
       fmt::format("an image of {} by {} pixels takes {:.4g} GB of memory; the limit is {:.4g} GB",
                   camera.width, camera.height, static_cast<double>(bytes) / 1e9,
                   static_cast<double>(options.max_bytes) / 1e9),

@@ -31,7 +31,7 @@ std::shared_ptr<Device> Device::create(std::unique_ptr<Context> context) {
 Context& Device::context() const { return *impl_->context; }
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr&,
                                                                 DiagnosticLog& log, const Job&) {
-  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
+  log.report_file(Code("E5007"), {}, "this program was built without OpenGL");
   return failed;
 }
 std::shared_ptr<const ModelResources> Device::find(const world::ModelPtr&) const { return nullptr; }
@@ -48,13 +48,13 @@ Renderer::Counts Renderer::counts() const { return {}; }
 
 Result<image::Image> Renderer::render(const world::World&, const world::Camera&,
                                       const RenderOptions&, DiagnosticLog& log, const Job&) {
-  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
+  log.report_file(Code("E5007"), {}, "this program was built without OpenGL");
   return failed;
 }
 
 bool Renderer::submit(const world::World&, const world::Camera&, const RenderOptions&,
                       DiagnosticLog& log, const Job&) {
-  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
+  log.report_file(Code("E5007"), {}, "this program was built without OpenGL");
   return false;
 }
 Result<image::Image> Renderer::collect(DiagnosticLog&, const Job&) { return failed; }

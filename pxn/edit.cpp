@@ -179,7 +179,7 @@ template <class Found>
 Result<std::vector<Found>> found_in(const std::string& name, std::string_view bytes,
                                     DiagnosticLog& log, std::vector<Found> (Finder::*find)()) {
   if (bytes.size() >= 0xffffffffu) {
-    log.report_file(Code::E0104, name, "the file has 4 GiB or more");
+    log.report_file(Code("E0104"), name, "the file has 4 GiB or more");
     return failed;
   }
   DiagnosticLog own;

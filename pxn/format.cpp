@@ -477,7 +477,7 @@ std::string_view byte_order_mark(std::string_view bytes) {
 Result<std::string> formatted(const std::string& name, std::shared_ptr<const std::string> bytes,
                               const Limits& limits, DiagnosticLog& log) {
   if (bytes->size() >= 0xffffffffu) {
-    log.report_file(Code::E0104, name, "the file has 4 GiB or more");
+    log.report_file(Code("E0104"), name, "the file has 4 GiB or more");
     return failed;
   }
   const std::size_t errors = log.errors();

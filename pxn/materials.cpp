@@ -28,7 +28,7 @@ Result<DescribedMaterial> preset(std::string_view name, DiagnosticLog& log) {
   const Preset* found = find_preset(name);
   if (found == nullptr) {
     const auto near = nearest_name(name, preset_names());
-    log.report(Code::E1311, {}, fmt::format("the library has no material {}", in_quotes(name)),
+    log.report(Code("E1311"), {}, fmt::format("the library has no material {}", in_quotes(name)),
                near ? fmt::format("did you mean '{}'?", *near) : "");
     return failed;
   }

@@ -128,7 +128,7 @@ class Upgrader {
     };
     const auto changed = [&](SourceSpan where, const std::string& from, const std::string& to) {
       ++out.paths;
-      log_.report(Code::N1318, where,
+      log_.report(Code("N1318"), where,
                   fmt::format("{} becomes {}: paths of level 1 begin at the file that names them",
                               in_quotes(from), in_quotes(to)));
     };
@@ -160,7 +160,7 @@ class Upgrader {
       difference = scene_difference(before, *after, Likeness::looks);
     }
     if (difference.empty()) return true;
-    log_.report_file(Code::E1317, top.name,
+    log_.report_file(Code("E1317"), top.name,
                      fmt::format("in the words of level 1 the model would change: {}", difference));
     return false;
   }

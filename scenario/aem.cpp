@@ -78,7 +78,7 @@ class AemReader {
     for (const Block& block : message.blocks)
       if (!read_block(block, message.blocks.front())) return failed;
     if (segments_.empty() && input_.errors() == 0)
-      input_.error(Code::E8001, message.blocks.front().begin,
+      input_.error(Code("E8001"), message.blocks.front().begin,
                    "no block has quaternions or Euler angles");
     if (input_.errors() > 0) return failed;
     std::vector<TimeSpan> spans;
@@ -96,7 +96,7 @@ class AemReader {
     const Field* const type = required(block, "ATTITUDE_TYPE", input_);
     if (type == nullptr) return false;
     if (type->value.starts_with("SPIN")) {
-      input_.report(Code::W8002, type->value,
+      input_.report(Code("W8002"), type->value,
                     fmt::format("attitude type {} is not read, and this block is skipped",
                                 in_quotes(type->value)));
       return true;
@@ -128,7 +128,7 @@ class AemReader {
     const auto absent = [&](std::string_view key) {
       const Field* const field = block.find(key);
       if (field == nullptr) return true;
-      input_.error(Code::E8001, field->key, fmt::format("version {}.0 has no {}", version_, key));
+      input_.error(Code("E8001"), field->key, fmt::format("version {}.0 has no {}", version_, key));
       return false;
     };
     if (version_ == 1) return absent("ANGVEL_FRAME");
@@ -145,7 +145,7 @@ class AemReader {
                        (rates == "RATE" && version_ == 1);
     form.quaternion = kind == "QUATERNION";
     if ((!form.quaternion && kind != "EULER_ANGLE") || !known) {
-      input_.error(Code::E8001, type.value,
+      input_.error(Code("E8001"), type.value,
                    fmt::format("unknown attitude type {}, expected QUATERNION or EULER_ANGLE, "
                                "alone or with /DERIVATIVE, /{}",
                                in_quotes(type.value), version_ == 1 ? "RATE" : "ANGVEL"));
@@ -164,7 +164,7 @@ class AemReader {
     form.scalar_first = order->value == "FIRST";
     if (form.scalar_first || order->value == "LAST") return true;
     input_.error(
-        Code::E8001, order->value,
+        Code("E8001"), order->value,
         fmt::format("QUATERNION_TYPE is {}, expected FIRST or LAST", in_quotes(order->value)));
     return false;
   }
@@ -179,13 +179,13 @@ class AemReader {
       sound = form.axes[i] >= 'X' && form.axes[i] <= 'Z' &&
               (i == 0 || form.axes[i] != form.axes[i - 1]);
     if (!sound) {
-      input_.error(Code::E8001, sequence->value,
+      input_.error(Code("E8001"), sequence->value,
                    fmt::format("EULER_ROT_SEQ is {}, expected three axes as 312 or ZXZ",
                                in_quotes(sequence->value)));
     } else if (version_ == 1 && form.axes != "XYZ" && !said_) {
       said_ = true;
       input_.report(
-          Code::N8010, sequence->value,
+          Code("N8010"), sequence->value,
           fmt::format("angles of a record are taken in the order of EULER_ROT_SEQ: {}", form.axes));
     }
     return sound;
@@ -201,7 +201,7 @@ class AemReader {
     const bool from_a = direction == nullptr || direction->value == "A2B";
     if (!from_a && direction->value != "B2A") {
       input_.error(
-          Code::E8001, direction->value,
+          Code("E8001"), direction->value,
           fmt::format("ATTITUDE_DIR is {}, expected A2B or B2A", in_quotes(direction->value)));
       return false;
     }
@@ -225,7 +225,7 @@ class AemReader {
     for (const std::size_t i : kept) {
       const Record& record = block.records[i];
       if (record.count != form.count) {
-        input_.error(Code::E8001, record.line,
+        input_.error(Code("E8001"), record.line,
                      fmt::format("a record has an epoch and {} numbers, found {}", form.count,
                                  record.count));
         if (!input_.more()) return false;

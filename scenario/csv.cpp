@@ -43,7 +43,8 @@ class CsvReader {
       if (split(line)) read_row();
     if (input_.errors() > 0) return failed;
     if (tracks_.frames == 0) {
-      input_.error(Code::E8001, input_.bytes().substr(0, 0), "no row follows the names of columns");
+      input_.error(Code("E8001"), input_.bytes().substr(0, 0),
+                   "no row follows the names of columns");
       return failed;
     }
     if (timed_) report_gap(tracks_.times, input_, columns_[time_].header);
@@ -65,7 +66,7 @@ class CsvReader {
   bool read_header() {
     std::string_view line;
     if (!next_row(line)) {
-      input_.error(Code::E8001, input_.bytes().substr(0, 0),
+      input_.error(Code("E8001"), input_.bytes().substr(0, 0),
                    "expected a line with the names of columns, found none");
       return false;
     }
@@ -85,7 +86,7 @@ class CsvReader {
                               return g.kind == ColumnKind::time || g.kind == ColumnKind::epoch;
                             }) &&
         input_.errors() == 0)
-      input_.error(Code::E8001, line, "no column holds a member of frames");
+      input_.error(Code("E8001"), line, "no column holds a member of frames");
     if (input_.errors() > 0) return false;
     for (const ColumnGroup& group : groups_) add_track(group);
     return true;
@@ -108,7 +109,7 @@ class CsvReader {
     }
     std::ptrdiff_t& place = found->columns[found->size() > 1 ? column.component : 0];
     if (place >= 0)
-      input_.error(Code::E8008, column.header,
+      input_.error(Code("E8008"), column.header,
                    fmt::format("column {} gives what {} gives", in_quotes(column.header),
                                in_quotes(columns_[static_cast<std::size_t>(place)].header)));
     place = static_cast<std::ptrdiff_t>(index);
@@ -122,14 +123,14 @@ class CsvReader {
     for (std::size_t i = 0; i < group.size(); ++i) {
       if (group.columns[i] < 0) {
         input_.error(
-            Code::E8001, first->header,
+            Code("E8001"), first->header,
             fmt::format("column {} stands without its component {}", in_quotes(first->header),
                         group.size() == 4 ? "wxyz"[i] : "xyz"[i]));
         return;
       }
       const Column& column = columns_[static_cast<std::size_t>(group.columns[i])];
       if (column.inverse != first->inverse) {
-        input_.error(Code::E8001, column.header,
+        input_.error(Code("E8001"), column.header,
                      fmt::format("column {} has another direction than {}",
                                  in_quotes(column.header), in_quotes(first->header)));
         return;
@@ -140,7 +141,7 @@ class CsvReader {
           return g.kind == ColumnKind::position && g.target == group.target;
         }))
       input_.error(
-          Code::E8001, first->header,
+          Code("E8001"), first->header,
           fmt::format("column {} is a velocity without a position", in_quotes(first->header)));
   }
 
@@ -184,7 +185,7 @@ class CsvReader {
                (line[end] != '"' || (end + 1 < line.size() && line[end + 1] == '"')))
           end += line[end] == '"' ? 2 : 1;
         if (end >= line.size()) {
-          input_.error(Code::E8001, line.substr(at), "the quotes that begin here are not closed");
+          input_.error(Code("E8001"), line.substr(at), "the quotes that begin here are not closed");
           return false;
         }
         fields_.push_back(line.substr(at + 1, end - at - 1));
@@ -197,7 +198,7 @@ class CsvReader {
       at = end + 1;
     }
     if (columns_.empty() || fields_.size() == columns_.size()) return true;
-    input_.error(Code::E8001, line,
+    input_.error(Code("E8001"), line,
                  fmt::format("the row has {}, expected {}", counted(fields_.size(), "field"),
                              columns_.size()));
     return false;
@@ -211,7 +212,7 @@ class CsvReader {
       std::string problem;
       const auto epoch = parse_epoch(field, column.system, problem);
       if (!epoch) {
-        input_.error(Code::E8001, field, problem);
+        input_.error(Code("E8001"), field, problem);
         return false;
       }
       if (!info_.epoch) info_.epoch = epoch;
@@ -222,7 +223,7 @@ class CsvReader {
       time = *value * column.factor;
     }
     if (tracks_.times.empty() || time > tracks_.times.back()) return true;
-    input_.error(Code::E8004, field,
+    input_.error(Code("E8004"), field,
                  fmt::format("time {} is not after that of the row above", in_quotes(field)));
     return false;
   }
@@ -266,7 +267,7 @@ class CsvReader {
       } else if (group.kind == ColumnKind::sun_direction) {
         const double length = glm::length(vector);
         if (!(length > 0) || !std::isfinite(length)) {
-          input_.error(Code::E8001, field, "the direction of the Sun has no length");
+          input_.error(Code("E8001"), field, "the direction of the Sun has no length");
           return;
         }
         tracks_.sun_directions.push_back(vector / length);
@@ -281,7 +282,7 @@ class CsvReader {
   bool read_other(ColumnKind kind, double number, std::string_view field) {
     if (kind == ColumnKind::sun_distance) {
       if (!(number > 0)) {
-        input_.error(Code::E8001, field, "the distance of the Sun is not above 0");
+        input_.error(Code("E8001"), field, "the distance of the Sun is not above 0");
         return false;
       }
       tracks_.sun_distances.push_back(number);
@@ -294,7 +295,7 @@ class CsvReader {
       const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), seed);
       if (error != std::errc() || end != field.data() + field.size()) {
         input_.error(
-            Code::E8001, field,
+            Code("E8001"), field,
             fmt::format("expected a whole number for the seed, found {}", in_quotes(field)));
         return false;
       }

@@ -153,7 +153,7 @@ class FliReader {
       if (!words_.empty()) read_command();
     }
     if (flight_.cameras.empty() && input_.errors() == 0)
-      input_.error(Code::E8001, input_.bytes().substr(0, 0),
+      input_.error(Code("E8001"), input_.bytes().substr(0, 0),
                    "the flight has no frame: expected start or quaternion");
     if (input_.errors() > 0) return failed;
     return source();
@@ -207,9 +207,9 @@ class FliReader {
     const auto near = view ? std::nullopt : nearest_name(command, kCommands);
     const std::string hint = near ? fmt::format("did you mean '{}'?", *near) : std::string();
     if (options_.strict && !view)
-      input_.error(Code::E8001, command, message, hint);
+      input_.error(Code("E8001"), command, message, hint);
     else
-      input_.report(Code::W8002, command, message, hint);
+      input_.report(Code("W8002"), command, message, hint);
   }
 
   // Numbers of a line from a word on; reports another count.
@@ -217,7 +217,7 @@ class FliReader {
     std::array<double, 7> out{};
     if (words_.size() != from + count) {
       input_.error(
-          Code::E8001, words_[0],
+          Code("E8001"), words_[0],
           fmt::format("{} takes {}, found {}",
                       from == 0 ? std::string("a change of the camera") : in_quotes(words_[0]),
                       counted(from + count - (from == 0 ? 0 : 1), "value"),
@@ -243,7 +243,7 @@ class FliReader {
 
   void set_camera(const std::optional<world::Pose>& camera) {
     if (!camera) {
-      input_.error(Code::E8001, words_[0],
+      input_.error(Code("E8001"), words_[0],
                    "no start or quaternion stands before " + in_quotes(words_[0]));
       return;
     }
@@ -267,7 +267,7 @@ class FliReader {
   }
 
   void note(bool& said, const char* message) {
-    if (!said) input_.report(Code::N8010, words_[0], message);
+    if (!said) input_.report(Code("N8010"), words_[0], message);
     said = true;
   }
 
@@ -289,7 +289,7 @@ class FliReader {
     const auto n = numbers(1, 3);
     if (!n) return;
     if (!((*n)[0] > 0)) {
-      input_.error(Code::E8001, words_[1], "the distance of the Sun is not above 0");
+      input_.error(Code("E8001"), words_[1], "the distance of the Sun is not above 0");
       return;
     }
     const det::SinCos azimuth = det::sincos((*n)[1] * kDegree);
@@ -325,14 +325,14 @@ class FliReader {
     }
     info.times = set_times();
     if (info.times.empty() && !times_.empty())
-      input_.report(Code::W8012, input_.bytes().substr(0, 0),
+      input_.report(Code("W8012"), input_.bytes().substr(0, 0),
                     "not every frame has a later set_time than the one before: these are not used");
     const double rate = options_.frame_rate.value_or(comment_rate_);
     if (info.times.empty() && rate > 0) {
       for (std::size_t i = 0; i < flight_.cameras.size(); ++i)
         info.times.push_back(static_cast<double>(i) / rate);
       if (!options_.frame_rate)
-        input_.report(Code::N8010, rate_place_,
+        input_.report(Code("N8010"), rate_place_,
                       fmt::format("frames are taken 1/{} s apart, as this comment says", rate));
     }
     if (info.times.empty())

@@ -245,7 +245,7 @@ Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& s
   const bool finite = std::isfinite(span.begin) && std::isfinite(span.end);
   if (straight || !is_finite(start.position) || !is_finite(start.velocity) || !(mu > 0) ||
       (finite && (!two_body(start, mu, span.begin) || !two_body(start, mu, span.end)))) {
-    log.report_file(Code::E8003, info.name,
+    log.report_file(Code("E8003"), info.name,
                     "the motion meets its centre, or its start is no state of an orbit");
     return failed;
   }
@@ -274,13 +274,13 @@ Result<SourcePtr> hold_point_source(const std::string& target, std::vector<HoldP
                                     DiagnosticLog& log) {
   SourceInfo info = named("hold points");
   const std::size_t before = log.errors();
-  if (points.empty()) log.report_file(Code::E8004, info.name, "the list has no point");
+  if (points.empty()) log.report_file(Code("E8004"), info.name, "the list has no point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const HoldPoint& point = points[i];
     if (!is_finite(point.position) || !std::isfinite(point.arrive) || !std::isfinite(point.leave))
-      log.report_file(Code::E8001, info.name, fmt::format("point {} is not finite", i + 1));
+      log.report_file(Code("E8001"), info.name, fmt::format("point {} is not finite", i + 1));
     else if (point.leave < point.arrive || (i > 0 && point.arrive <= points[i - 1].leave))
-      log.report_file(Code::E8004, info.name,
+      log.report_file(Code("E8004"), info.name,
                       fmt::format("point {} holds from {} s to {} s; times must ascend", i + 1,
                                   point.arrive, point.leave));
     for (const double time : {point.arrive, point.leave})

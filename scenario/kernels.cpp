@@ -128,7 +128,7 @@ class KernelSource final : public Source {
 bool resolve(const std::string& name, const eph::Kernels& kernels, const KernelOptions& options,
              Question& out, DiagnosticLog& log) {
   const auto refuse = [&](std::string what, const char* hint) {
-    log.report_file(Code::E8013, name, std::move(what), hint);
+    log.report_file(Code("E8013"), name, std::move(what), hint);
     return false;
   };
   const auto body = [&](const std::string& text, int& number) {
@@ -208,7 +208,7 @@ Result<SourcePtr> kernel_source(const std::string& name, eph::Kernels kernels,
   if (!resolve(name, kernels, options, asked, log)) return failed;
   std::vector<eph::Interval> spans = coverage_of(kernels, asked);
   if (spans.empty()) {
-    log.report_file(Code::E8003, name, nothing_covered(kernels, asked));
+    log.report_file(Code("E8003"), name, nothing_covered(kernels, asked));
     return failed;
   }
   SourceInfo info;
@@ -218,7 +218,7 @@ Result<SourcePtr> kernel_source(const std::string& name, eph::Kernels kernels,
   const bool bounded = spans.front().begin > -kWithoutEnd;
   if (!info.epoch && bounded) info.epoch = epoch_of(std::ceil(spans.front().begin));
   if (!info.epoch) {
-    log.report_file(Code::E8009, name, "it holds at all dates, and the scenario has none",
+    log.report_file(Code("E8009"), name, "it holds at all dates, and the scenario has none",
                     "epoch = \"2026-01-01T00:00:00 UTC\"");
     return failed;
   }

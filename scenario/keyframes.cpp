@@ -105,7 +105,7 @@ class KeyframeReader {
 
  private:
   void fail(const JsonValue& at, std::string message, std::string hint = {}) {
-    input_.error(Code::E8001, at.at, std::move(message), std::move(hint));
+    input_.error(Code("E8001"), at.at, std::move(message), std::move(hint));
   }
 
   void unknown(const JsonValue::Member& member) {
@@ -113,9 +113,9 @@ class KeyframeReader {
     const std::string hint = near ? fmt::format("did you mean '{}'?", *near) : std::string();
     const std::string message = "unknown member " + in_quotes(member.name) + " is skipped";
     if (options_.strict)
-      input_.error(Code::E8001, member.at, message, hint);
+      input_.error(Code("E8001"), member.at, message, hint);
     else
-      input_.report(Code::W8002, member.at, message, hint);
+      input_.report(Code("W8002"), member.at, message, hint);
   }
 
   bool read_document(const JsonValue& document) {
@@ -150,7 +150,7 @@ class KeyframeReader {
                             ? std::nullopt
                             : time_system_named(std::string_view(value.string).substr(blank + 1));
     if (!system) {
-      input_.error(Code::E8007, value.at,
+      input_.error(Code("E8007"), value.at,
                    "expected an epoch and its time system: \"2026-01-01T00:00:00 UTC\"");
       return;
     }
@@ -175,7 +175,7 @@ class KeyframeReader {
       return fail(item, "a keyframe is an object with \"time\", a number of seconds");
     time_ = time->value.number;
     if (!info_.times.empty() && !(time_ > info_.times.back())) {
-      input_.error(Code::E8004, time->value.at,
+      input_.error(Code("E8004"), time->value.at,
                    fmt::format("time {} is not after that of the keyframe before", time_));
       return;
     }
@@ -301,7 +301,7 @@ class KeyframeReader {
     for (const JsonValue::Member& member : value.members) {
       const std::size_t slash = member.name.find('/');
       if (slash == member.name.npos || slash == 0 || slash + 1 == member.name.size()) {
-        input_.error(Code::E8001, member.at, "a joint is named as TARGET/JOINT");
+        input_.error(Code("E8001"), member.at, "a joint is named as TARGET/JOINT");
         continue;
       }
       const bool list = member.value.kind == JsonKind::list;
@@ -335,16 +335,16 @@ class KeyframeReader {
   // A camera that looks at a point has a position, and no rotation.
   void check_look_at() {
     if (quat_place_.data() != nullptr)
-      input_.error(Code::E8008, look_at_place_,
+      input_.error(Code("E8008"), look_at_place_,
                    "\"look_at\" and \"quat\" both give the rotation of the camera");
     if (std::ranges::find(curves_.positions, std::string(), &Curve<Vec3>::target) ==
         curves_.positions.end())
-      input_.error(Code::E8001, look_at_place_, "\"look_at\" needs \"camera\", its position");
+      input_.error(Code("E8001"), look_at_place_, "\"look_at\" needs \"camera\", its position");
     if (input_.errors() > 0) return;
     for (const double time : info_.times) {
       const Vec3 from = curve_at(curve(curves_.positions, {}, {}, 0), time);
       if (from == curve_at(curves_.look_at, time))
-        input_.error(Code::E8001, look_at_place_,
+        input_.error(Code("E8001"), look_at_place_,
                      fmt::format("at {} s the camera stands on the point that it looks at", time));
     }
   }

@@ -65,7 +65,7 @@ class OemReader {
       method.degree = std::min(kDefaultDegree, 2 * samples.times.size() - 1);
       if (!assumed_)
         input_.report(
-            Code::N8010, block.begin,
+            Code("N8010"), block.begin,
             fmt::format("the metadata have no INTERPOLATION: Hermite of degree {}", method.degree));
       assumed_ = true;
     } else if (method.method != Method::linear) {
@@ -92,7 +92,7 @@ class OemReader {
       const Record& record = block.records[i];
       if (record.count != kState && record.count != kWithAcceleration) {
         input_.error(
-            Code::E8001, record.line,
+            Code("E8001"), record.line,
             fmt::format("a record has an epoch and 6 or 9 numbers, found {}", record.count));
         if (!input_.more()) return false;
         continue;

@@ -33,7 +33,7 @@ bool same_axes(const std::string& a, const std::string& b) {
 // Reports what keeps a source from the others. False: E8009.
 bool fits(const SourceInfo& info, const SourceInfo& whole, DiagnosticLog& log) {
   const auto differ = [&](const char* what, const std::string& ours, const std::string& theirs) {
-    log.report_file(Code::E8009, info.name,
+    log.report_file(Code("E8009"), info.name,
                     fmt::format("its {} is {}, that of the sources before is {}", what,
                                 in_quotes(ours), in_quotes(theirs)),
                     "write all sources of a scenario in the same one");
@@ -44,7 +44,7 @@ bool fits(const SourceInfo& info, const SourceInfo& whole, DiagnosticLog& log) {
   if (!info.centre.empty() && !whole.centre.empty() && info.centre != whole.centre)
     return differ("centre", info.centre, whole.centre);
   if (!info.frame.empty() && info.frame != whole.frame && !whole.frame.empty())
-    log.report_file(Code::N8010, info.name,
+    log.report_file(Code("N8010"), info.name,
                     fmt::format("{} and {} are taken as the same axes; they differ by 0.02\"",
                                 info.frame, whole.frame));
   return true;
@@ -70,7 +70,7 @@ Result<Sequence> Sequence::of(std::vector<Part> parts, const SequenceOptions& op
     out.info_.epoch = info.epoch;
     if (std::ranges::any_of(parts, [](const Part& p) { return !p.source->info().epoch; }))
       log.report_file(
-          Code::N8010, info.name,
+          Code("N8010"), info.name,
           fmt::format("time 0 of the scenario is taken as {} {}, its first epoch",
                       epoch_text(*info.epoch, info.system), time_system_name(info.system)));
   }
@@ -82,12 +82,12 @@ Result<Sequence> Sequence::of(std::vector<Part> parts, const SequenceOptions& op
   const Channel camera_turn{Quantity::rotation, {}, {}};
   if (sound && options.look_at) {
     if (gives(camera_turn)) {
-      log.report_file(Code::E8008, {},
+      log.report_file(Code("E8008"), {},
                       "the camera looks at a point, and a source gives its rotation as well");
       return failed;
     }
     if (!gives({Quantity::position, {}, {}})) {
-      log.report_file(Code::E8009, {}, "the camera looks at a point, and no source places it");
+      log.report_file(Code("E8009"), {}, "the camera looks at a point, and no source places it");
       return failed;
     }
     out.info_.channels.push_back(camera_turn);
@@ -96,7 +96,7 @@ Result<Sequence> Sequence::of(std::vector<Part> parts, const SequenceOptions& op
                                     options.mount ? options.mount->target : std::string()})
     if (sound && !target.empty() && !gives({Quantity::position, target, {}})) {
       log.report_file(
-          Code::E8009, {},
+          Code("E8009"), {},
           "no source places target " + in_quotes(target) + ", which the camera follows");
       return failed;
     }
@@ -113,7 +113,7 @@ bool Sequence::add(Part part, DiagnosticLog& log) {
     for (const Shifted& before : parts_) {
       const auto& theirs = before.source->info();
       if (std::ranges::find(theirs.channels, channel) == theirs.channels.end()) continue;
-      log.report_file(Code::E8008, info.name,
+      log.report_file(Code("E8008"), info.name,
                       channel_text(channel) + " is given by " + theirs.name + " as well");
       return false;
     }
@@ -126,12 +126,12 @@ bool Sequence::add(Part part, DiagnosticLog& log) {
     if (info.system != info_.system &&
         (info.system == TimeSystem::utc || info_.system == TimeSystem::utc) &&
         !leap_seconds_known(*info.epoch))
-      log.report_file(Code::N8010, info.name,
+      log.report_file(Code("N8010"), info.name,
                       "TAI − UTC is assumed to stay at 37 s after 2026-06-30");
   }
   if (info.ordered > 0) {
     if (info_.ordered > 0 && info_.ordered != info.ordered) {
-      log.report_file(Code::E8009, info.name,
+      log.report_file(Code("E8009"), info.name,
                       fmt::format("it has {}, and the sources before have {}; frames without "
                                   "times are combined one by one",
                                   counted(info.ordered, "frame"), counted(info_.ordered, "frame")));
@@ -151,7 +151,7 @@ bool Sequence::add(Part part, DiagnosticLog& log) {
   if (info_.ordered > 0 && std::ranges::any_of(parts_, [](const Shifted& p) {
         return p.source->info().ordered == 0 && !p.source->info().constant;
       })) {
-    log.report_file(Code::E8009, info.name,
+    log.report_file(Code("E8009"), info.name,
                     "frames without times cannot be combined with a source over time",
                     "give the flight file a frame rate, or set_time lines");
     return false;

@@ -30,7 +30,7 @@ bool read_numbers(Input& input, std::size_t count, std::vector<NumberRow>& rows)
     if (words.empty()) continue;
     if (words.size() != count) {
       input.error(
-          Code::E8001, line,
+          Code("E8001"), line,
           fmt::format("expected {} in a line, found {}", counted(count, "number"), words.size()));
       continue;
     }
@@ -46,14 +46,14 @@ bool read_numbers(Input& input, std::size_t count, std::vector<NumberRow>& rows)
 bool ascends(const std::vector<NumberRow>& rows, Input& input) {
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (!(rows[i].n[0] > rows[i - 1].n[0]))
-      input.error(Code::E8004, rows[i].line, "the time is not after that of the line above");
+      input.error(Code("E8004"), rows[i].line, "the time is not after that of the line above");
   return input.errors() == 0;
 }
 
 bool same_number(std::size_t lines, std::size_t times, Input& input) {
   if (lines == times) return true;
   input.error(
-      Code::E8001, input.bytes().substr(0, 0),
+      Code("E8001"), input.bytes().substr(0, 0),
       fmt::format("the file has {}, and the one of times {}", counted(lines, "line"), times));
   return false;
 }
@@ -94,7 +94,7 @@ class BasiliskReader {
       }
     }
     if (input_.errors() == 0 && tracks_.frames == 0)
-      input_.error(Code::E8001, input_.bytes().substr(0, 0), "the table has no row");
+      input_.error(Code("E8001"), input_.bytes().substr(0, 0), "the table has no row");
     if (input_.errors() > 0) return failed;
     if (!positions_.values.empty()) tracks_.positions.push_back(std::move(positions_));
     if (!rotations_.values.empty()) tracks_.rotations.push_back(std::move(rotations_));
@@ -143,7 +143,7 @@ class BasiliskReader {
         column = 0;
         time_factor_ = 1e-9;
         if (name.starts_with("time") && name.size() <= 5)
-          input_.report(Code::N8010, name, "times without a unit are taken as nanoseconds",
+          input_.report(Code("N8010"), name, "times without a unit are taken as nanoseconds",
                         "name the column time[ns] or time[s]");
       } else if (name.starts_with("r_BN_N")) {
         if (const auto k = component(name.substr(6))) column = 1 + *k;
@@ -151,9 +151,9 @@ class BasiliskReader {
         if (const auto k = component(name.substr(8))) column = 4 + *k;
       }
       if (!column) {
-        input_.report(Code::W8002, name, fmt::format("column {} is skipped", in_quotes(name)));
+        input_.report(Code("W8002"), name, fmt::format("column {} is skipped", in_quotes(name)));
       } else if (columns_[*column] >= 0) {
-        input_.error(Code::E8008, name, fmt::format("column {} stands twice", in_quotes(name)));
+        input_.error(Code("E8008"), name, fmt::format("column {} stands twice", in_quotes(name)));
       } else {
         columns_[*column] = static_cast<std::ptrdiff_t>(i);
       }
@@ -168,15 +168,15 @@ class BasiliskReader {
                            [](std::ptrdiff_t c) { return c >= 0; });
     };
     if (columns_[0] < 0)
-      input_.error(Code::E8001, line,
+      input_.error(Code("E8001"), line,
                    "the first line names no column of times: time[s] or time[ns]");
     for (const auto& [from, name] : {std::pair{1u, "r_BN_N"}, std::pair{4u, "sigma_BN"}})
       if (count(from) != 0 && count(from) != 3)
         input_.error(
-            Code::E8001, line,
+            Code("E8001"), line,
             fmt::format("the first line names {} of the columns {}[0] to [2]", count(from), name));
     if (count(1) + count(4) == 0)
-      input_.error(Code::E8001, line, "the first line names neither r_BN_N[0] nor sigma_BN[0]");
+      input_.error(Code("E8001"), line, "the first line names neither r_BN_N[0] nor sigma_BN[0]");
     positions_.target = target_;
     rotations_.target = target_;
     return input_.errors() == 0;
@@ -185,7 +185,7 @@ class BasiliskReader {
   void read_row(std::string_view line) {
     split(line);
     if (fields_.size() != fields_in_row_) {
-      input_.error(Code::E8001, line,
+      input_.error(Code("E8001"), line,
                    fmt::format("the row has {}, expected {}", counted(fields_.size(), "field"),
                                fields_in_row_));
       return;
@@ -200,12 +200,12 @@ class BasiliskReader {
     }
     const double time = n[0] * time_factor_;
     if (!tracks_.times.empty() && !(time > tracks_.times.back())) {
-      input_.error(Code::E8004, line, "the time is not after that of the row above");
+      input_.error(Code("E8004"), line, "the time is not after that of the row above");
       return;
     }
     const Vec3 sigma(n[4], n[5], n[6]);
     if (!(dot(sigma, sigma) < 1e200)) {
-      input_.error(Code::E8005, line, "the Rodrigues parameters are too large");
+      input_.error(Code("E8005"), line, "the Rodrigues parameters are too large");
       return;
     }
     tracks_.times.push_back(time);
@@ -233,7 +233,7 @@ Result<SourcePtr> read_42(const FortyTwoTexts& texts, DiagnosticLog& log) {
   if (!read_numbers(input, 1, times) || !ascends(times, input)) return failed;
   if (times.empty() || (!texts.position && !texts.rotation)) {
     input.error(
-        Code::E8001, input.bytes().substr(0, 0),
+        Code("E8001"), input.bytes().substr(0, 0),
         times.empty() ? "the file has no time" : "neither positions nor rotations are given");
     return failed;
   }
@@ -249,7 +249,7 @@ Result<SourcePtr> read_42(const FortyTwoTexts& texts, DiagnosticLog& log) {
     PositionTrack track{texts.target, {}, {}};
     for (const NumberRow& row : rows) track.values.emplace_back(row.n[0], row.n[1], row.n[2]);
     if (const double step = printed_step(rows); step > 1e-3)
-      positions.report(Code::W8012, positions.bytes().substr(0, 0),
+      positions.report(Code("W8012"), positions.bytes().substr(0, 0),
                        fmt::format("positions of 7 digits are rounded to {:.0e} m", step),
                        "take PosR.42, relative to the reference orbit");
     tracks.positions.push_back(std::move(track));

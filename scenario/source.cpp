@@ -83,7 +83,7 @@ std::string spans_text(const SourceInfo& info, double time) {
 
 bool Source::at(double time, Frame& frame, DiagnosticLog& log) const {
   if (info_.ordered > 0) {
-    log.report_file(Code::E8009, info_.name,
+    log.report_file(Code("E8009"), info_.name,
                     "its frames have an order and no times, so that it has no frame at " +
                         fmt::format("{} s", time));
     return false;
@@ -93,7 +93,7 @@ bool Source::at(double time, Frame& frame, DiagnosticLog& log) const {
       std::ranges::upper_bound(info_.spans, time, {}, [](const TimeSpan& s) { return s.begin; });
   if (next == info_.spans.begin() || !std::prev(next)->contains(time)) {
     log.report_file(
-        Code::E8003, info_.name,
+        Code("E8003"), info_.name,
         "no frame at " + time_text(info_, time) + "; it covers " + spans_text(info_, time));
     return false;
   }
@@ -103,7 +103,7 @@ bool Source::at(double time, Frame& frame, DiagnosticLog& log) const {
 bool Source::filled(double time, Frame& frame, DiagnosticLog& log) const {
   const char* const problem = fill(time, frame);
   if (problem == nullptr) return true;
-  log.report_file(Code::E8003, info_.name,
+  log.report_file(Code("E8003"), info_.name,
                   "no frame at " + time_text(info_, time) + ": " + problem);
   return false;
 }

@@ -25,10 +25,10 @@ constexpr double kHalf = 0.5;
 class TableReader : public ConfigTable {
  public:
   TableReader(const Value& table, DiagnosticLog& log)
-      : ConfigTable(table, "a camera", Code::E0220, log), log_(log) {}
+      : ConfigTable(table, "a camera", Code("E0220"), log), log_(log) {}
 
   void ignored(const Value& at, const std::string& message) {
-    log_.report(Code::W0221, at.where, message);
+    log_.report(Code("W0221"), at.where, message);
   }
 
   // Of what is reported already.
@@ -392,7 +392,7 @@ const Value& first_camera(const Value& root, DiagnosticLog& log) {
   const Value* first = root.find("cam0");
   if (first == nullptr) return root;
   if (const Value* second = root.find("cam1"); second != nullptr)
-    log.report(Code::W0221, second->where, "only the first camera, cam0, is read");
+    log.report(Code("W0221"), second->where, "only the first camera, cam0, is read");
   return *first;
 }
 
@@ -441,7 +441,7 @@ Result<CameraFile> read_camera(std::string_view text, const std::string& name, D
   source.bytes = std::make_shared<const std::string>(text);
   const FileId file = log.sources().add(std::move(source));
   const ConfigFormat format = text_format(text);
-  const auto root = parse_config(text, format, file, Code::E0220, log);
+  const auto root = parse_config(text, format, file, Code("E0220"), log);
   if (!root) return failed;
   const Value& table = first_camera(*root, log);
   TableReader reader(table, log);

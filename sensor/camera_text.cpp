@@ -239,7 +239,7 @@ std::optional<Distortion> parse_distortion(std::string_view text) {
 
 Result<std::string> camera_text(const CameraFile& camera, CameraFormat format, DiagnosticLog& log) {
   const auto fail = [&](const char* message, const char* hint = "write it as .toml") {
-    log.report(Code::E0220, {}, message, hint);
+    log.report(Code("E0220"), {}, message, hint);
     return failed;
   };
   if (format == CameraFormat::toml) {

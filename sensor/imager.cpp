@@ -65,8 +65,8 @@ class ImagerReader {
  public:
   ImagerReader(const ConfigValue& detector, const ConfigValue* optics, const ImagerLens& lens,
                DiagnosticLog& log)
-      : d_(detector, "[detector]", Code::E0220, log),
-        o_(optics != nullptr ? *optics : kNone, "[optics]", Code::E0220, log),
+      : d_(detector, "[detector]", Code("E0220"), log),
+        o_(optics != nullptr ? *optics : kNone, "[optics]", Code("E0220"), log),
         lens_(lens),
         log_(log) {}
 
@@ -316,7 +316,7 @@ class ImagerReader {
                                       d.compressed_bits, d.bits));
     constexpr double kCoarse = 0.46;  // where rounding takes 13 % of the variance
     if (d.read_noise_e > 0 && d.read_noise_e * d.dn_per_e < kCoarse)
-      log_.report(Code::W0222, d_.value().where,
+      log_.report(Code("W0222"), d_.value().where,
                   fmt::format("read noise is {:.2g} of a number: rounding hides it",
                               d.read_noise_e * d.dn_per_e));
   }
@@ -456,11 +456,11 @@ Result<Imager> parse_imager(std::string_view text, DiagnosticLog& log) {
   source.name = "detector";
   source.bytes = std::make_shared<const std::string>(text);
   const FileId file = log.sources().add(std::move(source));
-  const auto root = parse_config(text, ConfigFormat::toml, file, Code::E0220, log);
+  const auto root = parse_config(text, ConfigFormat::toml, file, Code("E0220"), log);
   if (!root) return failed;
   const ConfigValue* detector = root->find("detector");
   if (detector == nullptr) {
-    log.report(Code::E0220, root->where, "no table [detector]", "docs/detector.md");
+    log.report(Code("E0220"), root->where, "no table [detector]", "docs/detector.md");
     return failed;
   }
   return read_imager(*detector, root->find("optics"), {}, log);

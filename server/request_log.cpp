@@ -48,7 +48,7 @@ Result<std::unique_ptr<RequestLog>> RequestLog::create(const std::filesystem::pa
   auto out = std::make_unique<RequestLog>();
   out->file_.open(path, std::ios::binary | std::ios::trunc);
   if (!out->file_) {
-    log.report_file(Code::E0103, path.string(), "the log cannot be written");
+    log.report_file(Code("E0103"), path.string(), "the log cannot be written");
     return failed;
   }
   return out;
@@ -76,7 +76,7 @@ Result<Replayed> replay(const std::filesystem::path& path, Stage& stage,
                         const SessionOptions& options, DiagnosticLog& log, const Job& job) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
-    log.report_file(Code::E0101, path.string(), "the log cannot be opened");
+    log.report_file(Code("E0101"), path.string(), "the log cannot be opened");
     return failed;
   }
   Replayed out;
@@ -101,7 +101,7 @@ Result<Replayed> replay(const std::filesystem::path& path, Stage& stage,
                    request_size(*request, request->size()).state == RequestSize::State::complete &&
                    sessions.contains(line["session"].get<std::uint64_t>()));
     if (!sound) {
-      log.report_file(Code::E0102, path.string(),
+      log.report_file(Code("E0102"), path.string(),
                       fmt::format("line {} is not one of a log of requests", number));
       return failed;
     }

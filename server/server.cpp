@@ -140,7 +140,7 @@ class Service final : public Host {
 
  private:
   bool report_address(const asio::error_code& error) {
-    log_.report(Code::E0201, {},
+    log_.report(Code("E0201"), {},
                 fmt::format("cannot listen on {}:{}: {}; expected an address of this machine and "
                             "a free port",
                             options_.address, options_.port, error.message()),

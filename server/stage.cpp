@@ -44,7 +44,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const StageOptions& options, Diagnost
   for (const std::string& text : options.targets) targets.push_back(workspace::target_file(text));
   if (!options.defaults.ev->number) {
     log.report(
-        Code::E0201, {},
+        Code("E0201"), {},
         "--ev is 'auto', expected a number of stops: replies do not depend on earlier images");
     return failed;
   }

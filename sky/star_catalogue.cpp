@@ -61,10 +61,10 @@ class StarReader {
       }
     }
     if (left_out_ > kMostReported)
-      log_.report(Code::W5041, {file_, 0, 0},
+      log_.report(Code("W5041"), {file_, 0, 0},
                   fmt::format("{} more left out", counted(left_out_ - kMostReported, "line")));
     if (catalogue_.stars.empty()) {
-      log_.report(Code::E5040, {file_, 0, 0}, "there is no star in it");
+      log_.report(Code("E5040"), {file_, 0, 0}, "there is no star in it");
       return failed;
     }
     std::ranges::stable_sort(catalogue_.stars, {}, &Star::v);
@@ -84,7 +84,7 @@ class StarReader {
     const std::string_view word = without_blanks(text.substr(kEpoch.size()));
     const auto year = parse_double(word);
     if (!year || *year < 1000 || *year > 3000) {
-      log_.report(Code::E5040, place(word),
+      log_.report(Code("E5040"), place(word),
                   fmt::format("expected a Julian year from 1000 to 3000 as the epoch, found {}",
                               in_quotes(word)));
       return false;
@@ -112,7 +112,7 @@ class StarReader {
     }
     for (const Field needed : {ra, dec, v})
       if (columns_[needed] == kNone) {
-        log_.report(Code::E5040, place(line),
+        log_.report(Code("E5040"), place(line),
                     fmt::format("the line of names has no column {}", in_quotes(kColumns[needed])),
                     "columns: ra[deg],dec[deg],pm_ra[mas/yr],pm_dec[mas/yr],v[mag],b_v[mag],hip,"
                     "name");
@@ -142,7 +142,7 @@ class StarReader {
   void leave_out(std::string_view at, std::string message) {
     if (at.empty()) at = line_;
     if (++left_out_ <= kMostReported)
-      log_.report(Code::W5041, place(at), std::move(message) + "; the line is left out");
+      log_.report(Code("W5041"), place(at), std::move(message) + "; the line is left out");
   }
 
   void read_star(std::string_view line) {

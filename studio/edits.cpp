@@ -152,7 +152,7 @@ bool Edits::save(DiagnosticLog& log) {
     if (file.text == file.saved) continue;
     const auto now = read_file(file.path, kMaxMaterialFileBytes, log);
     if (now && *now != file.saved) {
-      log.report_file(Code::E0103, file.path.string(),
+      log.report_file(Code("E0103"), file.path.string(),
                       "the file has changed on disk; it is read again, and the changes stay");
       good = false;
       continue;

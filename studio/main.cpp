@@ -68,7 +68,7 @@ struct Arguments {
 bool parse_option(std::string_view option, const std::string& value, Arguments& arguments,
                   DiagnosticLog& log) {
   const auto fail = [&](const std::string& what) {
-    log.report(Code::E0201, {}, what);
+    log.report(Code("E0201"), {}, what);
     return false;
   };
   Options& options = arguments.options;

@@ -57,7 +57,7 @@ Result<Play> open_play(const std::string& file, const std::string& owner,
       *same = model;
   }
   if (targets.empty()) {
-    log.report_file(Code::E8013, file, "the scenario names no model of a target",
+    log.report_file(Code("E8013"), file, "the scenario names no model of a target",
                     "[targets] in the scenario, or NAME=FILE beside it");
     return failed;
   }

@@ -247,7 +247,7 @@ struct Project::Reading {
     std::vector<std::string> scenarios;
     for (const std::string& file : files) (is_scenario(file) ? scenarios : names).push_back(file);
     if (scenarios.size() > 1) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  fmt::format("{} and {} are two scenarios; the window plays one",
                              in_quotes(scenarios[0]), in_quotes(scenarios[1])));
       return false;

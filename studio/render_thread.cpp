@@ -344,7 +344,7 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
   if (job.cancelled()) return full;
   result->failed = !drawn;
   // a lost context cannot be used again: the next image gets a new one
-  if (!drawn && log.contains(Code::E5001)) resources.drawer.reset();
+  if (!drawn && log.contains(Code("E5001"))) resources.drawer.reset();
   // warnings of interactive images are about what was left out
   result->messages = messages_of(log);
   if (!exact)

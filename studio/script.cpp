@@ -154,7 +154,7 @@ Result<std::vector<Step>> read_script(const std::filesystem::path& path, Diagnos
   const auto bytes = read_file(path, kMaxScriptBytes, log);
   if (!bytes) return failed;
   const auto wrong = [&](const std::string& what) -> Result<std::vector<Step>> {
-    log.report_file(Code::E0203, path.string(), what);
+    log.report_file(Code("E0203"), path.string(), what);
     return failed;
   };
   const ScriptJson json = ScriptJson::parse(*bytes, nullptr, false);

@@ -47,7 +47,7 @@ ScriptRunner::Actions ScriptRunner::next(MainWindow& window, DiagnosticLog& log)
   const bool done = advance(steps_[at_], window, actions);
   ++frame_;
   if (!problem_.empty()) {
-    log.report(Code::E0203, {}, fmt::format("step {} of the script: {}", at_ + 1, problem_));
+    log.report(Code("E0203"), {}, fmt::format("step {} of the script: {}", at_ + 1, problem_));
     ok_ = false;
     actions.end = true;
   }

@@ -49,7 +49,7 @@ class Screen {
 
   bool open(const Options& options, DiagnosticLog& log) {
     const auto fail = [&](const std::string& why) {
-      log.report(Code::E5001, {}, fmt::format("cannot open a window: {}", why),
+      log.report(Code("E5001"), {}, fmt::format("cannot open a window: {}", why),
                  "`panwright render` needs no display; Xvfb is a virtual one");
       return false;
     };
@@ -132,7 +132,7 @@ class Screen {
   bool screenshot(const std::filesystem::path& path, DiagnosticLog& log) {
     if (!log.files()->will_write(path, "the screenshot", log)) return false;
     if (image::image_format(path) != image::ImageFormat::png) {
-      log.report(Code::E0202, {},
+      log.report(Code("E0202"), {},
                  fmt::format("screenshots are written as .png, not {}", in_quotes(path.string())));
       return false;
     }

@@ -166,7 +166,7 @@ class Settler {
 
  private:
   bool doubt(const std::string& message, const std::string& hint) const {
-    o_.log.report_file(Code::E9602, o_.name, message, hint);
+    o_.log.report_file(Code("E9602"), o_.name, message, hint);
     return false;
   }
   bool lies_about(double radius) const { return probe_.lies_about(radius); }
@@ -320,7 +320,7 @@ bool check_place(const Opening& o, Found& found) {
   }
   if (o.options.place_by_bounds.has_value()) return true;
   o.log.report_file(
-      Code::E9602, o.name,
+      Code("E9602"), o.name,
       fmt::format("the place of the map is in doubt: its offsets put it {:+} columns and {:+} rows "
                   "of pixels from its stated bounds (a habit of some writers)",
                   -at_x, -at_y),
@@ -415,7 +415,7 @@ Result<Dem> Dem::open(const fs::path& path, const DemOptions& options, Diagnosti
     DemInfo& info = found->info;
     info.sample = sample_words(*found);
     if (found->unknown_radius && info.map.kind != Map::Kind::none) {
-      log.report_file(Code::E9602, opening.name, "the file has a map and no radius of its body",
+      log.report_file(Code("E9602"), opening.name, "the file has a map and no radius of its body",
                       "--radius METRES, as 1737400 of the Moon");
       return failed;
     }
@@ -436,7 +436,7 @@ Result<Dem> Dem::open(const fs::path& path, const DemOptions& options, Diagnosti
     out.source_ = std::move(found->rows);
     return out;
   } catch (const Cancelled&) {
-    log.report_file(Code::E0001, path.string(), "reading was stopped");
+    log.report_file(Code("E0001"), path.string(), "reading was stopped");
     return failed;
   }
 }
@@ -455,7 +455,7 @@ bool Dem::read(std::uint32_t first, std::uint32_t count, const RowsReceiver& to,
         },
         log, job);
   } catch (const Cancelled&) {
-    log.report_file(Code::E0001, info_.files.front(), "reading was stopped");
+    log.report_file(Code("E0001"), info_.files.front(), "reading was stopped");
     return false;
   }
 }

@@ -134,7 +134,7 @@ class ShapeReader {
 
  private:
   Failed fail(const std::string& message) {
-    log_.report_file(Code::E9606, name_, message);
+    log_.report_file(Code("E9606"), name_, message);
     return failed;
   }
   bool fail_line(std::size_t line, const std::string& message) {
@@ -196,7 +196,7 @@ class ShapeReader {
       return plate[0] == 0 || plate[1] == 0 || plate[2] == 0;
     };
     if (std::any_of(out_.plates.begin(), out_.plates.end(), has_zero))
-      return log_.report_file(Code::W9603, name_,
+      return log_.report_file(Code("W9603"), name_,
                               "plates count vertices from 0, where the format counts from 1; they "
                               "are read so");
     for (auto& plate : out_.plates)
@@ -323,7 +323,7 @@ class ShapeReader {
       return false;
     }
     if (skipped > 0)
-      log_.report_file(Code::W9603, name_,
+      log_.report_file(Code("W9603"), name_,
                        fmt::format("{} of the DSK of other types than 2 are left out",
                                    counted(skipped, "segment")));
     for (const auto& segment : segments) {
@@ -366,7 +366,7 @@ class ShapeReader {
     if (!unit && kind == ShapeKind::obj) {
       double most = 0;
       for (const Vec3& v : out_.vertices) most = std::max(most, glm::dot(v, v));
-      log_.report_file(Code::E9602, name_,
+      log_.report_file(Code("E9602"), name_,
                        fmt::format("an OBJ has no unit, and a radius of {:.4g} may be metres or "
                                    "kilometres",
                                    std::sqrt(most)),
@@ -375,7 +375,7 @@ class ShapeReader {
     }
     if (!unit) {
       unit = 1000;
-      log_.report_file(Code::N9604, name_,
+      log_.report_file(Code("N9604"), name_,
                        "the unit of the shape is not stated: kilometres are assumed, as its format "
                        "is used",
                        "--unit m");

@@ -266,19 +266,19 @@ class Heights {
 void warn_of(const Survey& out, const DemInfo& info, DiagnosticLog& log) {
   const std::string& name = info.files.front();
   if (out.valid == 0) {
-    log.report_file(Code::W9603, name,
+    log.report_file(Code("W9603"), name,
                     fmt::format("the file has no height: all {} posts are void", out.void_posts()));
     return;
   }
   if (const auto count = out.voids[static_cast<std::size_t>(VoidKind::undeclared)]; count > 0)
-    log.report_file(Code::W9603, name,
+    log.report_file(Code("W9603"), name,
                     fmt::format("{} beyond 1e30 stand for no height, and the file does not say so",
                                 counted(count, "number")));
   constexpr std::uint64_t kPlateau = 32;
   if (info.quantity != Quantity::plain && out.least.posts >= kPlateau &&
       out.least.posts * 1000 >= out.valid && out.least.height < out.largest.height)
     log.report_file(
-        Code::W9603, name,
+        Code("W9603"), name,
         fmt::format("{} posts have the lowest height, {} m: a plateau there is often a filling of "
                     "voids that the file does not state",
                     out.least.posts, out.least.height),

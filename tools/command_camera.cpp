@@ -332,7 +332,7 @@ int run(const Options& options, const Host& host) {
   CommandContext context("camera", options.common, host);
   DiagnosticLog& log = context.log();
   if (!(options.albedo > 0 && options.albedo <= 1))
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--albedo is {}, expected above 0 to 1", options.albedo));
   constexpr std::uint64_t kMostBytes = 1 << 20;
   const auto text = read_file(options.file, kMostBytes, log);

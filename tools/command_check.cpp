@@ -116,7 +116,7 @@ int run(const Options& options, const Host& host) {
   bool cancelled = false;
   if (!options.watch) return check_all(options, host, files, cancelled);
   CommandContext context("check", options.common, host);
-  context.log().report(Code::E0201, {}, "--watch cannot be combined with --json");
+  context.log().report(Code("E0201"), {}, "--watch cannot be combined with --json");
   return context.finish();
 }
 

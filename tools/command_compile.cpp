@@ -79,7 +79,7 @@ Result<std::string> dependencies(const Options& options, const std::string& outp
   bool good = true;
   const auto named = [&](const std::string& path) {
     if (path.find_first_of("\n\r") != path.npos) {
-      log.report_file(Code::E0103, options.depfile,
+      log.report_file(Code("E0103"), options.depfile,
                       fmt::format("the name {} has a line end, which dependency files cannot hold",
                                   in_quotes(path)));
       good = false;
@@ -106,9 +106,9 @@ int run(const Options& options, const Host& host) {
   CommandContext context("compile", options.common, host);
   DiagnosticLog& log = context.log();
   if (!options.license.empty())
-    log.report(Code::N0205, {}, "-lic is ignored: no licence file is needed");
+    log.report(Code("N0205"), {}, "-lic is ignored: no licence file is needed");
   if (workspace::extension_of(options.input) != ".pxn") {
-    log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(options.input)));
+    log.report(Code("E0202"), {}, fmt::format("{} is not a .pxn file", in_quotes(options.input)));
     return context.finish();
   }
   const std::string output =
@@ -117,7 +117,7 @@ int run(const Options& options, const Host& host) {
           : options.output;
 
   if (workspace::extension_of(output) != ".pan" && output != "-") {
-    log.report(Code::E0202, {}, fmt::format("{} is not a .pan file", in_quotes(output)));
+    log.report(Code("E0202"), {}, fmt::format("{} is not a .pan file", in_quotes(output)));
     return context.finish();
   }
   context.files().will_read(options.input);

@@ -33,8 +33,8 @@ bool wants_color(const std::string& when) {
 
 // What importers find in a file whichever command reads it. note: not what was assumed or is
 // missing, which the result shows
-constexpr Code kOfImports[] = {Code::N6007, Code::W6008, Code::W6215, Code::N6301,
-                               Code::W6302, Code::W6303, Code::N6304, Code::W6305};
+constexpr Code kOfImports[] = {Code("N6007"), Code("W6008"), Code("W6215"), Code("N6301"),
+                               Code("W6302"), Code("W6303"), Code("N6304"), Code("W6305")};
 
 // A log for people without some notes.
 DiagnosticLog without(const DiagnosticLog& log, std::span<const Code> codes) {
@@ -59,7 +59,7 @@ DiagnosticLog summarised(const DiagnosticLog& log, bool quiet) {
         entry.where.file != kNoFile && log.sources().file(entry.where.file).name.ends_with(".pxn");
     const bool of_import =
         std::find(std::begin(kOfImports), std::end(kOfImports), entry.code) != std::end(kOfImports);
-    const bool of_foil = quiet && entry.code == Code::W7002;
+    const bool of_foil = quiet && entry.code == Code("W7002");
     if ((of_text || !of_import) && !of_foil) {
       out.report(entry.code, entry.where, entry.message, entry.hint, entry.object);
       continue;
@@ -71,7 +71,7 @@ DiagnosticLog summarised(const DiagnosticLog& log, bool quiet) {
   }
   if (warnings > 0)
     out.report_file(
-        Code::N6301, {},
+        Code("N6301"), {},
         fmt::format("{} of imported files{} not shown ({})", counted(warnings, "warning"),
                     codes.find("W7002") == codes.npos ? "" : " and foil", codes),
         "'panwright check' of the same file shows them");

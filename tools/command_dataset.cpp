@@ -92,7 +92,7 @@ class DatasetCommand {
   void run() {
     const bool makes = options_.action == "plan" || options_.action == "pack";
     if (makes == options_.output.empty()) {
-      log_.report(Code::E0201, {},
+      log_.report(Code("E0201"), {},
                   makes ? options_.action + " needs the folder to make, --output FOLDER"
                         : "--output has no meaning for " + options_.action);
       return;
@@ -115,11 +115,11 @@ class DatasetCommand {
     const fs::path folder = options_.output;
     fs::create_directories(folder, error);
     if (!fs::is_directory(folder, error)) {
-      log_.report_file(Code::E0103, folder.string(), "it is no folder, and cannot be made one");
+      log_.report_file(Code("E0103"), folder.string(), "it is no folder, and cannot be made one");
       return false;
     }
     if (fs::is_empty(folder, error)) return true;
-    log_.report_file(Code::E8018, folder.string(), "the folder is not empty",
+    log_.report_file(Code("E8018"), folder.string(), "the folder is not empty",
                      "choose another folder, or move it away");
     return false;
   }
@@ -202,7 +202,7 @@ class DatasetCommand {
     if (!frame || log_.has_errors()) return false;
     for (const std::string& type : out.types)
       if (frame->imager == nullptr && (type == "tif" || type == "fits")) {
-        log_.report(Code::E0202, {},
+        log_.report(Code("E0202"), {},
                     "types has " + in_quotes(type) +
                         ", which holds numbers of a detector, and the camera has none",
                     "docs/detector.md");
@@ -221,7 +221,7 @@ class DatasetCommand {
   }
 
   bool refuse(const std::string& message, const std::string& hint) {
-    log_.report_file(Code::E8018, options_.input, message, hint);
+    log_.report_file(Code("E8018"), options_.input, message, hint);
     return false;
   }
 
@@ -254,7 +254,7 @@ class DatasetCommand {
     const auto shard = frames_of_shard(options_.shard, set_->rows().size());
     if (!shard) {
       log_.report(
-          Code::E0201, {},
+          Code("E0201"), {},
           "--shard is " + in_quotes(options_.shard) + ", expected I/N with I from 0 to N-1");
       return false;
     }
@@ -368,7 +368,7 @@ class DatasetCommand {
     constexpr std::uint32_t kSide = 240;  // pixels
     const auto& types = set_->settings().types;
     if (std::ranges::find(types, "png") == types.end()) {
-      log_.report(Code::E0201, {}, "--sheet is made of PNG files, and the set has none");
+      log_.report(Code("E0201"), {}, "--sheet is made of PNG files, and the set has none");
       return;
     }
     std::vector<fs::path> images;
@@ -397,7 +397,7 @@ class DatasetCommand {
 
 int run(const Options& options, const Host& host) {
   CommandContext context("dataset", options.common, host);
-  context.leave_out(Code::N5002);
+  context.leave_out(Code("N5002"));
   DatasetCommand(options, context).run();
   return context.finish();
 }

@@ -78,7 +78,7 @@ std::optional<double> unit_of(const std::string& given, DiagnosticLog& log) {
   if (given == "km") return 1000;
   const auto metres = parse_double(given);
   if (!metres || !(*metres > 0) || *metres > 1e9)
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--unit is {}, expected m, km, or metres above 0", in_quotes(given)));
   return metres;
 }
@@ -109,7 +109,7 @@ terrain::SurveyOptions survey_options(const Options& options, DiagnosticLog& log
     out.sun_azimuth = *azimuth;
     out.sun_elevation = *elevation;
   } else {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--light is {}, expected an azimuth and an elevation above 0 to 90 "
                            "degrees",
                            in_quotes(options.light)));
@@ -343,7 +343,7 @@ int run(const Options& options, const Host& host) {
   if (log.has_errors()) return context.finish();
   if (!options.output.empty() && !options.output.ends_with(".png") &&
       !options.output.ends_with(".PNG"))
-    log.report_file(Code::E0202, options.output,
+    log.report_file(Code("E0202"), options.output,
                     "a hillshade is a PNG: expected a name ending in .png");
   if (log.has_errors() ||
       (!options.output.empty() && !context.files().will_write(options.output, "-o", log)) ||

@@ -42,7 +42,7 @@ int run(const Options& options, const Host& host) {
   const bool standard = options.output == "-";
   for (const std::string& path : {options.input, options.output})
     if (workspace::extension_of(path) != ".pxn" && !(standard && path == options.output))
-      log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(path)));
+      log.report(Code("E0202"), {}, fmt::format("{} is not a .pxn file", in_quotes(path)));
   context.files().will_read(options.input);
   context.files().will_write(options.output, "-o", log);
   if (log.has_errors()) return context.finish();

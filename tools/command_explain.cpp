@@ -67,7 +67,7 @@ int run(const Options& options, const Host& host) {
     std::vector<std::string_view> names;
     for (const CodeInfo& info : all_codes()) names.push_back(info.name);
     const auto near = nearest_name(options.code, names);
-    context.log().report(Code::E0204, {},
+    context.log().report(Code("E0204"), {},
                          fmt::format("{} is not a diagnostic code", in_quotes(options.code)),
                          near ? fmt::format("did you mean '{}'?", *near) : std::string());
     return context.finish();

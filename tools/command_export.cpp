@@ -42,7 +42,7 @@ int run(const Options& options, const Host& host) {
   CommandContext context("export", options.common, host);
   DiagnosticLog& log = context.log();
   if (workspace::extension_of(options.output) != ".glb")
-    log.report(Code::E0202, {}, fmt::format("{} is not a .glb file", in_quotes(options.output)));
+    log.report(Code("E0202"), {}, fmt::format("{} is not a .glb file", in_quotes(options.output)));
   context.files().will_read(options.input);
   context.files().will_write(options.output, "-o", log);
   if (log.has_errors()) return context.finish();

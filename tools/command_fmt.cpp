@@ -80,7 +80,7 @@ class Formatting {
 int run(const Options& options, const Host& host) {
   CommandContext context("fmt", options.common, host);
   if (!options.output.empty() && (options.inputs.size() > 1 || options.check)) {
-    context.log().report(Code::E0201, {},
+    context.log().report(Code("E0201"), {},
                          options.check
                              ? "-o cannot be combined with --check, which writes nothing"
                              : "-o requires a single file; several are formatted in place");

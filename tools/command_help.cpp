@@ -65,7 +65,7 @@ int run(const Options& options, const Host& host) {
   }
   const DescribedCommand* command = find_command(table, options.command);
   if (command == nullptr) {
-    context.log().report(Code::E0201, {}, unknown_command_words(options.command, table));
+    context.log().report(Code("E0201"), {}, unknown_command_words(options.command, table));
     return context.finish();
   }
   out["commands"].push_back(as_json(*command));

@@ -264,7 +264,7 @@ bool may_replace(const Options& options, std::string_view fresh, DiagnosticLog& 
   DiagnosticLog apart;  // one that watches no files: an output is no input
   const auto old = read_file(options.output, kMaxBytes, apart);
   if (old && (*old == fresh || is_unedited(*old))) return true;
-  log.report_file(Code::E0103, options.output,
+  log.report_file(Code("E0103"), options.output,
                   "the file was edited, or not written by 'import'; it is kept",
                   "write to another file, or replace it with --force");
   return false;
@@ -293,7 +293,7 @@ void write_import_template(const importers::Imported& imported, const Options& o
     const fs::path both = resolved(root.empty() ? fs::path(".") : fs::path(root));
     if (file.empty() || !lies_in(input, both) || !lies_in(folder, both)) {
       context.log().report(
-          Code::E0201, {},
+          Code("E0201"), {},
           fmt::format("{} does not lie in the folder of {} or below it, where imports are found, "
                       "nor do both lie in {}",
                       in_quotes(options.input), in_quotes(options.output),
@@ -320,9 +320,9 @@ void write_import_template(const importers::Imported& imported, const Options& o
 void describe_written(const Options& options, const compiler::Report& report,
                       const std::optional<compiler::HiddenReport>& hidden,
                       CommandContext& context) {
-  if (report.triangles == 0 && !context.log().contains(Code::E6011))
+  if (report.triangles == 0 && !context.log().contains(Code("E6011")))
     context.log().report_file(
-        Code::E6011, options.input,
+        Code("E6011"), options.input,
         "the model has no surface left, expected at least one that is visible from outside");
   context.wrote(
       options.output,
@@ -341,7 +341,7 @@ void describe_written(const Options& options, const compiler::Report& report,
 // Before hidden parts go, as `check` does. A guessed unit has been reported with the sizes by it,
 // and what an error has left out leaves no size to judge.
 void check_sizes(const scene::Scene& scene, DiagnosticLog& log) {
-  if (log.contains(Code::W6006) || log.has_errors()) return;
+  if (log.contains(Code("W6006")) || log.has_errors()) return;
   const std::vector<AxisBox> boxes = importers::instance_bounds(scene);
   std::vector<compiler::PartBox> parts;
   for (std::size_t i = 0; i < boxes.size(); ++i)
@@ -354,7 +354,7 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   const std::string extension = workspace::extension_of(options.output);
   if (!options.output.empty() && extension != ".pan" && extension != ".pxn") {
-    log.report(Code::E0202, {},
+    log.report(Code("E0202"), {},
                fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(options.output)));
     return context.finish();
   }
@@ -363,7 +363,8 @@ int run(const Options& options, const Host& host) {
   context.files().will_write(options.report, "--report", log);
   context.files().will_write(options.budget_report, "--budget-report", log);
   if (extension != ".pan" && (!options.open.budget.empty() || !options.budget_report.empty()))
-    log.report(Code::N1405, {}, "--budget and --budget-report have an effect on a .pan file only");
+    log.report(Code("N1405"), {},
+               "--budget and --budget-report have an effect on a .pan file only");
   if (log.has_errors()) return context.finish();
   workspace::OpenOptions open = options.open;
   open.cache = options.cache.folder();

@@ -100,7 +100,7 @@ class LidarRun {
   bool read_lidar() {
     for (const std::string& output : options_.outputs) {
       if (!instruments::is_point_file(output)) {
-        log_.report(Code::E0202, {},
+        log_.report(Code("E0202"), {},
                     fmt::format("unknown format of {}, expected {}", in_quotes(output),
                                 instruments::kPointFileTypes));
         return false;

@@ -34,7 +34,7 @@ CommandContext context_of(const std::string& command, const std::vector<std::str
 int usage_error(const std::string& command, std::string message,
                 const std::vector<std::string>& words) {
   CommandContext context = context_of(command, words);
-  context.log().report(Code::E0201, {}, std::move(message));
+  context.log().report(Code("E0201"), {}, std::move(message));
   return context.finish();
 }
 

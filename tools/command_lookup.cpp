@@ -119,11 +119,11 @@ class LookupRun {
       auto numbers = numbers_in(text);
       if (text.ends_with(".csv") || text.ends_with(".txt")) {
         context_.files().will_read(text);
-        const auto read = read_number_rows(text, columns, Code::E0262, log_);
+        const auto read = read_number_rows(text, columns, Code("E0262"), log_);
         if (!read) return false;
         numbers = *read;
       } else if (!numbers || numbers->size() != columns) {
-        log_.report(Code::E0201, {},
+        log_.report(Code("E0201"), {},
                     fmt::format("{} is {}, expected {}, or a file with as many in each line (.csv)",
                                 option, in_quotes(text), counted(columns, "number")));
         return false;
@@ -143,12 +143,12 @@ class LookupRun {
     const std::size_t count = pixels_.size() + rays_.size() + sights_.size() + elevations_.size() +
                               nearest_.size() + (options_.keypoints ? 1 : 0);
     if (count == 0)
-      log_.report(Code::E0201, {},
+      log_.report(Code("E0201"), {},
                   "no question is given, expected --pixel, --ray, --sight, --elevation, --nearest "
                   "or --keypoints");
     for (std::size_t i = 0; i < rays_.size(); i += 6)
       if (vec3_at(rays_, i + 3) == Vec3(0)) {
-        log_.report(Code::E0201, {}, "--ray has the direction 0 0 0, expected another");
+        log_.report(Code("E0201"), {}, "--ray has the direction 0 0 0, expected another");
         break;
       }
     return !log_.has_errors() &&

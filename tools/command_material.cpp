@@ -108,7 +108,7 @@ std::vector<DescribedMaterial> chosen(const Options& options, CommandContext& co
     for (const DescribedMaterial& each : *found) names.push_back(each.material.name);
     if (options.name.empty()) {
       if (names.empty())
-        context.log().report_file(Code::E1311, input, "the file defines no material");
+        context.log().report_file(Code("E1311"), input, "the file defines no material");
       for (DescribedMaterial& each : *found) all.push_back(std::move(each));
       continue;
     }
@@ -118,7 +118,7 @@ std::vector<DescribedMaterial> chosen(const Options& options, CommandContext& co
       continue;
     }
     const auto near = nearest_name(options.name, names);
-    context.log().report_file(Code::E1311, input,
+    context.log().report_file(Code("E1311"), input,
                               fmt::format("no material is called {}", in_quotes(options.name)),
                               near ? fmt::format("did you mean '{}'?", *near) : "");
   }
@@ -133,7 +133,7 @@ std::optional<std::vector<double>> cosines(const Options& options, CommandContex
     const std::size_t comma = std::min(text.find(',', at), text.size());
     const auto number = parse_numbers(text.substr(at, comma - at), 1);
     if (!number || !((*number)[0] > 0 && (*number)[0] <= 1)) {
-      context.log().report(Code::E0201, {},
+      context.log().report(Code("E0201"), {},
                            fmt::format("--albedo is {}, expected cosines above 0 and up to 1, with "
                                        "commas between them",
                                        in_quotes(text)));
@@ -358,7 +358,7 @@ std::optional<workspace::DrawOptions> draw_options(const Options& options,
   workspace::DrawOptions draw;
   const bool studio = options.light == "studio";
   if (studio && options.engine == "gl") {
-    context.log().report(Code::E0201, {}, "--light studio requires --engine reference",
+    context.log().report(Code("E0201"), {}, "--light studio requires --engine reference",
                          "OpenGL supports sunlight only: --light sun");
     return std::nullopt;
   }
@@ -384,7 +384,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   constexpr std::size_t kMostPixels = 100'000'000;
   if (width * height > kMostPixels) {
     context.log().report(
-        Code::E5003, {},
+        Code("E5003"), {},
         fmt::format("a sheet of {} by {} pixels is more than {} megapixels; take a "
                     "smaller --width or fewer materials",
                     width, height, kMostPixels / 1'000'000));
@@ -448,7 +448,7 @@ void fit_table(const Options& options, CommandContext& context) {
     brightest = std::max(brightest, reading.reflectance);
   const double floor = std::min(1e-3, 0.01 * brightest);
   if (!(floor > 0)) {
-    context.log().report_file(Code::E1409, options.fit, "every reading is 0");
+    context.log().report_file(Code("E1409"), options.fit, "every reading is 0");
     return;
   }
   const auto found =
@@ -510,7 +510,7 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   if (options.inputs.empty() && !options.all) {
-    context.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
+    context.log().report(Code("E0201"), {}, "name a pxn file or a material of the library",
                          "`panwright material --list` lists its materials");
     return context.finish();
   }

@@ -146,7 +146,7 @@ std::optional<Subject> preset_subject(const Options& options, CommandContext& co
     const std::string extension = workspace::extension_of(options.input);
     if (!extension.empty()) {
       context.log().report_file(
-          Code::E0202, options.input,
+          Code("E0202"), options.input,
           fmt::format("sheets of foil are read from .pxn and .pan files, not {}",
                       in_quotes(extension)));
       return std::nullopt;
@@ -155,7 +155,7 @@ std::optional<Subject> preset_subject(const Options& options, CommandContext& co
     for (const mli::Preset& each : presets) names.push_back(each.name);
     const auto near = nearest_name(options.input, names);
     context.log().report(
-        Code::E0201, {},
+        Code("E0201"), {},
         fmt::format("{} is not a preset of foil: {}, or a .pxn or .pan file",
                     in_quotes(options.input),
                     listed(std::vector<std::string>(names.begin(), names.end()), "or")),
@@ -202,7 +202,7 @@ std::vector<std::size_t> chosen(const std::vector<std::string>& names, const Opt
                                 CommandContext& context) {
   std::vector<std::size_t> all;
   if (names.empty()) {
-    context.log().report_file(Code::E1311, options.input, "the file has no sheet of foil",
+    context.log().report_file(Code("E1311"), options.input, "the file has no sheet of foil",
                               "sheets are made by <mli>");
     return all;
   }
@@ -218,7 +218,7 @@ std::vector<std::size_t> chosen(const std::vector<std::string>& names, const Opt
   const std::vector<std::string_view> views(names.begin(), names.end());
   const auto near = nearest_name(options.sheet, views);
   context.log().report_file(
-      Code::E1311, options.input,
+      Code("E1311"), options.input,
       fmt::format("no sheet is called {}; there {} {}, expected a name or a number from 1",
                   in_quotes(options.sheet), names.size() == 1 ? "is" : "are",
                   counted(names.size(), "sheet")),
@@ -338,7 +338,7 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
   const mli::Sheet shown = drawn_sheet(sheet, context);
   const std::uint32_t height = foil_image_height(shown, options.width);
   if (std::uint64_t{options.width} * height > kMostPixels) {
-    log.report(Code::E5003, {},
+    log.report(Code("E5003"), {},
                fmt::format("an image of {} by {} pixels is more than {} megapixels; take a smaller "
                            "--width",
                            options.width, height, kMostPixels / 1'000'000));
@@ -401,14 +401,14 @@ bool check_options(const Options& options, CommandContext& context) {
   DiagnosticLog& log = context.log();
   if (is_file(options.input)) context.files().will_read(options.input);
   if (!options.output.empty() && !image::image_format(options.output)) {
-    log.report_file(Code::E0202, options.output,
+    log.report_file(Code("E0202"), options.output,
                     fmt::format("images are written as .png, .exr, .npy or .npz, not {}",
                                 in_quotes(workspace::extension_of(options.output))));
     return false;
   }
   if (!options.heights.empty() && !is_height_file(options.heights, log)) return false;
   if (!options.histogram.empty() && workspace::extension_of(options.histogram) != ".svg") {
-    log.report_file(Code::E0202, options.histogram,
+    log.report_file(Code("E0202"), options.histogram,
                     fmt::format("histograms are written as .svg, not {}",
                                 in_quotes(workspace::extension_of(options.histogram))));
     return false;
@@ -418,7 +418,7 @@ bool check_options(const Options& options, CommandContext& context) {
       !context.files().will_write(options.histogram, "--histogram", log))
     return false;
   const auto refuse = [&](const char* option, const char* words) {
-    log.report(Code::E0201, {}, fmt::format("{} {}", option, words));
+    log.report(Code("E0201"), {}, fmt::format("{} {}", option, words));
     return false;
   };
   if (options.seed) {
@@ -443,7 +443,7 @@ void report_stored(const Options& options, CommandContext& context) {
       options.seed || options.cells > 0 || !options.material.empty() || !options.fit.empty();
   if (writes(options) || remade) {
     log.report_file(
-        Code::E0201, options.input,
+        Code("E0201"), options.input,
         fmt::format("{} the recipe of a sheet, and a pan file holds its statistics only",
                     writes(options) ? "images, heights and histograms require"
                                     : "--seed, --cells, --fit and --material require"),
@@ -524,7 +524,7 @@ std::vector<Subject> subjects(const Options& options, CommandContext& context) {
   for (const std::size_t i : chosen(names, options, context)) out.push_back(all[i]);
   if (out.size() > 1 && writes(options)) {
     context.log().report_file(
-        Code::E0201, options.input,
+        Code("E0201"), options.input,
         fmt::format("the file has {}, expected one to write files of; name it by --sheet",
                     counted(out.size(), "sheet")),
         "as in --sheet 1; without -o, --height and --histogram all are listed");

@@ -79,7 +79,7 @@ int run(const Options& options, const Host& host) {
   if (!folder.has_filename()) folder = folder.parent_path();
   const std::string name = folder.filename().string();
   if (!is_name(name)) {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("{} is not a valid model name, expected letters, digits, '_' and '-'",
                            in_quotes(name)));
     return context.finish();
@@ -87,12 +87,12 @@ int run(const Options& options, const Host& host) {
   std::error_code error;
   if (fs::exists(folder, error) &&
       !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
-    log.report_file(Code::E0103, folder.string(), "it already exists and is not an empty folder");
+    log.report_file(Code("E0103"), folder.string(), "it already exists and is not an empty folder");
     return context.finish();
   }
   Unfinished unfinished;
   if (const std::error_code failure = unfinished.make_folders(folder)) {
-    log.report_file(Code::E0103, folder.string(), failure.message());
+    log.report_file(Code("E0103"), folder.string(), failure.message());
     return context.finish();
   }
   std::string text = project_text();

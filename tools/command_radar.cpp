@@ -93,7 +93,7 @@ class RadarRun {
   bool read_radar() {
     for (const std::string& output : options_.outputs) {
       if (!instruments::is_histogram_file(output)) {
-        log_.report(Code::E0202, {},
+        log_.report(Code("E0202"), {},
                     fmt::format("unknown format of {}, expected {}", in_quotes(output),
                                 instruments::kHistogramFileTypes));
         return false;

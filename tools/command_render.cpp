@@ -84,7 +84,7 @@ bool follow_record(const Options& options, workspace::Settings typed, Work& work
     std::vector<std::string> targets;
     for (const workspace::RecordedTarget& target : record->targets) {
       if (target.file.empty()) {
-        log.report_file(Code::E0207, options.again,
+        log.report_file(Code("E0207"), options.again,
                         "the record does not name the file of " + in_quotes(target.name),
                         "name it, as in: render --again IMAGE " + target.name + "=FILE");
         return false;
@@ -92,7 +92,7 @@ bool follow_record(const Options& options, workspace::Settings typed, Work& work
       const auto found = workspace::find_recorded(target.file, options.again);
       std::error_code ignored;
       if (!std::filesystem::exists(found, ignored)) {
-        log.report_file(Code::E0101, options.again,
+        log.report_file(Code("E0101"), options.again,
                         fmt::format("model {} of {} not found in the working directory, the folder "
                                     "of the image or those above it",
                                     in_quotes(target.file), in_quotes(target.name)),
@@ -124,7 +124,7 @@ bool follow_record(const Options& options, workspace::Settings typed, Work& work
 }
 
 bool check_usage(const Options& options, DiagnosticLog& log) {
-  const auto refuse = [&](const char* message) { log.report(Code::E0201, {}, message); };
+  const auto refuse = [&](const char* message) { log.report(Code("E0201"), {}, message); };
   const std::size_t errors = log.errors();
   if (!options.views.empty() && options.view.given(SettingId::output))
     refuse("-o cannot be combined with --views; each view has its own output");
@@ -142,7 +142,7 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
   if (!read || !typed) return failed;
   if (options.targets.empty() && options.views.empty() && options.again.empty() &&
       !workspace::shows_sky(*typed)) {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                "no model is given, expected FILE, as in: panwright render model.pan -o image.png");
     return failed;
   }
@@ -162,7 +162,7 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
     const std::size_t errors = log.errors();
     for (const workspace::View& view : work.views)
       if (!view.settings.targets && !workspace::shows_sky(view.settings))
-        log.report_file(Code::E0203, view.file, view.label + ": no targets, and none are given",
+        log.report_file(Code("E0203"), view.file, view.label + ": no targets, and none are given",
                         "name a model on the command line, or as \"targets\"");
     if (log.errors() != errors) return failed;
   } else {
@@ -186,7 +186,7 @@ int run(const Options& options, const Host& host) {
   const auto is_text = [](const std::string& target) {
     return workspace::extension_of(workspace::target_file(target).file) == ".pxn";
   };
-  if (!options.explain) context.leave_out(Code::N5002);
+  if (!options.explain) context.leave_out(Code("N5002"));
   const auto& targets = *work->views[0].settings.targets;
   if (std::all_of(targets.begin(), targets.end(), is_text)) context.summarise_imports();
   workspace::ViewSession session(work->open, work->context);

@@ -123,7 +123,7 @@ class SequenceRun {
         !folder.begin(stems_, manifest, settings, options_.resume, log_))
       return false;
     if (!render(session, *world, listener) || !convert(*world)) {
-      if (log_.contains(Code::E0001) && !options_.common.json)
+      if (log_.contains(Code("E0001")) && !options_.common.json)
         fmt::print(stderr, "complete frames are kept; --resume goes on\n");
       return false;
     }
@@ -148,14 +148,15 @@ class SequenceRun {
     workspace::Settings& settings = opened_->scenario.settings;
     if (settings.camera_file && (typed->size || typed->fov || typed->ifov || typed->intrinsics ||
                                  typed->ortho || typed->distortion)) {
-      log_.report(Code::E0201, {},
+      log_.report(Code("E0201"), {},
                   "--size and other lenses cannot be combined with the camera_file of the scenario",
                   "--camera-file FILE replaces it");
       return false;
     }
     settings = workspace::with_defaults(*std::move(typed), settings);
     if (!settings.targets && !workspace::shows_sky(settings)) {
-      log_.report_file(Code::E8013, options_.input.file, "the scenario names no model of a target",
+      log_.report_file(Code("E8013"), options_.input.file,
+                       "the scenario names no model of a target",
                        "[targets] in the scenario, or --target NAME=FILE");
       return false;
     }
@@ -164,7 +165,7 @@ class SequenceRun {
       labelling_ = std::make_shared<const workspace::Labelling>(*opened_->scenario.labels);
     if (!choose_types(settings)) return false;
     if (options_.album.any() && std::ranges::find(types_, "png") == types_.end()) {
-      log_.report(Code::E0201, {},
+      log_.report(Code("E0201"), {},
                   "--sheet and --video are made of PNG files, expected --type png");
       return false;
     }
@@ -176,12 +177,12 @@ class SequenceRun {
     for (const std::string& type : types_) {
       const bool numbers = type == "tif" || type == "fits";
       if (!numbers && type != "png" && type != "exr" && type != "npy" && type != "npz") {
-        log_.report(Code::E0201, {},
+        log_.report(Code("E0201"), {},
                     "--type is " + in_quotes(type) + ", expected png, exr, npy, npz, tif or fits");
         return false;
       }
       if (numbers && !settings.detector && !settings.camera_file) {
-        log_.report(Code::E0202, {},
+        log_.report(Code("E0202"), {},
                     "--type " + type + " holds numbers of a detector, and the camera has none",
                     "docs/detector.md");
         return false;
@@ -218,20 +219,20 @@ class SequenceRun {
   bool check_labels(const world::World& world) {
     if (labelling_ == nullptr) return true;
     if (shutter_.stages > 0) {
-      log_.report(Code::E0201, {},
+      log_.report(Code("E0201"), {},
                   "--tdi and labels cannot be combined: a point may be in several rows, or in none",
                   "leave out [labels] and --labels");
       return false;
     }
     if (shutter_.line_time != 0 && labelling_->flow) {
-      log_.report(Code::E0201, {}, "--line-time and flow cannot be combined: rows differ in time",
+      log_.report(Code("E0201"), {}, "--line-time and flow cannot be combined: rows differ in time",
                   "leave out flow in [labels]");
       return false;
     }
     for (const labels::FormatInfo& info : labels::formats())
       if (info.one_target && world.size() > 1 &&
           std::ranges::find(labelling_->formats, info.name) != labelling_->formats.end()) {
-        log_.report_file(Code::E9003, options_.input.file,
+        log_.report_file(Code("E9003"), options_.input.file,
                          fmt::format("the format {} holds one target; the scenario has {}",
                                      in_quotes(info.name), world.size()),
                          fmt::format("after the run: panwright labels {} --format {} --target NAME",
@@ -247,7 +248,7 @@ class SequenceRun {
       return std::ranges::find(types_, type) != types_.end();
     };
     const auto need = [&](std::string_view format, const char* what, const char* hint) {
-      log_.report_file(Code::E9003, options_.input.file,
+      log_.report_file(Code("E9003"), options_.input.file,
                        fmt::format("the format {} has {}, which this run does not write",
                                    in_quotes(format), what),
                        fmt::format("{}; or without, after the run: panwright labels {} --format {}",
@@ -291,7 +292,7 @@ class SequenceRun {
       if (!frame) return false;
       const std::string stem = stem_of(*frame, number);
       if (!stems_.insert(stem).second) {
-        log_.report_file(Code::E8013, options_.input.file,
+        log_.report_file(Code("E8013"), options_.input.file,
                          fmt::format("two frames have the name {}", in_quotes(stem)));
         return false;
       }
@@ -426,7 +427,7 @@ class SequenceRun {
 
 int run(const Options& options, const Host& host) {
   CommandContext context("run", options.common, host);
-  context.leave_out(Code::N5002);
+  context.leave_out(Code("N5002"));
   SequenceRun sequence(options, context);
   sequence.run();
   return context.finish();

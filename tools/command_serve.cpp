@@ -138,7 +138,7 @@ Result<server::ServerOptions> options_of(const Options& options, DiagnosticLog& 
   auto typed = options.view.settings(log);
   if (!read || !typed) return failed;
   if (options.targets.empty() && !workspace::shows_sky(*typed)) {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                "no model is given, expected FILE, as in: panwright serve model.pan");
     return failed;
   }

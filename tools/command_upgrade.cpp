@@ -41,12 +41,12 @@ int run(const Options& options, const Host& host) {
   CommandContext context("upgrade", options.common, host);
   DiagnosticLog& log = context.log();
   if (!options.output.empty() && options.inputs.size() > 1) {
-    log.report(Code::E0201, {}, "-o takes one file; several are upgraded in place");
+    log.report(Code("E0201"), {}, "-o takes one file; several are upgraded in place");
     return context.finish();
   }
   for (const std::string& input : options.inputs)
     if (workspace::extension_of(input) != ".pxn")
-      log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(input)));
+      log.report(Code("E0202"), {}, fmt::format("{} is not a .pxn file", in_quotes(input)));
   for (const std::string& input : options.inputs) context.files().will_read(input);
   std::error_code ignored;
   const bool in_place = options.output.empty() ||

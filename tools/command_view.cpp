@@ -85,7 +85,7 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   const auto program = studio();
   if (!program) {
-    log.report(Code::E5001, {},
+    log.report(Code("E5001"), {},
                fmt::format("{}, the program of the window, is not installed; building it requires "
                            "GLFW and Dear ImGui",
                            kProgram));
@@ -105,7 +105,7 @@ int run(const Options& options, const Host& host) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   ::execv(program->c_str(), arguments.data());
-  log.report(Code::E5001, {},
+  log.report(Code("E5001"), {},
              fmt::format("cannot start {}: {}", program->string(), std::strerror(errno)));
   return context.finish();
 }

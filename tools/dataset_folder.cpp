@@ -71,7 +71,8 @@ Result<DatasetFolder> DatasetFolder::open(const fs::path& path, DiagnosticLog& l
   out.path_ = path;
   std::error_code ignored;
   if (!fs::exists(path / "set.json", ignored)) {
-    log.report_file(Code::E8018, path.string(), "the folder has no set.json, so it is no data set",
+    log.report_file(Code("E8018"), path.string(),
+                    "the folder has no set.json, so it is no data set",
                     "panwright dataset plan PLAN.toml -o FOLDER makes one");
     return failed;
   }
@@ -113,7 +114,7 @@ bool DatasetFolder::read_settings(DiagnosticLog& log) {
     if (!out.types.empty()) return true;
   } catch (const nlohmann::json::exception&) {
   }
-  log.report_file(Code::E8018, file.string(), "it is not as `dataset plan` wrote it",
+  log.report_file(Code("E8018"), file.string(), "it is not as `dataset plan` wrote it",
                   "plan the set again, into another folder");
   return false;
 }
@@ -133,16 +134,16 @@ bool DatasetFolder::read_rows(DiagnosticLog& log) {
     const bool named = json.is_object() && json.contains("name") && json["name"].is_string();
     const auto name = named ? json["name"].get<std::string>() : std::string();
     if (!is_name(name))
-      log.report_file(Code::E8018, file.string(),
+      log.report_file(Code("E8018"), file.string(),
                       fmt::format("row {} has no name of letters, digits, _ and -", rows_.size()),
                       "one JSON object a line, as {\"name\": \"000000\", …}");
     else if (!known.insert(name).second)
-      log.report_file(Code::E8018, file.string(),
+      log.report_file(Code("E8018"), file.string(),
                       fmt::format("two rows have the name {}", in_quotes(name)));
     rows_.push_back(std::move(row));
     names_.push_back(name);
   }
-  if (rows_.empty()) log.report_file(Code::E8018, file.string(), "the table has no rows");
+  if (rows_.empty()) log.report_file(Code("E8018"), file.string(), "the table has no rows");
   return log.errors() == errors;
 }
 
@@ -230,7 +231,7 @@ bool DatasetFolder::take(std::size_t first, std::size_t end, DiagnosticLog& log)
   const bool busy = descriptor >= 0 && (errno == EAGAIN || errno == EACCES);
   if (descriptor >= 0) ::close(descriptor);
   log.report_file(
-      busy ? Code::E8018 : Code::E0103, path_.string(),
+      busy ? Code("E8018") : Code("E0103"), path_.string(),
       busy ? fmt::format("another process renders some of the frames {} to {}", first, end - 1)
            : "its frames cannot be locked",
       busy ? "give each process a shard of its own, of the same number of shards" : "");

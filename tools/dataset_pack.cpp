@@ -45,7 +45,7 @@ bool add_member(AtomicFile& tar, const fs::path& file, const std::string& name,
   if (!mapped) return false;
   const std::uint64_t size = mapped->bytes().size();
   if (size >= kMostMember) {
-    log.report_file(Code::E0103, file.string(), "it is over 8 GiB, which no ustar archive holds");
+    log.report_file(Code("E0103"), file.string(), "it is over 8 GiB, which no ustar archive holds");
     return false;
   }
   const auto header = tar_header(name, size);

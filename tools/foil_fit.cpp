@@ -96,7 +96,7 @@ struct OperationText {
 };
 
 bool refuse(std::string_view item, DiagnosticLog& log) {
-  log.report(Code::E0201, {},
+  log.report(Code("E0201"), {},
              fmt::format("--fit: {} is not valid, expected slope_rms=NUMBER, correlation=LENGTH "
                          "and height_rms=LENGTH, separated by blanks, each once",
                          in_quotes(item)),

@@ -73,7 +73,7 @@ bool write_png(const std::filesystem::path& path, const mli::Sheet& sheet, std::
 bool is_height_file(const std::filesystem::path& path, DiagnosticLog& log) {
   const std::string extension = workspace::extension_of(path);
   if (extension == ".npy" || extension == ".exr" || extension == ".png") return true;
-  log.report_file(Code::E0202, path.string(),
+  log.report_file(Code("E0202"), path.string(),
                   fmt::format("heights are written as .npy, .exr or .png, not {}",
                               in_quotes(path.extension().string())));
   return false;

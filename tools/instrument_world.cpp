@@ -55,7 +55,7 @@ bool InstrumentWorld::open(double after) {
 bool InstrumentWorld::take_models(workspace::Settings settings) {
   if (input_.at || !input_.targets.empty()) {
     context_.log().report(
-        Code::E0201, {},
+        Code("E0201"), {},
         fmt::format("{} needs a scenario, and models are given", input_.at ? "--at" : "--target"));
     return false;
   }
@@ -72,7 +72,7 @@ bool InstrumentWorld::open_scenario(workspace::Settings settings) {
   scenario->settings = workspace::with_defaults(std::move(settings), scenario->settings);
   scenario_ = *std::move(scenario);
   if (!scenario_->settings.targets) {
-    log.report_file(Code::E8013, input_.inputs.front(), "the scenario names no model of a target",
+    log.report_file(Code("E8013"), input_.inputs.front(), "the scenario names no model of a target",
                     "[targets] in the scenario, or --target NAME=FILE");
     return false;
   }

@@ -34,7 +34,7 @@ Result<world::World> posed(const std::string& file, const world::ModelPtr& model
     const auto direction = workspace::parse_numbers(*options.sun, 3);
     if (!direction || ((*direction)[0] == 0 && (*direction)[1] == 0 && (*direction)[2] == 0)) {
       log.report(
-          Code::E0201, {},
+          Code("E0201"), {},
           fmt::format("--sun is {}, expected a direction, as \"0 0 1\"", in_quotes(*options.sun)));
       return failed;
     }
@@ -44,7 +44,7 @@ Result<world::World> posed(const std::string& file, const world::ModelPtr& model
   }
   for (const workspace::JointText& text : *texts)
     if (text.value == "@sun" && !options.sun) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  fmt::format("--joint {}=@sun needs the direction: --sun \"X Y Z\"", text.joint));
       good = false;
     }

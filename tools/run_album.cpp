@@ -42,7 +42,7 @@ bool encode(const std::string& output, std::span<const fs::path> frames, const f
   if (job.cancelled())
     report_cancelled(log);
   else if (!good)
-    log.report_file(Code::E0103, output,
+    log.report_file(Code("E0103"), output,
                     error ? "the video cannot be written: " + error.message()
                           : "ffmpeg could not join the frames",
                     "the frames are kept; --video FILE.png needs no ffmpeg");
@@ -66,7 +66,7 @@ void declare(Arguments& arguments, AlbumOptions& options) {
 bool check(const AlbumOptions& options, DiagnosticLog& log) {
   if (!options.sheet.empty()) {
     if (extension_of(options.sheet) != ".png") {
-      log.report(Code::E0202, {},
+      log.report(Code("E0202"), {},
                  fmt::format("--sheet is {}, expected a .png file", in_quotes(options.sheet)));
       return false;
     }
@@ -76,13 +76,13 @@ bool check(const AlbumOptions& options, DiagnosticLog& log) {
   const bool encodes =
       std::ranges::find(image::kVideoExtensions, extension) != std::end(image::kVideoExtensions);
   if (!encodes && extension != ".png") {
-    log.report(Code::E0202, {},
+    log.report(Code("E0202"), {},
                fmt::format("--video is {}, expected .png or {}", in_quotes(options.video),
                            fmt::join(image::kVideoExtensions, ", ")));
     return false;
   }
   if (encodes && find_program("ffmpeg").empty()) {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--video is {}, which ffmpeg makes; it is not installed",
                            in_quotes(options.video)),
                "--video FILE.png is an animated PNG and needs no other program");

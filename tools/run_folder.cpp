@@ -85,7 +85,7 @@ std::vector<std::string> RunFolder::files_of(const std::string& stem) const {
 
 bool RunFolder::refuse(const std::string& message, const std::string& hint,
                        DiagnosticLog& log) const {
-  log.report_file(Code::E8014, path_.string(), message, hint);
+  log.report_file(Code("E8014"), path_.string(), message, hint);
   return false;
 }
 
@@ -93,13 +93,13 @@ bool RunFolder::take(DiagnosticLog& log) {
   std::error_code error;
   fs::create_directories(path_, error);
   if (!fs::is_directory(path_, error)) {
-    log.report_file(Code::E0103, path_.string(), "it is no folder, and cannot be made one");
+    log.report_file(Code("E0103"), path_.string(), "it is no folder, and cannot be made one");
     return false;
   }
   const fs::path file = lock_of(path_);
   lock_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) {
-    log.report_file(Code::E0103, file.string(), "the file cannot be created");
+    log.report_file(Code("E0103"), file.string(), "the file cannot be created");
     return false;
   }
   if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return true;

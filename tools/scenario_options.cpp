@@ -74,7 +74,7 @@ Result<ScenarioInput::Opened> ScenarioInput::open(DiagnosticLog& log) const {
   for (const std::string& text : at) {
     const auto time = parse_double(text);
     if (!time) {
-      log.report(Code::E0201, {}, fmt::format("--at is {}, expected seconds", in_quotes(text)));
+      log.report(Code("E0201"), {}, fmt::format("--at is {}, expected seconds", in_quotes(text)));
       return failed;
     }
     choice.at.push_back(*time);
@@ -82,7 +82,7 @@ Result<ScenarioInput::Opened> ScenarioInput::open(DiagnosticLog& log) const {
   if (!numbers.empty()) {
     choice.numbers = frame_numbers(numbers);
     if (!choice.numbers) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  fmt::format("--frames is {}, expected N, N..M or N..", in_quotes(numbers)));
       return failed;
     }

@@ -148,14 +148,14 @@ int serve_views(workspace::ViewSession& session, const workspace::Settings& defa
     if (next == Lines::Next::too_long) {
       workspace::parse_view("{}", index, defaults, view, log);
       log.report(
-          Code::E0203, {},
+          Code("E0203"), {},
           fmt::format("{}: the line has more than {} bytes", view.label, workspace::kMaxViewLine));
     } else {
       good = workspace::parse_view(line, index, defaults, view, log);
     }
     const auto require = [&](bool there, const char* message) {
       if (!good || there) return;
-      log.report(Code::E0203, {}, view.label + ": " + message);
+      log.report(Code("E0203"), {}, view.label + ": " + message);
       good = false;
     };
     require(bool(view.settings.outputs),

@@ -128,7 +128,7 @@ Result<workspace::OpenOptions> ReadOptions::opening(DiagnosticLog& log) const {
     const std::size_t sign = parameter.find('=');
     if (sign == std::string::npos || sign == 0) {
       log.report(
-          Code::E0201, {},
+          Code("E0201"), {},
           fmt::format("-D {}: NAME=VALUE is needed, as in -D span=2.4m", in_quotes(parameter)));
       return failed;
     }
@@ -237,7 +237,7 @@ Result<std::vector<workspace::JointText>> JointOptions::texts(DiagnosticLog& log
   for (const std::string& value : values) {
     out.push_back(workspace::joint_text(value));
     if (typed.insert(out.back().joint).second) continue;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--joint gives {} a value twice", in_quotes(out.back().joint)));
     return failed;
   }
@@ -264,7 +264,7 @@ Result<workspace::Settings> ViewOptions::settings(DiagnosticLog& log) const {
     good = workspace::read_setting(SettingId::pose, pose, out, log) && good;
     const std::string target = pose.substr(0, pose.find('=') + 1);  // npos + 1 is 0
     if (targets.insert(target).second) continue;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                target.empty() ? "--pose is given twice without the name of a target"
                               : fmt::format("--pose is given twice for {}",
                                             in_quotes(target.substr(0, target.size() - 1))));

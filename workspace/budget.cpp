@@ -50,7 +50,7 @@ class BudgetReader {
 
  private:
   Failed fail(const std::string& problem, const std::string& hint = {}) {
-    log_.report(Code::E0201, {}, "--budget: " + problem,
+    log_.report(Code("E0201"), {}, "--budget: " + problem,
                 hint.empty() ? "as in --budget \"nearest=5km ifov=0.1mrad flux=0.1%\"" : hint);
     return failed;
   }

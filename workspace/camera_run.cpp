@@ -249,7 +249,7 @@ class CameraRun : public InstrumentRun {
     const double bytes =
         ExposureSum::bytes(camera) + 1.0 * camera.width * camera.height * (truth ? 48 : 16);
     if (bytes > static_cast<double>(draw.gl.max_bytes)) {
-      log.report_file(Code::E5003, {},
+      log.report_file(Code("E5003"), {},
                       fmt::format("the exposure of an image of {} by {} pixels takes {:.4g} GB of "
                                   "memory; the limit is {:.4g} GB",
                                   camera.width, camera.height, 1e-9 * bytes,
@@ -283,7 +283,7 @@ class CameraRun : public InstrumentRun {
     std::set<std::pair<Code, std::string>> told;
     for (const Diagnostic& each : apart.entries()) {
       // a moment may show nothing
-      if (each.code == Code::W5006 && !empty) continue;
+      if (each.code == Code("W5006") && !empty) continue;
       if (told.insert({each.code, each.message}).second)
         log.report_file(each.code, {}, each.message, each.hint);
     }
@@ -327,9 +327,9 @@ class CameraRun : public InstrumentRun {
       const Vec3 from = glm::conjugate(body.world_from_body) *
                         (frame.camera().position - body.centre) / body.radii;
       if (glm::dot(from, from) < 1 - 1e-9)
-        misplaced_[{Code::W5016, fmt::format("the camera is inside the planet {}, which is drawn "
-                                             "from outside only",
-                                             in_quotes(body.name))}]
+        misplaced_[{Code("W5016"), fmt::format("the camera is inside the planet {}, which is drawn "
+                                               "from outside only",
+                                               in_quotes(body.name))}]
             .push_back(frame.label);
     }
     evaluation_.update(shown);
@@ -337,9 +337,9 @@ class CameraRun : public InstrumentRun {
     if (!part) return;
     const world::Instance& target = shown[part->target];
     const std::string name = target.name() + "/" + target.model()->node_path(part->node);
-    misplaced_[{Code::W5016, fmt::format("the camera is inside {}, whose surface is visible from "
-                                         "outside only",
-                                         in_quotes(name))}]
+    misplaced_[{Code("W5016"), fmt::format("the camera is inside {}, whose surface is visible from "
+                                           "outside only",
+                                           in_quotes(name))}]
         .push_back(frame.label);
   }
 
@@ -352,7 +352,7 @@ class CameraRun : public InstrumentRun {
     const double end = camera.distortion->domain();
     const double inside = (1 - 1e-6) * end;
     const auto place = camera.distortion->place(Vec3(std::sin(inside), 0, std::cos(inside)));
-    misplaced_[{Code::W5006,
+    misplaced_[{Code("W5006"),
                 fmt::format(
                     "about {:.2g} % of the pixels see nothing: the lens ends {:.4g} degrees "
                     "off its axis{}",
@@ -365,9 +365,9 @@ class CameraRun : public InstrumentRun {
 
   // Diagnostics of a view; those of the camera's place are reported of all such views at the end.
   void tell(const DiagnosticLog& said, const std::string& label) {
-    forward(said, label, {}, scope_.log, Code::W5006);
+    forward(said, label, {}, scope_.log, Code("W5006"));
     for (const Diagnostic& each : said.entries())
-      if (each.code == Code::W5006 && !scope_.world.empty())
+      if (each.code == Code("W5006") && !scope_.world.empty())
         misplaced_[{each.code, each.message}].push_back(label);
   }
 
@@ -407,7 +407,7 @@ class CameraRun : public InstrumentRun {
   void warn_of_imposters() {
     if (uncertain_.views > 0)
       scope_.log.report_file(
-          Code::W5008, uncertain_.output,
+          Code("W5008"), uncertain_.output,
           fmt::format(
               "{}{}the estimated flux error of an imposter is {:.2g} %, expected at most {:.2g} % "
               "(--flux-error)",
@@ -428,7 +428,7 @@ class CameraRun : public InstrumentRun {
     const double silent = report.limited ? std::max(asked, kLimited) : asked;
     if (draw.samples > 0 || draw.gl.samples > 0 || reached <= silent) return;
     scope_.log.report_file(
-        Code::W5008, name_of(frame),
+        Code("W5008"), name_of(frame),
         fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",
                     frame.label.empty() ? "" : frame.label + ": ", 100 * reached, 100 * asked),
         report.limited ? "--quality standard limits the time of an image; --pixel-error does not"
@@ -475,7 +475,7 @@ bool write(ImageProduct& product, const std::string& output, DiagnosticLog& log,
 void check_output(const CameraInstrument&, const std::string& output, DiagnosticLog& log) {
   if (!image::image_format(output))
     log.report(
-        Code::E0202, {},
+        Code("E0202"), {},
         fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz; of a detector "
                     "also .tif and .fits",
                     in_quotes(output)));

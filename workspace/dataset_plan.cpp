@@ -28,7 +28,7 @@ class PlanReader {
       : folder_(std::move(folder)), log_(log) {}
 
   Result<DatasetPlan> read(const ConfigValue& root) {
-    ConfigTable table(root, "a plan", Code::E8017, log_);
+    ConfigTable table(root, "a plan", Code("E8017"), log_);
     read_numbers(table);
     read_targets(table);
     if (const ConfigValue* view = table.find("view")) plan_.view = config_json(*view).dump();
@@ -47,7 +47,7 @@ class PlanReader {
 
  private:
   ConfigTable part(const ConfigValue& value, std::string_view what) {
-    return {value, what, Code::E8017, log_};
+    return {value, what, Code("E8017"), log_};
   }
   void end(ConfigTable& table) {
     table.finish();
@@ -419,7 +419,7 @@ Result<DatasetPlan> read_dataset_plan(const std::filesystem::path& path, Diagnos
   source.bytes = std::make_shared<const std::string>(*std::move(text));
   const auto bytes = source.bytes;
   const FileId file = log.sources().add(std::move(source));
-  const auto root = parse_config(*bytes, ConfigFormat::toml, file, Code::E8017, log);
+  const auto root = parse_config(*bytes, ConfigFormat::toml, file, Code("E8017"), log);
   if (!root) return failed;
   return PlanReader(path.parent_path(), log).read(*root);
 }

@@ -318,7 +318,7 @@ void report_none(std::uint32_t number, const Rejections& of, DiagnosticLog& log)
   std::vector<std::string> words;
   for (const auto& [count, reason] : reasons)
     if (count > 0) words.push_back(fmt::format("{} ({} times)", reason, count));
-  log.report_file(Code::E8017, {},
+  log.report_file(Code("E8017"), {},
                   fmt::format("frame {}: no camera keeps to the plan after {} attempts: {}", number,
                               kMostAttempts, fmt::join(words, "; ")),
                   "widen range, direction, phase or pixels");
@@ -360,7 +360,7 @@ Result<std::vector<PlannedFrame>> plan_frames(const DatasetPlan& plan,
   View view;
   if (!read_planned_view(row.dump(), 0, *settings, view, log)) return failed;
   if (!settings->fov && !settings->ifov && !settings->intrinsics && !settings->camera_file) {
-    log.report_file(Code::E8017, {},
+    log.report_file(Code("E8017"), {},
                     "[view] has no lens, expected fov, ifov, intrinsics or camera_file");
     return failed;
   }
@@ -373,7 +373,7 @@ Result<std::vector<PlannedFrame>> plan_frames(const DatasetPlan& plan,
   const auto turned = session.frame(view, log);
   if (!turned || log.has_errors()) return failed;
   if (!plan.has_sun && turned->sun->direction != base->sun->direction) {
-    log.report_file(Code::E8017, {}, "the plan has no Sun", "[sun], or sun or date in [view]");
+    log.report_file(Code("E8017"), {}, "the plan has no Sun", "[sun], or sun or date in [view]");
     return failed;
   }
   const auto target = std::ranges::find(world->instances(), plan.target, &world::Instance::name);

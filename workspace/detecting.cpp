@@ -189,7 +189,7 @@ Detected Detecting::develop(const Frame& frame, bool stages, image::Image& image
     if (fitted > 0) detector.exposure_s = std::clamp(fitted, least, kLongest);
     if (fitted != detector.exposure_s)
       log.report_file(
-          Code::W5018, {},
+          Code("W5018"), {},
           fitted > 0 ? fmt::format("an exposure of {:.3g} s fits the image; it is {} s", fitted,
                                    detector.exposure_s)
                      : fmt::format("nothing is lit; the exposure is {} s", detector.exposure_s));
@@ -205,7 +205,7 @@ Detected Detecting::develop(const Frame& frame, bool stages, image::Image& image
                        static_cast<std::uint32_t>(*frame.settings.frame_number), stages);
   wrong += out.invalid;
   if (wrong > 0)
-    log.report_file(Code::W5017, {},
+    log.report_file(Code("W5017"), {},
                     fmt::format("{} of radiance are negative or not finite: dark, or saturated",
                                 counted(wrong, "value")));
   image.dn = std::move(out.dn);

@@ -88,7 +88,7 @@ struct Drawer::Impl {
 bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& camera,
                                bool ground_truth, DiagnosticLog& log, const Job& job) {
   if (const char* why = preview::LensRenderer::refused(camera)) {
-    log.report_file(Code::E5003, {}, why);
+    log.report_file(Code("E5003"), {}, why);
     return false;
   }
   while (renderer->in_flight() > 0) {

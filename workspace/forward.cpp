@@ -45,7 +45,7 @@ void forward(const DiagnosticLog& from, const std::string& label, std::string_vi
         each.where.file == kNoFile ? std::string() : from.sources().file(each.where.file).name;
     if (each.where.file != kNoFile) {
       const SourceSpan place = moved_place(each.where, from.sources(), to.sources());
-      if (place.file != kNoFile && each.code != Code::E0201) {
+      if (place.file != kNoFile && each.code != Code("E0201")) {
         to.report(each.code, place, label.empty() ? each.message : label + ": " + each.message,
                   each.hint, each.object);
         continue;
@@ -55,9 +55,9 @@ void forward(const DiagnosticLog& from, const std::string& label, std::string_vi
       to.report_file(each.code, name, each.message, each.hint);
       continue;
     }
-    const bool usage = each.code == Code::E0201;
+    const bool usage = each.code == Code("E0201");
     if (name.empty()) name = file;
-    to.report_file(usage ? Code::E0203 : each.code, name,
+    to.report_file(usage ? Code("E0203") : each.code, name,
                    label + ": " + (usage ? without_dashes(each.message) : each.message), each.hint);
   }
 }

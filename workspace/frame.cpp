@@ -61,7 +61,7 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
                                               : "--intrinsics beside it";
     if (wrong != nullptr) {
       log.report(
-          Code::E0201, {},
+          Code("E0201"), {},
           fmt::format("--distortion is {}, expected {}", in_quotes(*settings.distortion), wrong),
           "docs/cameras.md");
       return false;
@@ -71,7 +71,7 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
   if (!set_lens(settings, camera)) return true;
   if (const char* why = preview::LensRenderer::refused(camera);
       why != nullptr && *settings.engine == Settings::Engine::gl) {
-    log.report(Code::E0201, {}, why, "docs/cameras.md");
+    log.report(Code("E0201"), {}, why, "docs/cameras.md");
     return false;
   }
   for (int k = 0; k < 2; ++k) {
@@ -80,7 +80,7 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
                          : settings.ifov  ? SettingId::ifov
                          : settings.ortho ? SettingId::ortho
                                           : SettingId::intrinsics;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--{} is {}, expected {}", info_of(id).name,
                            in_quotes(setting_text(id, settings)),
                            settings.ortho ? "a width with pixels of 1e-15 to 1e30 m"
@@ -98,7 +98,7 @@ bool is_sound(const Settings& settings, DiagnosticLog& log) {
     const auto format = image::image_format(output);
     if ((format == image::ImageFormat::tiff || format == image::ImageFormat::fits) &&
         !settings.detector && !settings.camera_file)
-      log.report(Code::E0202, {},
+      log.report(Code("E0202"), {},
                  fmt::format("{} holds numbers of a detector, and the camera has none; expected "
                              ".png, .exr, .npy or .npz",
                              in_quotes(output)),
@@ -157,7 +157,7 @@ bool set_pose(const PoseSetting& given, world::World& world, Frame& frame, Diagn
     target = *found;
   } else if (world.size() != 1) {
     const auto& [at, q] = given.pose;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--pose is '{} {} {} {} {} {} {}', expected the name of one of several "
                            "targets, as NAME=\"X Y Z QW QX QY QZ\"",
                            at.x, at.y, at.z, q.w, q.x, q.y, q.z));
@@ -165,7 +165,7 @@ bool set_pose(const PoseSetting& given, world::World& world, Frame& frame, Diagn
   }
   const auto rotation = unit_quaternion(given.pose.rotation);
   if (!rotation) {
-    log.report(Code::E0201, {}, "--pose has another quaternion than a unit one w x y z");
+    log.report(Code("E0201"), {}, "--pose has another quaternion than a unit one w x y z");
     return false;
   }
   const world::Pose pose{given.pose.translation, *rotation};
@@ -183,7 +183,7 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
   } else {
     const BoundingSphere around = sphere();
     if (!(around.radius <= kLargestModel)) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  fmt::format("the targets reach further than {} m, where a --camera must be given",
                              kLargestModel));
       return false;
@@ -233,7 +233,7 @@ bool place_in_frame(const std::string& text, const world::World& world, world::C
   std::string names;
   for (const std::size_t i : having)
     names += (names.empty() ? "" : ", ") + in_quotes(world[i].name() + "/" + text);
-  log.report(Code::E5005, {},
+  log.report(Code("E5005"), {},
              having.empty()
                  ? fmt::format("unknown frame {}, expected TARGET/FRAME", in_quotes(text))
                  : fmt::format("{} targets have a frame {}", having.size(), in_quotes(text)),
@@ -318,7 +318,7 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
   if (DiagnosticLog apart; !check_lens(settings, apart)) {
     if (refused_.insert(path).second)
       for (const Diagnostic& each : apart.entries())
-        log.report_file(Code::E0220, path, each.message, each.hint);
+        log.report_file(Code("E0220"), path, each.message, each.hint);
     return false;
   }
   return true;
@@ -329,7 +329,7 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
 bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& log) {
   if (!settings.detector) {
     if (!settings.gain && !settings.temperature) return true;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--{} needs a detector, expected a camera file with a [detector]",
                            settings.gain ? "gain" : "temperature"));
     return false;
@@ -340,7 +340,7 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
     const auto imager = sensor::parse_imager(*settings.detector, apart);
     if (!imager) {
       for (const Diagnostic& each : apart.entries())
-        log.report(Code::E0201, {}, "--detector: " + each.message, each.hint);
+        log.report(Code("E0201"), {}, "--detector: " + each.message, each.hint);
       return false;
     }
     known = std::make_shared<const sensor::Imager>(*imager);
@@ -362,7 +362,7 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
   if (const std::string why =
           sensor::check_imager(exposed, settings.size->width, settings.size->height);
       !why.empty()) {
-    log.report(Code::E0201, {}, why, "docs/detector.md");
+    log.report(Code("E0201"), {}, why, "docs/detector.md");
     return false;
   }
   const double distance = *settings.sun_distance;
@@ -393,7 +393,7 @@ Shutter shutter_of(const View& view, const Frame& frame) {
 bool stands_still(const Frame& frame, const Shutter& shutter, DiagnosticLog& log) {
   if (frame.imager != nullptr && shutter.line_time == 0 && shutter.stages == 0) return true;
   const SettingId id = shutter.exposure != 0 ? SettingId::exposure : SettingId::line_time;
-  log.report(Code::E0201, {},
+  log.report(Code("E0201"), {},
              fmt::format("--{} is {}, expected 0 where nothing is known of other times",
                          info_of(id).name, in_quotes(setting_text(id, frame.settings))),
              "scenarios with times have a before and an after (`panwright run`); a camera file "
@@ -408,7 +408,7 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   const Settings& settings = frame.settings;
   const Shutter shutter = shutter_of(view, frame);
   if (shutter.stages > 0 && shutter.line_time == 0) {
-    log.report(Code::E0201, {}, "--tdi needs --line-time: rows are exposed one after the other");
+    log.report(Code("E0201"), {}, "--tdi needs --line-time: rows are exposed one after the other");
     return false;
   }
   if (shutter.instant()) return true;
@@ -459,7 +459,7 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   if (moments.count() == 1 && !moments.is_scanner()) return true;
   if (moments.count() > ShutterMoments::kMostOfScanner) {
     log.report(
-        Code::E0201, {},
+        Code("E0201"), {},
         fmt::format("--tdi of {} stages and an image of {} rows are {} moments, expected at "
                     "most {}",
                     shutter.stages, shutter.rows, moments.count(), ShutterMoments::kMostOfScanner));
@@ -467,7 +467,7 @@ bool FrameMaker::expose(const View& view, Frame& frame, DiagnosticLog& log) {
   }
   constexpr double kMuchMore = 1.01;
   if (moments.step() > kMuchMore * step)
-    log.report_file(Code::W5008, {},
+    log.report_file(Code("W5008"), {},
                     fmt::format("the image moves by {:.3g} pixels between {} moments of its "
                                 "exposure, expected at most {} pixels",
                                 moments.step(), moments.count(), step));
@@ -505,13 +505,13 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   const bool lens = set_lens(settings, camera);
   if (posed.empty()) {
     if (!lens) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  "no lens and no target that it fits, expected --fov, --ifov, --intrinsics or "
                  "--camera-file");
       return failed;
     }
     if (!settings.quat && !settings.look_at) {
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  "no direction and no target to look at, expected --quat or --look-at");
       return failed;
     }

@@ -125,7 +125,7 @@ Result<std::vector<JointText>> read_joints(const std::filesystem::path& path, Di
   const auto text = read_file(path, kMaxBytes, log);
   if (!text) return failed;
   const auto fail = [&](const std::string& message, const std::string& hint = {}) {
-    log.report_file(Code::E0203, path.string(), message, hint);
+    log.report_file(Code("E0203"), path.string(), message, hint);
     return failed;
   };
   JsonProblem problem;
@@ -176,7 +176,7 @@ Result<JointPlace> find_joint(std::string_view name, const world::World& world,
     for (const JointPlace& place : having)
       names += (names.empty() ? "" : ", ") +
                in_quotes(world[place.target].name() + "/" + std::string(name));
-    log.report(Code::E5013, {},
+    log.report(Code("E5013"), {},
                fmt::format("{} targets have a joint {}", having.size(), in_quotes(name)),
                "name one of " + names);
     return failed;
@@ -197,13 +197,13 @@ Result<JointPlace> find_joint(std::string_view name, const world::World& world,
       message += (i ? ", " : "") + in_quotes(known[i]);
     if (known.size() > 10) message += fmt::format(" and {} more", known.size() - 10);
   }
-  log.report(Code::E5013, {}, message, near ? fmt::format("did you mean '{}'?", *near) : "");
+  log.report(Code("E5013"), {}, message, near ? fmt::format("did you mean '{}'?", *near) : "");
   return failed;
 }
 
 bool JointSetter::set(const JointText& text, DiagnosticLog& log) {
   if (text.joint.empty() || text.value.empty()) {
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--joint {}: NAME=VALUE is needed, as in --joint wing=30deg",
                            in_quotes(text.joint)));
     return false;
@@ -212,7 +212,7 @@ bool JointSetter::set(const JointText& text, DiagnosticLog& log) {
   if (!place) return false;
   const pan::layout::Joint& record = record_of(world_, *place);
   const auto refuse = [&](const std::string& problem) {
-    log.report(Code::E5014, {}, fmt::format("joint {} {}", name_of(world_, *place), problem));
+    log.report(Code("E5014"), {}, fmt::format("joint {} {}", name_of(world_, *place), problem));
     return false;
   };
   if (record.mimic >= 0)
@@ -233,7 +233,7 @@ bool JointSetter::set(const JointText& text, DiagnosticLog& log) {
   std::optional<RadiansWarning> suspicious;
   const auto values = values_of(record, text, problem, suspicious);
   if (suspicious)
-    log.report(Code::W1214, {},
+    log.report(Code("W1214"), {},
                fmt::format("joint {}: {}", name_of(world_, *place), suspicious->message),
                suspicious->hint);
   if (!values) return refuse(problem);
@@ -254,7 +254,7 @@ bool JointSetter::aim(const Aim& aim, const std::optional<Vec3>& camera, Diagnos
   } else if (const auto v = parse_numbers(what, 3); v && ((*v)[0] || (*v)[1] || (*v)[2])) {
     found = world::aim(world_, target, aim.place.joint, Vec3((*v)[0], (*v)[1], (*v)[2]));
   } else {
-    log.report(Code::E5014, {},
+    log.report(Code("E5014"), {},
                fmt::format("joint {} cannot aim at {}, expected @sun, {}the name of another "
                            "target, or a direction, as \"@0 0 1\"",
                            name_of(world_, aim.place), in_quotes(what), camera ? "@camera, " : ""));
@@ -262,7 +262,7 @@ bool JointSetter::aim(const Aim& aim, const std::optional<Vec3>& camera, Diagnos
   }
   if (found.limited())
     log.report(
-        Code::W5015, {},
+        Code("W5015"), {},
         fmt::format("joint {} points {:.4g} deg past what it aims at, as close as its limits allow",
                     name_of(world_, aim.place), found.error / kDegree));
   return true;
@@ -275,7 +275,7 @@ bool JointSetter::set_aims(const std::optional<Vec3>& camera, DiagnosticLog& log
                            [](const Aim& a) { return std::pair(a.place.target, a.place.joint); });
   for (const Aim& each : aims_) good = aim(each, camera, log) && good;
   world::aim_at_sun(world_, [&](std::size_t target, std::uint32_t joint, double error) {
-    log.report(Code::W5015, {},
+    log.report(Code("W5015"), {},
                fmt::format("joint {} points {:.4g} deg past the Sun, as close as its limits allow",
                            name_of(world_, {target, joint}), error / kDegree));
   });

@@ -67,8 +67,8 @@ std::optional<std::vector<std::byte>> KeptImport::diagnostics() const {
   out.number(log_.entries().size() - entries_);
   for (std::size_t i = entries_; i < log_.entries().size(); ++i) {
     const Diagnostic& entry = log_.entries()[i];
-    if (entry.code == Code::W6004 || entry.code == Code::W6005) return std::nullopt;
-    out.number(static_cast<std::uint64_t>(entry.code));
+    if (entry.code == Code("W6004") || entry.code == Code("W6005")) return std::nullopt;
+    out.text(code_info(entry.code).name);
     out.text(entry.message);
     out.text(entry.object);
     out.text(entry.hint);
@@ -91,10 +91,9 @@ bool KeptImport::read_diagnostics(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   found_.clear();
   for (std::uint64_t left = reader.number(); left > 0 && reader.good(); --left) {
-    Entry& entry = found_.emplace_back();
-    const std::uint64_t code = reader.number();
-    if (code >= all_codes().size()) return false;
-    entry.said.code = static_cast<Code>(code);
+    const auto code = code_from_name(reader.text());
+    if (!code) return false;
+    Entry& entry = found_.emplace_back(Entry{.said = {*code, {}, {}, {}, {}}});
     entry.said.message = reader.text();
     entry.said.object = reader.text();
     entry.said.hint = reader.text();

@@ -119,7 +119,7 @@ class LampReader {
 
   std::nullopt_t fail(std::string_view found, std::string_view expected) {
     log_.report(
-        Code::E0201, {},
+        Code("E0201"), {},
         fmt::format("--lamp {} has {}, expected {}", in_quotes(text_), in_quotes(found), expected));
     return std::nullopt;
   }
@@ -319,7 +319,7 @@ bool set_lamp(std::string_view text, const world::World& world, std::vector<worl
     return lamp.has_value();
   }
   const auto refuse = [&](const std::string& what, const std::string& hint) {
-    log.report(Code::E0201, {}, fmt::format("--lamp {} {}", in_quotes(text), what), hint);
+    log.report(Code("E0201"), {}, fmt::format("--lamp {} {}", in_quotes(text), what), hint);
     return false;
   };
   if (named.lamps.empty())
@@ -350,7 +350,7 @@ std::optional<std::vector<world::Lamp>> lamps_of(const Settings& settings,
   for (const std::string& text : *settings.lamp) (void)set_lamp(text, world, lamps, apart);
   const auto on = static_cast<std::size_t>(std::ranges::count(lamps, true, &world::Lamp::on));
   if (on > world::World::kMaxLamps)
-    apart.report(Code::E0201, {},
+    apart.report(Code("E0201"), {},
                  fmt::format("{} lamps are on, expected {} at most", on, world::World::kMaxLamps),
                  "--lamp \"* off\" switches those of models off");
   const bool good = !apart.has_errors();

@@ -35,7 +35,7 @@ constexpr std::pair<std::string_view, importers::Format> kFormats[] = {
 void note_unused(const std::vector<std::string_view>& names, const std::string& path,
                  std::string_view kind, DiagnosticLog& log) {
   for (const std::string_view name : names)
-    log.report_file(Code::N1405, path, fmt::format("{} has no effect on a {} file", name, kind));
+    log.report_file(Code("N1405"), path, fmt::format("{} has no effect on a {} file", name, kind));
 }
 
 // Options for files of another format.
@@ -87,7 +87,7 @@ bool are_known(const CadOptions& cad, DiagnosticLog& log) {
   const auto require = [&](bool known, const char* name, const std::string& value,
                            const char* accepted) {
     if (!known)
-      log.report(Code::E0201, {},
+      log.report(Code("E0201"), {},
                  fmt::format("the option '{}' of CAD files is {}, expected {}", name,
                              in_quotes(value), accepted));
     return known;
@@ -142,7 +142,7 @@ bool replace_budget(scene::Scene& scene, const OpenOptions& options, DiagnosticL
   for (const scene::Frame& frame : scene.frames) names.push_back(frame.name);
   if (approach.empty() || std::ranges::find(names, approach) != names.end()) return true;
   const auto near = nearest_name(approach, names);
-  log.report(Code::E0201, {}, fmt::format("--budget: unknown frame {}", in_quotes(approach)),
+  log.report(Code("E0201"), {}, fmt::format("--budget: unknown frame {}", in_quotes(approach)),
              near            ? fmt::format("did you mean '{}'?", *near)
              : names.empty() ? "the model has no frame"
                              : "");
@@ -163,7 +163,7 @@ compiler::Options compile_options(const OpenOptions& options) {
 std::size_t guessed_units(const DiagnosticLog& log) {
   return static_cast<std::size_t>(
       std::count_if(log.entries().begin(), log.entries().end(),
-                    [](const Diagnostic& entry) { return entry.code == Code::W6006; }));
+                    [](const Diagnostic& entry) { return entry.code == Code("W6006"); }));
 }
 
 Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
@@ -171,7 +171,7 @@ Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOp
   note_cad_options(options.cad, path, log);
   if (!options.budget.empty()) note_unused({"--budget"}, path.string(), ".pan", log);
   if (!options.parameters.empty() && options.declared == nullptr) {
-    log.report_file(Code::E1225, path.string(),
+    log.report_file(Code("E1225"), path.string(),
                     "-D has no effect on a .pan file: it was compiled with its parameters",
                     "compile its text again, or render that");
     return failed;
@@ -235,13 +235,13 @@ bool is_cad(const std::filesystem::path& path) {
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log) {
   if (!require_file(path, log)) return;
   if (const auto other = importers::other_format_by_name(path.string()))
-    log.report(Code::E0202, {},
+    log.report(Code("E0202"), {},
                fmt::format("{}: {} is not supported, expected .pan, .pxn, VRML, glTF, GLB, OBJ, "
                            "STL, PLY, STEP, URDF or MJCF",
                            in_quotes(path.string()), other->name),
                std::string(other->advice));
   else
-    log.report(Code::E0202, {},
+    log.report(Code("E0202"), {},
                fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
                            ".vrml, .glb, .gltf, .obj, .stl, .ply, .step, .urdf or .xml (MJCF)",
                            in_quotes(path.string())));
@@ -257,7 +257,7 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
   }();
   if (!imported) return failed;
   if (imported->scene.instances.empty())
-    log.report_file(Code::E6011, path.string(),
+    log.report_file(Code("E6011"), path.string(),
                     "the file holds no surface, or none that could be read");
   note_other_formats(cad, imported->format, path.string(), log);
   // before cleaning, whose lengths are metres in the world

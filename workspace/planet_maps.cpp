@@ -24,7 +24,7 @@ class MapReceiver : public image::RowReceiver {
   image::ImageProblem begin(const image::ImageHead& head) override {
     head_ = head;
     if (head.width != 2 * std::uint64_t{head.height})
-      return {Code::E0201,
+      return {Code("E0201"),
               fmt::format("a map of {} by {} pixels, expected twice as wide as high: longitudes "
                           "from -180 to 180 degrees, the north at the top",
                           head.width, head.height)};
@@ -34,7 +34,7 @@ class MapReceiver : public image::RowReceiver {
       const double pixel = 360.0 / head.width;
       if (!(std::fabs(extent.width - 360) < pixel && std::fabs(extent.height - 180) < pixel &&
             std::fabs(extent.north - 90) < pixel && std::fabs(extent.west) < 720))
-        return {Code::E0201,
+        return {Code("E0201"),
                 fmt::format("a map of longitudes {:.6g} to {:.6g} and latitudes {:.6g} to {:.6g} "
                             "degrees, expected the whole planet",
                             extent.west, extent.west + extent.width, extent.north - extent.height,
@@ -61,14 +61,14 @@ void tell(const std::string& path, const MapReceiver& map, DiagnosticLog& log) {
   const image::ImageHead& head = map.head();
   const light::MapRows& rows = map.rows();
   if (rows.step() > 1)
-    log.report_file(Code::N5042, path,
+    log.report_file(Code("N5042"), path,
                     fmt::format("a map of {} by {} pixels: means of {} by {} are used", head.width,
                                 head.height, rows.step(), rows.step()),
                     "docs/sky.md");
   if (rows.holes() > 0) {
     const auto& hole = *rows.first_hole();
     const double all = static_cast<double>(head.width) * head.height;
-    log.report_file(Code::W5043, path,
+    log.report_file(Code("W5043"), path,
                     fmt::format("{} pixels ({:.2g} %) are holes, the first of column {}, row {}: "
                                 "they get the mean of the others",
                                 rows.holes(), 100 * static_cast<double>(rows.holes()) / all,
@@ -85,7 +85,7 @@ std::optional<light::MapPixels> map_pixels(const std::string& path, light::MapVa
   const auto problem = image::decode_rows(std::as_bytes(std::span(*bytes)), kMostMapBytes, map);
   if (problem.code) {
     log.report_file(*problem.code, path, problem.message,
-                    *problem.code == Code::E0201 ? "docs/sky.md" : "");
+                    *problem.code == Code("E0201") ? "docs/sky.md" : "");
     return std::nullopt;
   }
   tell(path, map, log);
@@ -108,7 +108,7 @@ std::shared_ptr<const light::BodyMap> albedo_map(const PlanetFiles& files, const
     bool dimmed = false;
     map = light::with_clouds(map, *clouds, albedo, dimmed);
     if (dimmed)
-      log.report_file(Code::W5043, files.clouds,
+      log.report_file(Code("W5043"), files.clouds,
                       "the clouds alone reflect more than the albedo: they are dimmed, the ground "
                       "is black",
                       "a larger albedo=, or thinner clouds");

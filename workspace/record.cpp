@@ -353,7 +353,7 @@ Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& lo
   }
   if (wrong.empty()) return record;
   if (!inner.entries().empty()) wrong += ": " + inner.entries()[0].message;
-  log.report_file(Code::E0207, image.string(),
+  log.report_file(Code("E0207"), image.string(),
                   "the record of how the image was made cannot be read: " + wrong);
   return failed;
 }
@@ -382,7 +382,7 @@ std::filesystem::path find_recorded(const std::string& file, const std::filesyst
 void compare_with_record(const Record& record, const world::World& world,
                          const std::filesystem::path& image, DiagnosticLog& log) {
   const auto warn = [&](const std::string& message) {
-    log.report_file(Code::W0208, image.string(), message);
+    log.report_file(Code("W0208"), image.string(), message);
   };
   if (record.program != recorded_program())
     warn(fmt::format("made by {}, this is {}", in_quotes(record.program), recorded_program()));

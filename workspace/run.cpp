@@ -39,7 +39,7 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
   FileUses& files = log.files() ? *log.files() : own;
   if (world.empty() &&
       !std::ranges::all_of(frames, [](const Frame& f) { return shows_sky(f.settings); }))
-    log.report(Code::E5030, {}, "the world has no targets, expected at least 1, or a sky");
+    log.report(Code("E5030"), {}, "the world has no targets, expected at least 1, or a sky");
   for (const Frame& frame : frames) {
     DiagnosticLog apart = log.apart();
     for (const std::string& output : frame.outputs) {
@@ -121,7 +121,7 @@ class Run {
     if (pixels < kSmall) return false;
     const double bytes = stores_ground_truth(*current_frame_) ? 48 : 16;
     scope_.log.report_file(
-        Code::E5003, {},
+        Code("E5003"), {},
         fmt::format("{}{}there is not enough memory for an image of {} by {} pixels, which takes "
                     "{:.3g} GB and as much again while it is drawn",
                     current_frame_->label, current_frame_->label.empty() ? "" : ": ", width, height,
@@ -322,7 +322,7 @@ Result<std::size_t> Runner::run(const world::World& world, std::span<const Frame
   bool whole = true;
   const auto drop_drawers = [&] {
     for (std::optional<Drawer>* drawer : {&drawers_->gl, &drawers_->reference})
-      if (*drawer && (!whole || (*drawer)->in_flight() > 0 || log.contains(Code::E5001)))
+      if (*drawer && (!whole || (*drawer)->in_flight() > 0 || log.contains(Code("E5001"))))
         drawer->reset();
   };
   try {

@@ -30,7 +30,7 @@ bool add_steps(double begin, double end, double step, std::vector<double>& times
 Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameChoice& choice,
                                         DiagnosticLog& log) {
   const auto fail = [&](const std::string& message, const std::string& hint = {}) {
-    log.report(Code::E0201, {}, message, hint);
+    log.report(Code("E0201"), {}, message, hint);
     return failed;
   };
   const scenario::Sequence& sequence = scenario.sequence;
@@ -50,7 +50,7 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
     const double begin = scenario.begin.value_or(whole.begin),
                  end = scenario.end.value_or(whole.end);
     if (begin < whole.begin || end > whole.end || begin > end) {
-      log.report_file(Code::E8003, scenario.files.front(),
+      log.report_file(Code("E8003"), scenario.files.front(),
                       fmt::format("frames from {:.9g} s to {:.9g} s; the sources cover {:.9g} s to "
                                   "{:.9g} s",
                                   begin, end, whole.begin, whole.end));
@@ -111,7 +111,7 @@ bool set_date(const Scenario& scenario, const scenario::Frame& frame, Settings& 
   const bool rotating = axes == scenario::kRtnFrame;
   const bool centred = centre == "EARTH" || centre == "MOON";
   const auto fail = [&](std::string message, const char* hint) {
-    log.report_file(Code::E8009, scenario.files.front(), std::move(message), hint);
+    log.report_file(Code("E8009"), scenario.files.front(), std::move(message), hint);
     return false;
   };
   if (!rotating && !axes.empty() && !scenario::is_inertial_j2000(axes) &&
@@ -150,7 +150,7 @@ void check_stars(const Scenario& scenario, DiagnosticLog& log) {
   if (scenario.sequence.axes() != scenario::kRtnFrame || scenario.settings.orbit ||
       !shows_stars(scenario.settings))
     return;
-  log.report_file(Code::W8019, scenario.files.front(),
+  log.report_file(Code("W8019"), scenario.files.front(),
                   "clohessy_wiltshire has axes that turn with its orbit, which is not given: stars "
                   "are drawn as if these were the axes of J2000",
                   "orbit = \"a=… e=… i=… raan=… aop=… nu=…\" in [view]");

@@ -55,7 +55,7 @@ class ScenarioReader {
   }
 
   Result<Scenario> read(const Table& root) {
-    ConfigTable reader(root, "a scenario", Code::E8013, log_);
+    ConfigTable reader(root, "a scenario", Code("E8013"), log_);
     scenario::SequenceOptions sequence;
     read_epoch(reader, sequence);
     const auto begin = reader.number("begin"), end = reader.number("end"),
@@ -100,7 +100,7 @@ class ScenarioReader {
   void read_mount(ConfigTable& reader, scenario::SequenceOptions& sequence) {
     const Table* table = reader.find("mount");
     if (table == nullptr) return;
-    ConfigTable part(*table, "mount", Code::E8013, log_);
+    ConfigTable part(*table, "mount", Code("E8013"), log_);
     scenario::Mount mount;
     mount.target = part.text("target").value_or("");
     mount.turns = part.flag("turns").value_or(false);
@@ -119,7 +119,7 @@ class ScenarioReader {
       look.target = *name;
       check_name(reader, table, look.target);
     } else {
-      ConfigTable part(*table, "look_at", Code::E8013, log_);
+      ConfigTable part(*table, "look_at", Code("E8013"), log_);
       look.target = part.text("target").value_or("");
       check_name(part, part.find("target"), look.target);
       look.point = vector(part, "point").value_or(Vec3(0));
@@ -164,7 +164,7 @@ class ScenarioReader {
   void read_labels(ConfigTable& reader) {
     const Table* table = reader.find("labels");
     if (table == nullptr) return;
-    ConfigTable part(*table, "labels", Code::E8013, log_);
+    ConfigTable part(*table, "labels", Code("E8013"), log_);
     Labelling labels;
     labels.flow = part.flag("flow").value_or(false);
     if (const auto slack = part.number("keypoint_slack")) {
@@ -212,7 +212,7 @@ class ScenarioReader {
     for (const Table& each : *list) read_part(each);
   }
   void read_part(const Table& table) {
-    ConfigTable part(table, "a source", Code::E8013, log_);
+    ConfigTable part(table, "a source", Code("E8013"), log_);
     const auto file = part.text("file");
     const auto offset = part.number("offset");
     std::optional<scenario::SourcePtr> source;
@@ -410,7 +410,7 @@ class ScenarioReader {
     }
     std::vector<scenario::HoldPoint> all;
     for (const Table& each : *list) {
-      ConfigTable one(each, "a hold point", Code::E8013, log_);
+      ConfigTable one(each, "a hold point", Code("E8013"), log_);
       const auto arrive = one.number("arrive"), leave = one.number("leave");
       const auto position = vector(one, "position");
       if (!arrive || !position) one.fail(each, "a hold point has arrive and position");
@@ -566,7 +566,7 @@ Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& opti
   source.name = text->name;
   source.bytes = text->bytes;
   const FileId file = log.sources().add(std::move(source));
-  const auto root = parse_config(*text->bytes, ConfigFormat::toml, file, Code::E8013, log);
+  const auto root = parse_config(*text->bytes, ConfigFormat::toml, file, Code("E8013"), log);
   if (!root) return failed;
   return ScenarioReader(path, options, log).read(*root);
 }

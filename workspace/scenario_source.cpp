@@ -41,11 +41,11 @@ Result<scenario::SourcePtr> read_source(const std::filesystem::path& path,
     return scenario::read_csv(*text, csv, log);
   }
   if (ephemeris::is_kernel(std::as_bytes(std::span(bytes))))
-    log.report_file(Code::E0202, path.string(), "a SPICE kernel, which does not say whose it is",
+    log.report_file(Code("E0202"), path.string(), "a SPICE kernel, which does not say whose it is",
                     "[[source]] with kernels and body in a scenario: docs/ephemerides.md");
   else
     log.report_file(
-        Code::E0202, path.string(),
+        Code("E0202"), path.string(),
         "not a trajectory, expected .csv, .fli, .json (keyframes), or a message of CCSDS",
         "docs/scenarios.md");
   return failed;

@@ -36,7 +36,7 @@ std::optional<SettingId> scene_setting(std::string_view name) {
 void forward_scene(const DiagnosticLog& from, const std::string& file, const std::string& place,
                    DiagnosticLog& log) {
   for (const Diagnostic& each : from.entries())
-    log.report_file(Code::E0203, file, place + each.message, each.hint);
+    log.report_file(Code("E0203"), file, place + each.message, each.hint);
 }
 
 // The elements are those at the scene's date; frames of other dates move on from there.
@@ -73,7 +73,7 @@ const Settings* SceneReader::read(const world::World& world, DiagnosticLog& log)
     if (const auto id = scene_setting(name))
       read_setting(*id, std::string_view(value), settings_, apart);
     else
-      log.report_file(Code::N1314, model->name(),
+      log.report_file(Code("N1314"), model->name(),
                       fmt::format("the scene's {} is not known to this version and has no effect",
                                   in_quotes(name)));
   }
@@ -84,7 +84,7 @@ const Settings* SceneReader::read(const world::World& world, DiagnosticLog& log)
   forward_scene(apart, model->name(), "the scene: ", log);
   for (auto other = first + 1; other != instances.end(); ++other)
     if (has_scene(*other) && other->model() != model)
-      log.report_file(Code::N1314, other->model()->name(),
+      log.report_file(Code("N1314"), other->model()->name(),
                       fmt::format("the scene of {} is not used; that of {} holds",
                                   in_quotes(other->name()), in_quotes(target_)));
   return sound_ ? &settings_ : nullptr;

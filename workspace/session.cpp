@@ -56,7 +56,7 @@ ViewSession::Opened* ViewSession::opened(const View& view, const RunListener& li
     for (const Step& step : report.steps) listener.step(step);
   if (!world) {
     if (!view.label.empty())
-      log.report(Code::E0203, {}, view.label + ": its targets cannot be opened");
+      log.report(Code("E0203"), {}, view.label + ": its targets cannot be opened");
     return nullptr;
   }
   while (worlds_.size() >= kMostWorlds) worlds_.pop_back();

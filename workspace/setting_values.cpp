@@ -297,13 +297,13 @@ class SettingReader {
                        : parse_length(value) ? ", a length"
                        : parse_angle(value)  ? ", an angle"
                                              : "";
-    log_.report(Code::E0201, {},
+    log_.report(Code("E0201"), {},
                 fmt::format("--{} is {}{}, expected {}", name, in_quotes(value), kind, expected));
     return false;
   }
   void warn_of_radians(const std::string& text) {
     if (const auto warning = warning_of_radians(text))
-      log_.report(Code::W1214, {}, fmt::format("{}: {}", info_.name, warning->message),
+      log_.report(Code("W1214"), {}, fmt::format("{}: {}", info_.name, warning->message),
                   warning->hint);
   }
 

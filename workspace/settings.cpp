@@ -156,7 +156,7 @@ std::optional<Quat> unit_quaternion(const Quat& q) {
 bool check(const Settings& settings, DiagnosticLog& log) {
   bool good = true;
   const auto fail = [&](std::string_view message) {
-    log.report(Code::E0201, {}, std::string(message));
+    log.report(Code("E0201"), {}, std::string(message));
     good = false;
   };
   const std::uint64_t set = mask_of(settings, true);

@@ -209,7 +209,7 @@ bool check_words(const Settings& settings, DiagnosticLog& log) {
   for (const std::string_view word : words_of(*settings.sky)) {
     if (std::ranges::find(kSkyNames, word) != std::end(kSkyNames)) continue;
     const auto near = nearest_name(word, kSkyNames);
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--sky is {}, expected any of {}; others are placed by --planet "
                            "NAME=\"X Y Z\"{}",
                            in_quotes(word), fmt::join(kSkyNames, ", "),
@@ -243,7 +243,7 @@ bool check_date(const Settings& settings, DiagnosticLog& log) {
   if (!settings.date) return true;
   std::string problem;
   if (scenario::parse_epoch(*settings.date, scenario::TimeSystem::utc, problem)) return true;
-  log.report(Code::E0201, {},
+  log.report(Code("E0201"), {},
              fmt::format("--date is {}, expected a date in UTC, as 2026-01-01T12:00:00",
                          in_quotes(*settings.date)),
              problem);
@@ -255,7 +255,7 @@ bool check_orbit(const Settings& settings, DiagnosticLog& log) {
   scenario::Orbit orbit;
   const std::string wrong = read_orbit(*settings.orbit, orbit);
   if (wrong.empty()) return true;
-  log.report(Code::E0201, {},
+  log.report(Code("E0201"), {},
              fmt::format("--orbit is {}, expected {}", in_quotes(*settings.orbit), wrong),
              "docs/sky-by-date.md");
   return false;
@@ -313,7 +313,7 @@ bool check_sky(const Settings& settings, DiagnosticLog& log) {
   good = check_date(settings, log) && good;
   good = check_orbit(settings, log) && good;
   if (settings.star_catalogue && !faintest_of(settings)) {
-    log.report(Code::E0201, {}, "--star-catalogue requires --stars V or --sky stars");
+    log.report(Code("E0201"), {}, "--star-catalogue requires --stars V or --sky stars");
     good = false;
   }
   std::set<std::string_view> names;
@@ -323,7 +323,7 @@ bool check_sky(const Settings& settings, DiagnosticLog& log) {
     std::string wrong = read_planet(name, text, planet);
     if (!names.insert(name).second) wrong = "each body once";
     if (wrong.empty()) continue;
-    log.report(Code::E0201, {},
+    log.report(Code("E0201"), {},
                fmt::format("--planet {} is {}, expected {}", name.empty() ? "''" : name,
                            in_quotes(text), wrong),
                "docs/sky.md");
@@ -336,7 +336,7 @@ Result<std::optional<scenario::DatedSky>> dated_sky_of(const Settings& settings,
                                                        DiagnosticLog& log) {
   const std::string dated = first_dated(settings);
   const auto fail = [&](std::string message) {
-    log.report(Code::E0201, {}, std::move(message), "docs/sky-by-date.md");
+    log.report(Code("E0201"), {}, std::move(message), "docs/sky-by-date.md");
     return failed;
   };
   if (!settings.orbit) {
@@ -383,7 +383,7 @@ bool SkyReader::read_stars(const Settings& settings, const std::optional<scenari
   } else {
     stars.catalogue = sky::hipparcos_stars();
     if (stars.faintest > kFaintestOfHipparcos && refused_.insert(std::string()).second)
-      log.report(Code::W5041, {},
+      log.report(Code("W5041"), {},
                  fmt::format("--stars is {}; the catalogue of Hipparcos ends at magnitude {}, "
                              "fainter stars are not drawn",
                              stars.faintest, kFaintestOfHipparcos),
@@ -408,7 +408,7 @@ bool SkyReader::read_maps(const PlanetFiles& files, light::Body& body, Diagnosti
     ground = light::ground_albedo(body, *air);
     if (body.albedo.x < air->albedo().x || body.albedo.y < air->albedo().y ||
         body.albedo.z < air->albedo().z)
-      log.report(Code::W5043, {},
+      log.report(Code("W5043"), {},
                  fmt::format("the air of {} alone has the albedo {:.2f} {:.2f} {:.2f}, more than "
                              "albedo= {:.2g} {:.2g} {:.2g}: the ground is black in such bands",
                              in_quotes(body.name), air->albedo().x, air->albedo().y,

@@ -32,7 +32,7 @@ void check_parameters(const OpenOptions& options, const std::set<std::string>& d
   for (const auto& [name, value] : options.parameters) {
     if (declared.contains(name)) continue;
     const auto near = nearest_name(name, all);
-    log.report(Code::E1225, {},
+    log.report(Code("E1225"), {},
                all.empty() ? fmt::format("-D {}={}: no target has parameters", name, value)
                            : fmt::format("-D {}={}: no target has a parameter {}; there {} {}",
                                          name, value, in_quotes(name),
@@ -55,7 +55,7 @@ TargetFile target_file(std::string_view text) {
 Result<world::World> open_world(std::span<const TargetFile> targets, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job, OpenReport* report) {
   if (targets.empty()) {
-    log.report(Code::E5030, {}, "no model file given, expected at least 1");
+    log.report(Code("E5030"), {}, "no model file given, expected at least 1");
     return failed;
   }
   // names first: opening takes long
@@ -63,7 +63,7 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
   for (const TargetFile& target : targets) {
     const auto [known, added] = names.emplace(target.name, &target.file);
     if (added) continue;
-    log.report(Code::E5009, {},
+    log.report(Code("E5009"), {},
                "duplicate target name " + in_quotes(target.name) + ": " +
                    in_quotes(known->second->string()) + " and " + in_quotes(target.file.string()),
                "NAME=FILE gives a target another name");

@@ -82,7 +82,7 @@ class OneViewReader {
 
  private:
   void fail(const std::string& message, std::string hint = {}) {
-    log_.report_file(Code::E0203, view_.file, view_.label + ": " + message, std::move(hint));
+    log_.report_file(Code("E0203"), view_.file, view_.label + ": " + message, std::move(hint));
     ok_ = false;
   }
 
@@ -124,7 +124,7 @@ bool distinct_outputs(const std::vector<View>& views, const std::string& file, D
     if (added) return;
     good = false;
     log.report_file(
-        Code::E0203, file,
+        Code("E0203"), file,
         first->second == index
             ? fmt::format("{} has the output {} twice", views[index].label, in_quotes(output))
             : fmt::format("{} and {} have the same output, {}", views[first->second].label,
@@ -148,7 +148,7 @@ Result<std::vector<View>> read_views(const std::filesystem::path& path, const Se
 Result<std::vector<View>> parse_views(std::string_view text, const std::string& name,
                                       const Settings& defaults, DiagnosticLog& log) {
   const auto fail = [&](const std::string& message, const std::string& hint = {}) {
-    log.report_file(Code::E0203, name, message, hint);
+    log.report_file(Code("E0203"), name, message, hint);
     return failed;
   };
   JsonProblem problem;
@@ -188,7 +188,7 @@ bool parse_view(std::string_view text, std::size_t index, const Settings& defaul
   JsonProblem problem;
   const auto parsed = parse_json(text, problem);
   if (!parsed) {
-    log.report_file(Code::E0203, {}, view.label + ": " + problem.message, problem.hint);
+    log.report_file(Code("E0203"), {}, view.label + ": " + problem.message, problem.hint);
     return false;
   }
   OneViewReader reader(index, {}, log);

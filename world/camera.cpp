@@ -76,7 +76,7 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
                         DiagnosticLog& log) {
   const Vec3 line = target - position;
   if (line == Vec3(0) || !is_finite(line)) {
-    log.report_file(Code::E0201, {},
+    log.report_file(Code("E0201"), {},
                     line == Vec3(0)
                         ? "the camera is at the point that it looks at, expected another --look-at"
                         : "the camera is too far from the point that it looks at, expected less");
@@ -87,7 +87,7 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
   const double longest = std::max({std::fabs(line.x), std::fabs(line.y), std::fabs(line.z)});
   const Vec3 forward = line * std::ldexp(1.0, std::min(-std::ilogb(longest), 1000));
   if (up && (*up == Vec3(0) || !is_finite(*up))) {
-    log.report_file(Code::E0201, {}, "--up is \"0 0 0\", expected a direction of another length");
+    log.report_file(Code("E0201"), {}, "--up is \"0 0 0\", expected a direction of another length");
     return failed;
   }
   const Vec3 wanted = up.value_or(Vec3(0, 0, 1));
@@ -95,7 +95,7 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
   const Vec3 y_axis(0, 1, 0);
   const bool y_is_free = !along(forward, y_axis);
   log.report_file(
-      Code::N5004, {},
+      Code("N5004"), {},
       y_is_free ? "the up direction is parallel to the line of sight; +y is used as up"
                 : "the up direction and +y are parallel to the line of sight; +z is used as up");
   return rotation_from(forward, y_is_free ? y_axis : Vec3(0, 0, 1));

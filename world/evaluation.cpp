@@ -165,7 +165,7 @@ bool place_in_frame(Camera& camera, const World& world, std::size_t index, std::
   }
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < model.frames().size(); ++i) names.push_back(model.frame_name(i));
-  report_missing(Code::E5005, model.name(), "unknown frame", name, names, log);
+  report_missing(Code("E5005"), model.name(), "unknown frame", name, names, log);
   return false;
 }
 

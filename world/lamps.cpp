@@ -142,7 +142,7 @@ bool put_on_node(Lamp& lamp, const World& world, std::size_t target, std::string
       lamp.node = static_cast<std::uint32_t>(i);
       return true;
     }
-  report_missing(Code::E5005, model.name(), "unknown frame or node", name, names, log);
+  report_missing(Code("E5005"), model.name(), "unknown frame or node", name, names, log);
   return false;
 }
 

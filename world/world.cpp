@@ -57,12 +57,12 @@ Result<std::size_t> World::add(std::string name, ModelPtr model, const Pose& pos
                                DiagnosticLog& log) {
   assert(!name.empty() && model && model->checked() && is_sound(pose));
   if (find(name)) {
-    log.report_file(Code::E5009, {}, fmt::format("duplicate target name {}", in_quotes(name)),
+    log.report_file(Code("E5009"), {}, fmt::format("duplicate target name {}", in_quotes(name)),
                     "NAME=FILE gives a target another name");
     return failed;
   }
   if (size() == kMaxInstances) {
-    log.report_file(Code::E5010, {},
+    log.report_file(Code("E5010"), {},
                     fmt::format("too many targets, expected at most {}", kMaxInstances));
     return failed;
   }
@@ -96,7 +96,7 @@ Result<std::size_t> World::require(std::string_view name, DiagnosticLog& log) co
   if (const auto index = find(name)) return *index;
   std::vector<std::string_view> names;
   for (const Instance& instance : instances_) names.push_back(instance.name_);
-  report_missing(Code::E5011, {}, "unknown target", name, names, log);
+  report_missing(Code("E5011"), {}, "unknown target", name, names, log);
   return failed;
 }
 

@@ -373,7 +373,7 @@ Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& 
   reduce_textures(fitted, out.allotment, out.report, job);
   out.report.seconds = seconds_since(start);
   if (const std::string text = words(out.report, budget); !text.empty())
-    log.report(Code::N2025, {}, text, "`--budget none` keeps all of it");
+    log.report(Code("N2025"), {}, text, "`--budget none` keeps all of it");
   return out;
 }
 

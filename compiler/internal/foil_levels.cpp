@@ -96,7 +96,7 @@ class FoilLevels {
   // once for each sheet
   void report(const scene::Foil& foil, std::size_t level, double pixel) {
     if (!reported_.insert({foil.shape, level}).second) return;
-    log_.report(Code::N2024, {},
+    log_.report(Code("N2024"), {},
                 fmt::format("{}:{}:{}: the sheet has cells of {:.3g} m in place of {:.3g} m: a "
                             "pixel of the budget spans {:.3g} m at the nearest",
                             foil.source.file, foil.source.line, foil.source.column,

@@ -47,7 +47,7 @@ void note_coarse(const scene::Scene& scene, const Plan& plan, std::span<const st
   if (count == 0) return;
   const scene::Instance& instance = scene.instances[worst];
   const bool one = count == 1;
-  log.report(Code::N2029, {},
+  log.report(Code("N2029"), {},
              fmt::format("{}: {}, this one by {:.2g} % of {:.3g}; the flux of such a part may be "
                          "off by 10 % and more",
                          place_of(instance.source),

@@ -48,14 +48,14 @@ void report_whole(const std::string& file, double size, DiagnosticLog& log) {
   const std::string words = length_in_words(size);
   if (size > kLargest)
     log.report_file(
-        Code::W2022, file,
+        Code("W2022"), file,
         fmt::format("the model is {} large, more than any spacecraft; read as millimetres it is "
                     "{}, as inches {}",
                     words, length_in_words(size * 1e-3), length_in_words(size * 0.0254)),
         "set units=\"mm\" at the root, or write a unit after each number, as 6mm; for CAD files "
         "--units mm");
   else
-    log.report_file(Code::W2022, file,
+    log.report_file(Code("W2022"), file,
                     fmt::format("the model is {} large, less than any spacecraft; read as metres "
                                 "it is {}, as inches {}",
                                 words, length_in_words(size * 1e3), length_in_words(size * 25.4)),
@@ -101,7 +101,7 @@ void check_sizes(const scene::Scene& scene, std::span<const PartBox> parts, Diag
   if (!(most > 0)) return;
   if (most > internal::kMostRatio * least) {
     log.report_file(
-        Code::W2023, file,
+        Code("W2023"), file,
         fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
                     internal::path_of(scene, smallest), length_in_words(least),
                     internal::path_of(scene, largest), length_in_words(most), most / least),

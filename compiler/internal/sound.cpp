@@ -47,14 +47,14 @@ bool is_sound(const pan::PackedMesh& mesh, DiagnosticLog& log) {
   constexpr double kLargest = std::numeric_limits<float>::max();
   constexpr double kMost = pan::layout::kMaxNumber, kMostColor = pan::layout::kMaxColor;
   const auto refuse = [&](std::string message) {
-    log.report(Code::E2010, {}, std::move(message));
+    log.report(Code("E2010"), {}, std::move(message));
     return false;
   };
   if (!lie_between(mesh.positions, -kLargest, kLargest) || !is_finite(mesh.origin) ||
       !std::isfinite(mesh.error))
     return refuse("single precision cannot hold the positions of this shape");
   if (!have_unit_length(mesh.normals)) {
-    log.report(Code::E2011, {},
+    log.report(Code("E2011"), {},
                "parts of this shape are so small beside others that they have no normal",
                "give sizes that differ less");
     return false;
@@ -69,7 +69,7 @@ bool is_sound(const pan::PackedMesh& mesh, DiagnosticLog& log) {
 bool is_sound(const scene::Scene& scene, DiagnosticLog& log) {
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   const auto report = [&](const scene::Source& source, const std::string& what) {
-    log.report(Code::E2010, {},
+    log.report(Code("E2010"), {},
                fmt::format("{}: {} lies out of range: the transforms and the initial values of "
                            "joints down to here together exceed {} m",
                            place_of(source), what, kFurthest));

@@ -32,7 +32,7 @@ bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceS
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   if (mesh.triangles.size() > limit) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("a mesh of {} triangles, expected at most {}", mesh.triangles.size(), limit));
     return false;
   }
@@ -41,7 +41,7 @@ bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceS
     for (int axis = 0; axis < 3; ++axis) {
       if (std::fabs(p[axis]) <= kMaxCoordinate) continue;
       log.report(
-          Code::E2010, where,
+          Code("E2010"), where,
           fmt::format("position {} has a coordinate of {} m, expected a magnitude of at most {} m",
                       i, format_double(p[axis]), format_double(kMaxCoordinate)));
       return false;

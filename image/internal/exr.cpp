@@ -97,7 +97,7 @@ bool write_exr(AtomicFile& file, const Image& image, const FileOptions& options,
     output.writePixels(static_cast<int>(image.height));
   } catch (const std::exception& problem) {
     if (!stream.reported())
-      log.report_file(Code::E0103, {}, fmt::format("the EXR encoder failed: {}", problem.what()));
+      log.report_file(Code("E0103"), {}, fmt::format("the EXR encoder failed: {}", problem.what()));
     return false;
   }
   return true;
@@ -124,7 +124,7 @@ bool write_exr_file(const std::filesystem::path& path, std::uint32_t width, std:
       output.writePixels(static_cast<int>(height));
     } catch (const std::exception& problem) {
       if (!stream.reported())
-        log.report_file(Code::E0103, path.string(),
+        log.report_file(Code("E0103"), path.string(),
                         fmt::format("the EXR encoder failed: {}", problem.what()));
       return false;
     }

@@ -55,12 +55,13 @@ class ImageReader {
   [[noreturn]] void stop() { std::longjmp(jump_, 1); }
 
   ImageProblem cut_short() const {
-    return {Code::E3001,
+    return {Code("E3001"),
             fmt::format("the {} is cut short: it ends at byte {}", kind_, bytes_.size())};
   }
   // what: the library's message.
   ImageProblem damaged(const char* where, std::size_t at, const char* what) const {
-    return {Code::E3001, fmt::format("the {} is damaged {} byte {} ({})", kind_, where, at, what)};
+    return {Code("E3001"),
+            fmt::format("the {} is damaged {} byte {} ({})", kind_, where, at, what)};
   }
 
   std::span<const std::byte> bytes_;

@@ -141,12 +141,12 @@ class JpegReader : private ImageReader {
 
   ImageProblem problem_found() {
     if (too_many_scans_)
-      return {Code::E3002, fmt::format("the JPEG has more than {} scans", most_scans())};
+      return {Code("E3002"), fmt::format("the JPEG has more than {} scans", most_scans())};
     std::array<char, JMSG_LENGTH_MAX> text{};
     switch (jpeg_.err->msg_code) {
       case JERR_OUT_OF_MEMORY:
       case JERR_NO_BACKING_STORE:
-        return {Code::E3002, "the JPEG needs more memory than the limit of all textures allows"};
+        return {Code("E3002"), "the JPEG needs more memory than the limit of all textures allows"};
       case JWRN_JPEG_EOF:
         return cut_short();
       default:

@@ -30,10 +30,11 @@ class PngReader : private ImageReader {
     const std::uint64_t height = big_endian(bytes_, 20);
     if (const ImageProblem problem = check_size(width, height); problem.code) return problem;
     if (!guarded([this] { begin(); })) return problem_found();
-    if (png_ == nullptr || info_ == nullptr) return {Code::E3002, "no memory is left for the PNG"};
+    if (png_ == nullptr || info_ == nullptr)
+      return {Code("E3002"), "no memory is left for the PNG"};
     if (!guarded([this] { read_header(); })) return problem_found();
     if (row_bytes_ * height > kDeflateRatio * bytes_.size())
-      return {Code::E3001, fmt::format("the PNG is too short for {} x {} pixels", width, height)};
+      return {Code("E3001"), fmt::format("the PNG is too short for {} x {} pixels", width, height)};
     if (const ImageProblem problem = make_room(width, height); problem.code) return problem;
     if (!guarded([this] { read_rows(); })) return problem_found();
     return {};

@@ -71,7 +71,7 @@ Found record_of_exr(const std::filesystem::path& path) {
 Result<std::string> read_image_record(const std::filesystem::path& path, DiagnosticLog& log) {
   const auto format = image_format(path);
   if (!format) {
-    log.report_file(Code::E0202, path.string(),
+    log.report_file(Code("E0202"), path.string(),
                     fmt::format("records are read from .png, .exr, .npz, .tif and .fits, not {}",
                                 in_quotes(path.extension().string())));
     return failed;
@@ -87,7 +87,7 @@ Result<std::string> read_image_record(const std::filesystem::path& path, Diagnos
   if (*format == ImageFormat::npz) found = record_of_npz(file->bytes());
   if (*format == ImageFormat::exr) found = record_of_exr(path);
   if (found) return *std::move(found);
-  log.report_file(Code::E0207, path.string(), "the image has no record of how it was made",
+  log.report_file(Code("E0207"), path.string(), "the image has no record of how it was made",
                   *format == ImageFormat::npy ? ".npy has no place for one; .npz has" : "");
   return failed;
 }

@@ -39,7 +39,7 @@ void read_place(TIFF* tiff, ImageHead& head) {
 }
 
 ImageProblem tiff_damage(const TiffFile& file) {
-  return {Code::E3001, fmt::format("the TIFF is damaged ({})", file.message())};
+  return {Code("E3001"), fmt::format("the TIFF is damaged ({})", file.message())};
 }
 
 }  // namespace
@@ -59,13 +59,13 @@ ImageProblem decode_tiff_rows(std::span<const std::byte> bytes, std::uint64_t ma
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &samples);
   std::array<char, 1024> why{};
   if (!TIFFRGBAImageOK(tiff, why.data()))
-    return {Code::E3001,
+    return {Code("E3001"),
             fmt::format("the TIFF has pixels of a kind that is not read, expected grey, "
                         "RGB or a palette of up to 16 bits ({})",
                         why.data())};
   const std::uint64_t pixels = std::uint64_t{head.width} * head.height;
   if (pixels * bits / 8 > kMostTiffRatio * bytes.size())
-    return {Code::E3001,
+    return {Code("E3001"),
             fmt::format("the TIFF is too short for {} x {} pixels", head.width, head.height)};
   read_place(tiff, head);
   if (const ImageProblem problem = to.begin(head); problem.code) return problem;
@@ -74,11 +74,11 @@ ImageProblem decode_tiff_rows(std::span<const std::byte> bytes, std::uint64_t ma
   TIFFGetFieldDefaulted(tiff, tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP, &rows);
   if (tiled) TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &columns);
   if (!tiled) rows = std::min(rows, head.height);
-  if (rows == 0 || columns == 0) return {Code::E3001, "the TIFF has strips or tiles of no size"};
+  if (rows == 0 || columns == 0) return {Code("E3001"), "the TIFF has strips or tiles of no size"};
   const std::uint64_t area = std::uint64_t{rows} * columns;
   const std::uint64_t band = std::uint64_t{rows} * head.width;
   if (4 * (area + band) > max_bytes)
-    return {Code::E3002,
+    return {Code("E3002"),
             fmt::format("strips or tiles of {} x {} pixels need too much memory", columns, rows)};
   std::vector<std::uint32_t> part(area);
   std::vector<std::uint8_t> lines(4 * band);

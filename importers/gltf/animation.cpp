@@ -148,7 +148,7 @@ class Poser {
     for (const Pose& pose : poses_) place(pose);
     if (!asked)
       d_.report(
-          Code::N6216, nullptr, "/animations",
+          Code("N6216"), nullptr, "/animations",
           fmt::format("the model stands at the first frame of {4}: at rest {0} of {1} animated "
                       "{2} elsewhere, by up to {3:.3g} of the file's units",
                       moved.size(), count_nodes(), moved.size() == 1 ? "node is" : "nodes are",
@@ -163,7 +163,7 @@ class Poser {
   void say_if_idle(std::size_t animations, std::size_t moved) {
     const double time = *choice_.time;
     const auto say = [&](const std::string& text) {
-      d_.report(Code::N1405, nullptr, "/animations", text);
+      d_.report(Code("N1405"), nullptr, "/animations", text);
     };
     if (animations == 0 || !(first_ <= last_))
       say("--time has no effect: the file has no animation");
@@ -202,7 +202,7 @@ class Poser {
     for (std::size_t i = 0; i < std::min(animations_.size(), kMostNames); ++i)
       names += fmt::format("{}{}", i == 0 ? ": " : ", ", in_quotes(name_of(i)));
     if (animations_.size() > kMostNames) names += "…";
-    d_.report(Code::E6217, nullptr, "/animations",
+    d_.report(Code("E6217"), nullptr, "/animations",
               fmt::format("unknown animation {}; the file has {}{}", in_quotes(*wanted),
                           counted(animations_.size(), "animation"), names));
     return false;
@@ -264,13 +264,13 @@ class Poser {
     if (!times.increasing) {
       // zeros that no view holds: times that an exporter left out
       if (d_.accessors[static_cast<std::size_t>(input->number)].view < 0) return std::nullopt;
-      d_.report(Code::E6206, input, object + "/input", "the times of the keys do not increase");
+      d_.report(Code("E6206"), input, object + "/input", "the times of the keys do not increase");
       return std::nullopt;
     }
     first_ = std::min(first_, keys.times.front());
     last_ = std::max(last_, keys.times.back());
     if (keys.values.size() != (keys.cubic ? 3 : 1) * keys.times.size()) {
-      d_.report(Code::E6206, output, object + "/output",
+      d_.report(Code("E6206"), output, object + "/output",
                 fmt::format("{} values for {} of {}", keys.values.size(),
                             counted(keys.times.size(), "key"),
                             keys.cubic ? "CUBICSPLINE" : "one value each"));

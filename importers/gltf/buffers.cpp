@@ -71,7 +71,8 @@ class BufferLoader {
       if (index == 0 && d_.has_binary)
         buffer.bytes = as_bytes(d_.binary);
       else if (index == 0 && !d_.text && !fallback)
-        d_.report(Code::E6206, &json, at, "the container has no BIN chunk that it could refer to");
+        d_.report(Code("E6206"), &json, at,
+                  "the container has no BIN chunk that it could refer to");
       else
         return;
     } else if (!(is_data_uri(uri->text) ? load_data(*uri, at, buffer)
@@ -80,10 +81,10 @@ class BufferLoader {
     }
     const std::uint64_t there = buffer.bytes.size();
     if (there < buffer.declared)
-      d_.report(Code::E6206, &json, at,
+      d_.report(Code("E6206"), &json, at,
                 fmt::format("{} bytes are declared, found {}", buffer.declared, there));
     else if (there > buffer.declared + 3 && !json.broken)
-      d_.report(Code::W6215, &json, at,
+      d_.report(Code("W6215"), &json, at,
                 fmt::format("found {} bytes, {} are declared", there, buffer.declared));
     buffer.bytes = buffer.bytes.first(std::min(there, buffer.declared));
   }
@@ -91,13 +92,13 @@ class BufferLoader {
   bool load_data(const Json& uri, const std::string& at, Buffer& buffer) {
     auto data = data_of(uri.text);
     if (!data) {
-      d_.report(Code::E6206, &uri, at + "/uri", "the data URI is damaged");
+      d_.report(Code("E6206"), &uri, at + "/uri", "the data URI is damaged");
       return false;
     }
     if (data->media_type != "application/octet-stream" &&
         data->media_type != "application/gltf-buffer")
       d_.report(
-          Code::W6215, &uri, at + "/uri",
+          Code("W6215"), &uri, at + "/uri",
           fmt::format("the media type {} is not that of a buffer", in_quotes(data->media_type)));
     buffer.owner = std::make_shared<const std::string>(std::move(data->bytes));
     buffer.bytes = as_bytes(*buffer.owner);
@@ -110,13 +111,13 @@ class BufferLoader {
       buffer.owner = known->second;
     } else {
       if (++files_ > d_.options.limits.files) {
-        d_.report(Code::E6002, &uri, at,
+        d_.report(Code("E6002"), &uri, at,
                   fmt::format("more than {} files", d_.options.limits.files));
         return false;
       }
       NamedFile found = d_.find_named(uri, at + "/uri", true);
       if (found.outcome != Files::Outcome::found) {
-        d_.report(Code::E6206, &uri, at + "/uri", found.problem, found.outside ? kRootHint : "");
+        d_.report(Code("E6206"), &uri, at + "/uri", found.problem, found.outside ? kRootHint : "");
         return false;
       }
       buffer.owner = std::move(found.bytes);
@@ -143,7 +144,7 @@ class BufferLoader {
     const std::uint64_t length = size_of(json, "byteLength", 0);
     view.offset = offset;
     if (offset > buffer.declared || length > buffer.declared - offset) {
-      d_.report(Code::E6206, &json, at,
+      d_.report(Code("E6206"), &json, at,
                 fmt::format("{} bytes from {} on do not fit into the buffer's {}", length, offset,
                             buffer.declared));
       return;
@@ -155,7 +156,7 @@ class BufferLoader {
   }
 
   void refuse(const std::string& at, std::string message) {
-    d_.report(Code::E6210, nullptr, at, "meshopt: " + std::move(message));
+    d_.report(Code("E6210"), nullptr, at, "meshopt: " + std::move(message));
   }
 
   // What a stream must hold at least: for each block of 256 vertices a header byte for each byte of
@@ -195,7 +196,7 @@ class BufferLoader {
     if (!d_.charge(count * stride, at)) return;
     d_.views[index].length = count * stride;
     if (count * stride != view_bytes)
-      d_.report(Code::E6206, &json, at,
+      d_.report(Code("E6206"), &json, at,
                 fmt::format("the view has {} bytes, its stream {}", view_bytes, count * stride));
     packed_.push_back(packed);
   }
@@ -253,7 +254,7 @@ class AccessorCheck {
   }
 
  private:
-  bool bad(const Json& json, std::string message, Code code = Code::E6206) {
+  bool bad(const Json& json, std::string message, Code code = Code("E6206")) {
     d_.report(code, &json, at_, std::move(message));
     return false;
   }
@@ -287,7 +288,7 @@ class AccessorCheck {
                 "'normalized' is true of componentType {}, expected bytes or shorts: 5120 to "
                 "5123",
                 a.component),
-            Code::E6204);
+            Code("E6204"));
     }
     for (const char* key : {"min", "max"})
       if (const Json* bound = json.find(key)) check_bound(a, *bound, key);
@@ -310,7 +311,7 @@ class AccessorCheck {
   void check_bound(const Accessor& a, const Json& bound, const char* key) {
     if (bound.items.size() != static_cast<std::size_t>(a.width))
       bad(bound, fmt::format("'{}' has {} numbers, not {}", key, bound.items.size(), a.width),
-          Code::E6204);
+          Code("E6204"));
     if (a.is_float()) return;
     const bool with_sign = a.component == 5120 || a.component == 5122;
     const double values = std::ldexp(1.0, 8 * static_cast<int>(component_bytes(a.component)));
@@ -320,7 +321,7 @@ class AccessorCheck {
         bad(x,
             fmt::format("'{}' is {}, which type {} cannot hold", key, format_double(x.number),
                         a.component),
-            Code::E6204);
+            Code("E6204"));
   }
 
   // Whether count elements lie in the view, there or not. A view without a length was reported.
@@ -371,9 +372,9 @@ class AccessorCheck {
     const std::vector<std::uint32_t> places = sparse_places(d_, a);
     const auto increases = [](std::uint32_t p, std::uint32_t q) { return p < q; };
     if (std::adjacent_find(places.begin(), places.end(), std::not_fn(increases)) != places.end())
-      bad(json, "the indices of sparse values do not increase", Code::E6207);
+      bad(json, "the indices of sparse values do not increase", Code("E6207"));
     if (std::any_of(places.begin(), places.end(), [&](std::uint32_t p) { return p >= a.count; }))
-      bad(json, "a sparse value is for an element that does not exist", Code::E6207);
+      bad(json, "a sparse value is for an element that does not exist", Code("E6207"));
   }
 
   Document& d_;

@@ -122,7 +122,7 @@ class SceneBuilder {
       } else {
         std::vector<std::string> names;
         for (const auto& scene : scenes) names.push_back(scene.name);
-        d_.report(Code::E6205, nullptr, "/scenes",
+        d_.report(Code("E6205"), nullptr, "/scenes",
                   fmt::format("unknown scene {}; the file has {}: {}", in_quotes(*wanted),
                               counted(scenes.size(), "scene"), fmt::join(names, ", ")));
         return false;
@@ -155,7 +155,7 @@ class SceneBuilder {
                    const scene::Transform& transform) {
     if (out_.scene.nodes.size() >= d_.options.limits.nodes) {
       if (!full_)
-        d_.report(Code::E6002, nullptr, "/nodes",
+        d_.report(Code("E6002"), nullptr, "/nodes",
                   fmt::format("more than {} nodes", d_.options.limits.nodes));
       full_ = true;
       return scene::kNone;
@@ -174,11 +174,11 @@ class SceneBuilder {
                           const std::string& object) {
     const auto parts = scene::decomposed(matrix);
     if (!parts) {
-      d_.report(Code::W6009, nullptr, object, "the part is left out: its matrix flattens it");
+      d_.report(Code("W6009"), nullptr, object, "the part is left out: its matrix flattens it");
       return scene::kNone;
     }
     if (!parts->sheared) return add(name, parent, parts->outer);
-    d_.report(Code::W6215, nullptr, object,
+    d_.report(Code("W6215"), nullptr, object,
               "the matrix shears, which a node of glTF must not; it is kept");
     const std::int32_t outer = add(name + "_shear", parent, parts->outer);
     return outer < 0 ? outer : add(name, outer, parts->inner);
@@ -197,7 +197,7 @@ class SceneBuilder {
     t.scale = vec3_of(node.scale, Vec3(1));
     t.rotation = rotation_of(node);
     if (t.scale.x == 0 || t.scale.y == 0 || t.scale.z == 0) {
-      d_.report(Code::W6009, nullptr, object + "/scale",
+      d_.report(Code("W6009"), nullptr, object + "/scale",
                 "the part is left out: its scale flattens it");
       return scene::kNone;
     }
@@ -207,7 +207,7 @@ class SceneBuilder {
   void add_node(const Visit& visit) {
     const Node& node = model_.nodes[static_cast<std::size_t>(visit.node)];
     if (visit.depth > d_.options.limits.depth) {
-      d_.report(Code::E6002, nullptr, pointer("nodes", static_cast<std::size_t>(visit.node)),
+      d_.report(Code("E6002"), nullptr, pointer("nodes", static_cast<std::size_t>(visit.node)),
                 fmt::format("nodes are nested deeper than {}", d_.options.limits.depth));
       return;
     }
@@ -434,7 +434,7 @@ class SceneBuilder {
       count = a.count;
     }
     if (!agree || count > d_.options.limits.nodes) {
-      d_.report(agree ? Code::E6002 : Code::E6211, nullptr, object,
+      d_.report(agree ? Code("E6002") : Code("E6211"), nullptr, object,
                 fmt::format("{} instances", agree ? fmt::format("{}", count)
                                                   : std::string("different numbers of")));
       return {placed};
@@ -479,7 +479,7 @@ class SceneBuilder {
     triangles_ += surface.mesh.triangles.size();
     if (triangles_ > d_.options.limits.triangles) {
       if (!full_)
-        d_.report(Code::E6002, nullptr, object,
+        d_.report(Code("E6002"), nullptr, object,
                   fmt::format("more than {} triangles", d_.options.limits.triangles));
       full_ = true;
       return loaded;
@@ -537,9 +537,9 @@ class SceneBuilder {
     if (flat_ > 0) skipped.push_back(counted(flat_, "primitive") + " of points or lines");
     count(other_scenes_, "other scene");
     if (!skipped.empty())
-      d_.report(Code::N6007, nullptr, "", fmt::format("{} left out", fmt::join(skipped, ", ")));
+      d_.report(Code("N6007"), nullptr, "", fmt::format("{} left out", fmt::join(skipped, ", ")));
     if (skinned_ + morphed_ > 0)
-      d_.report(Code::N6214, nullptr, "",
+      d_.report(Code("N6214"), nullptr, "",
                 fmt::format("{} and {} are at rest", counted(skinned_, "skinned surface"),
                             counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
@@ -551,7 +551,7 @@ class SceneBuilder {
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", text, times) : text);
     }
     if (!lost.empty())
-      d_.report(Code::W6008, nullptr, "/materials",
+      d_.report(Code("W6008"), nullptr, "/materials",
                 fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
   }
 

@@ -86,7 +86,8 @@ class MeshCheck {
   }
 
  private:
-  bool wrong(const Json* at, std::string_view below, std::string message, Code code = Code::E6211) {
+  bool wrong(const Json* at, std::string_view below, std::string message,
+             Code code = Code("E6211")) {
     d_.report(code, at, fmt::format("{}{}", at_, below), std::move(message));
     return false;
   }
@@ -118,7 +119,7 @@ class MeshCheck {
       if (!item) return;
       std::string_view& known = uses[number_in(*item)];
       if (!known.empty() && known != as)
-        d_.report(Code::E6211, item, pointer("accessors", number_in(*item)),
+        d_.report(Code("E6211"), item, pointer("accessors", number_in(*item)),
                   fmt::format("the accessor holds {} and {}", known, as));
       known = as;
     };
@@ -150,7 +151,7 @@ class MeshCheck {
       if (seen[i]) return;
       seen[i] = true;
       if (const std::size_t bad = count_not_finite(d_, d_.accessors[i]); bad > 0)
-        d_.report(Code::E6207, &item, pointer("accessors", i),
+        d_.report(Code("E6207"), &item, pointer("accessors", i),
                   fmt::format("{} not finite", counted(bad, "number")));
     };
     for (const Json& mesh : d_.root.list("meshes"))
@@ -201,7 +202,7 @@ class MeshCheck {
       if (!readable || (position && own != count)) drop.push_back(name);
     }
     if (!position)
-      d_.report(Code::W6009, attributes, at_, "the primitive has no positions and is left out");
+      d_.report(Code("W6009"), attributes, at_, "the primitive has no positions and is left out");
     indices(json);
     targets(json, *attributes, count);
     material(json, *attributes);
@@ -216,14 +217,14 @@ class MeshCheck {
         wrong(&attributes.items[i], "/attributes",
               fmt::format("{} is not a glTF attribute; others begin with '_'",
                           in_quotes(attributes.keys[i])),
-              Code::W6215);
+              Code("W6215"));
       if (semantic.set >= 0) sets[semantic.base].push_back(semantic.set);
     }
     for (auto& [base, list] : sets) {
       std::sort(list.begin(), list.end());
       if (list.back() + 1 != static_cast<int>(list.size()))
         wrong(&attributes, "/attributes",
-              fmt::format("the sets of {} are not numbered from 0 on", base), Code::W6215);
+              fmt::format("the sets of {} are not numbered from 0 on", base), Code("W6215"));
     }
     if (sets["JOINTS"].size() != sets["WEIGHTS"].size())
       wrong(&attributes, "/attributes",
@@ -250,7 +251,7 @@ class MeshCheck {
             fmt::format("{} numbers of type {}{} are not allowed for {}", a.width, a.component,
                         a.normalised ? ", normalised," : "", name));
     if (semantic.base == "POSITION" && (!a.json->find("min") || !a.json->find("max")))
-      wrong(&item, below, "positions without 'min' and 'max'", Code::W6212);
+      wrong(&item, below, "positions without 'min' and 'max'", Code("W6212"));
     if (packed || a.view < 0) return width && (a.sound || packed);
     const View& view = d_.views[static_cast<std::size_t>(a.view)];
     if ((view.offset + a.offset) % 4 != 0 || a.stride % 4 != 0)
@@ -258,9 +259,9 @@ class MeshCheck {
             fmt::format("vertices at offset {} and {} bytes apart do not lie at "
                         "multiples of 4",
                         view.offset + a.offset, a.stride),
-            Code::E6206);
+            Code("E6206"));
     if (view.stride == 0 && !view.compressed && users_[static_cast<std::size_t>(a.view)] > 1)
-      wrong(&item, below, "the view holds several attributes and has no byteStride", Code::E6206);
+      wrong(&item, below, "the view holds several attributes and has no byteStride", Code("E6206"));
     return width && a.sound;
   }
 
@@ -277,7 +278,7 @@ class MeshCheck {
       readable = false;
     }
     if (a.view >= 0 && d_.views[static_cast<std::size_t>(a.view)].stride > 0)
-      wrong(item, "/indices", "the view of indices has a byteStride", Code::E6206);
+      wrong(item, "/indices", "the view of indices has a byteStride", Code("E6206"));
     // without them the triangles would be others
     if (!readable) json.find("attributes")->erase("POSITION");
   }
@@ -297,7 +298,7 @@ class MeshCheck {
         if (!semantic_of(name).known || semantic_of(name).base == "JOINTS" ||
             semantic_of(name).base == "WEIGHTS")
           readable = wrong(&target.items[i], "",
-                           fmt::format("{} cannot be morphed", in_quotes(name)), Code::W6215);
+                           fmt::format("{} cannot be morphed", in_quotes(name)), Code("W6215"));
         if (!attributes.find(name))
           readable = wrong(&target.items[i], "/" + name, "the primitive has no such attribute");
         else if (readable)
@@ -331,7 +332,7 @@ class MeshCheck {
             fmt::format("the material has a texture over coordinates {}, which the primitive does "
                         "not have",
                         format_double(wanted)),
-            Code::W6215);
+            Code("W6215"));
       return;
     }
   }
@@ -342,12 +343,12 @@ class MeshCheck {
     const std::size_t targets = primitives[0].list("targets").size();
     for (const Json& primitive : primitives)
       if (primitive.list("targets").size() != targets)
-        d_.report(Code::E6211, &primitive, at + "/primitives",
+        d_.report(Code("E6211"), &primitive, at + "/primitives",
                   fmt::format("{} targets in one primitive, {} in the first",
                               primitive.list("targets").size(), targets));
     const Json* weights = mesh.find("weights");
     if (weights && weights->items.size() != targets)
-      d_.report(Code::E6211, weights, at + "/weights",
+      d_.report(Code("E6211"), weights, at + "/weights",
                 fmt::format("{} weights for {} targets", weights->items.size(), targets));
   }
 

@@ -62,7 +62,7 @@ bool Document::charge(std::uint64_t bytes, const std::string& object) {
     memory += bytes;
     return true;
   }
-  report(Code::E6002, nullptr, object,
+  report(Code("E6002"), nullptr, object,
          fmt::format("{} bytes more are over the limit of {} bytes of memory", bytes,
                      options.limits.memory));
   return false;
@@ -72,7 +72,7 @@ NamedFile Document::find_named(const Json& uri, const std::string& object, bool 
   NamedFile found = find_file(
       files, {.text = uri.text, .including = {file.path}, .percent_encoded = true, .part = part});
   if (found.outcome != Files::Outcome::found) return found;
-  if (!found.deviation.empty()) report(Code::W6215, &uri, object, found.deviation);
+  if (!found.deviation.empty()) report(Code("W6215"), &uri, object, found.deviation);
   const auto is_known = [&](const scene::Input& input) { return input.path == found.path; };
   if (std::ranges::none_of(inputs, is_known))
     inputs.push_back({found.path, hash128(as_bytes(*found.bytes)), found.bytes->size()});

@@ -66,7 +66,7 @@ class Reader {
     tinygltf::Model model;
     std::string problem;
     if (!structs_of(d_, model, problem)) {
-      d_.report(Code::E6204, nullptr, "", fmt::format("it cannot be read: {}", problem));
+      d_.report(Code("E6204"), nullptr, "", fmt::format("it cannot be read: {}", problem));
       return failed;
     }
     const auto posing = pose_nodes(d_, model, {d_.options.animation, d_.options.time});
@@ -87,15 +87,15 @@ class Reader {
       return true;
     }
     if (bytes.size() >= 8 && bytes.substr(4, 4) == std::string_view("\1\0\0\0", 4)) {
-      d_.report(Code::E6202, nullptr, "", "binary glTF 1.0; glTF 2.x is read",
+      d_.report(Code("E6202"), nullptr, "", "binary glTF 1.0; glTF 2.x is read",
                 "convert it to glTF 2.0 first");
       return false;
     }
     const Container container = chunks_of(bytes);
     for (const std::string& problem : container.problems)
-      d_.report(Code::E6201, nullptr, "", problem);
+      d_.report(Code("E6201"), nullptr, "", problem);
     if (container.extra > 0)
-      d_.report(Code::W6215, nullptr, "",
+      d_.report(Code("W6215"), nullptr, "",
                 fmt::format("{} after the end of the container", counted(container.extra, "byte")));
     json = container.json;
     if (container.binary) {
@@ -103,7 +103,7 @@ class Reader {
       d_.has_binary = true;
     }
     if (json.empty() && container.problems.empty())
-      d_.report(Code::E6201, nullptr, "", "no JSON chunk");
+      d_.report(Code("E6201"), nullptr, "", "no JSON chunk");
     drop_mark(json);
     return !json.empty();
   }
@@ -111,37 +111,37 @@ class Reader {
   // Read on after it: nothing is lost.
   void drop_mark(std::string_view& json) {
     if (!json.starts_with("\xef\xbb\xbf")) return;
-    d_.report(Code::E6203, nullptr, "", "a byte order mark before the JSON");
+    d_.report(Code("E6203"), nullptr, "", "a byte order mark before the JSON");
     json.remove_prefix(3);
     if (d_.text) d_.json_begin = 3;
   }
 
   bool parse(std::string_view json) {
     if (const std::size_t zero = json.find('\0'); zero != json.npos) {
-      d_.report(Code::E6203, static_cast<std::uint32_t>(zero), "",
+      d_.report(Code("E6203"), static_cast<std::uint32_t>(zero), "",
                 "a zero byte in the JSON; the rest is not read");
       json = json.substr(0, zero);
     }
     const std::uint64_t values = std::max<std::uint64_t>(d_.options.limits.memory / kValueBytes, 1);
     ParsedJson parsed = parsed_json(json, kJsonDepth, values);
     if (parsed.problem) {
-      d_.report(Code::E6203, static_cast<std::uint32_t>(parsed.problem->offset), "",
+      d_.report(Code("E6203"), static_cast<std::uint32_t>(parsed.problem->offset), "",
                 fmt::format("byte {}: {}", d_.json_begin + parsed.problem->offset,
                             parsed.problem->message));
       return false;
     }
     d_.root = std::move(parsed.root);
     for (const JsonProblem& repeated : parsed.repeated)
-      d_.report(Code::W6215, static_cast<std::uint32_t>(repeated.offset), "", repeated.message);
+      d_.report(Code("W6215"), static_cast<std::uint32_t>(repeated.offset), "", repeated.message);
     if (!d_.root.is(Json::Kind::object)) {
-      d_.report(Code::E6204, &d_.root, "", "the file is not one object");
+      d_.report(Code("E6204"), &d_.root, "", "the file is not one object");
       return false;
     }
     return true;
   }
 
   bool refuse_version(const Json* at, const std::string& version, std::string_view read = "2.x") {
-    d_.report(Code::E6202, at, "/asset/version",
+    d_.report(Code("E6202"), at, "/asset/version",
               fmt::format("version {} of glTF; {} is read", in_quotes(version), read),
               "convert it to glTF 2.0 first");
     return false;
@@ -176,7 +176,7 @@ class Reader {
     const std::optional<Version> needed = version_of(least->text);
     if (!needed || *needed > Version{2, 1}) return refuse_version(least, least->text, "2.0 or 2.1");
     if (*needed > *written)
-      d_.report(Code::E6204, least, "/asset/minVersion",
+      d_.report(Code("E6204"), least, "/asset/minVersion",
                 fmt::format("it needs version {} and is version {}", in_quotes(least->text),
                             in_quotes(version->text)));
     return true;
@@ -193,19 +193,19 @@ class Reader {
     bool accepted = true;
     for (const std::string& name : d_.required) {
       if (!d_.used.contains(name))
-        d_.report(Code::E6204, nullptr, "/extensionsRequired",
+        d_.report(Code("E6204"), nullptr, "/extensionsRequired",
                   fmt::format("{} is required and not listed as used", in_quotes(name)));
       if (reads(name) || is_harmless(name)) continue;
-      d_.report(Code::E6209, d_.root.find("extensionsRequired"), "/extensionsRequired",
+      d_.report(Code("E6209"), d_.root.find("extensionsRequired"), "/extensionsRequired",
                 fmt::format("the file requires {}, which is not read", in_quotes(name)));
       accepted = false;
     }
     for (const std::string& name : d_.used) {
       if (name == "KHR_mesh_quantization" && !d_.required.contains(name))
-        d_.report(Code::W6215, d_.root.find("extensionsUsed"), "/extensionsUsed",
+        d_.report(Code("W6215"), d_.root.find("extensionsUsed"), "/extensionsUsed",
                   "KHR_mesh_quantization is used and not required");
       if (reads(name) || is_harmless(name) || d_.required.contains(name)) continue;
-      d_.report(Code::N6213, d_.root.find("extensionsUsed"), "/extensionsUsed",
+      d_.report(Code("N6213"), d_.root.find("extensionsUsed"), "/extensionsUsed",
                 fmt::format("the extension {} is left out", in_quotes(name)));
     }
     return accepted;

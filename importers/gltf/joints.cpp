@@ -39,7 +39,7 @@ double number_or(const Json& object, std::string_view key, double otherwise) {
 void report_changes(Document& document, const Json& articulation, std::size_t index) {
   const std::string at = fmt::format("/extensions/AGI_articulations/articulations/{}", index);
   const auto tolerated = [&](const Json* where, const std::string& place, std::string message) {
-    document.report(Code::W6215, where, place, std::move(message));
+    document.report(Code("W6215"), where, place, std::move(message));
   };
   std::size_t turning = 0;
   const std::vector<Json>& stages = articulation.list("stages");
@@ -230,7 +230,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
     const std::string name = found->second.Get("articulationName").Get<std::string>();
     const auto articulation = by_name.find(name);
     if (articulation == by_name.end()) {
-      document.report(Code::W6215, nullptr, pointer("nodes", static_cast<std::size_t>(index)),
+      document.report(Code("W6215"), nullptr, pointer("nodes", static_cast<std::size_t>(index)),
                       fmt::format("unknown articulation {}", in_quotes(name)));
       continue;
     }

@@ -107,7 +107,7 @@ class NodePass {
       for (const Json& child : children->items) {
         const std::size_t c = index_in(child);
         if (parent_[c] != kNobody) {
-          d_.report(Code::E6208, &child, pointer("nodes", i) + "/children",
+          d_.report(Code("E6208"), &child, pointer("nodes", i) + "/children",
                     fmt::format("node {} is a child of node {} already", c, parent_[c]));
         } else {
           parent_[c] = i;
@@ -129,7 +129,7 @@ class NodePass {
       }
       if (at != kNobody && seen[at] == 1) {
         for (std::size_t in_ring = at;;) {
-          d_.report(Code::E6208, &nodes_->items[in_ring], pointer("nodes", in_ring),
+          d_.report(Code("E6208"), &nodes_->items[in_ring], pointer("nodes", in_ring),
                     "the node is below itself");
           const std::size_t up = parent_[in_ring];
           seen[in_ring] = 2;
@@ -153,7 +153,7 @@ class NodePass {
     for (std::size_t i = 0; i < scenes.size(); ++i)
       for (const Json& node : scenes[i].list("nodes"))
         if (parent_[index_in(node)] != kNobody)
-          d_.report(Code::E6208, &node, pointer("scenes", i) + "/nodes",
+          d_.report(Code("E6208"), &node, pointer("scenes", i) + "/nodes",
                     fmt::format("node {} is a child of node {}, not a root", index_in(node),
                                 parent_[index_in(node)]));
   }
@@ -164,16 +164,18 @@ class NodePass {
     if (const Json* matrix = node.find("matrix")) {
       for (const char* key : {"translation", "rotation", "scale"})
         if (const Json* other = node.find(key)) {
-          d_.report(Code::E6204, other, at, fmt::format("a node with both 'matrix' and '{}'", key));
+          d_.report(Code("E6204"), other, at,
+                    fmt::format("a node with both 'matrix' and '{}'", key));
           node.erase(key);
         }
       matrix = node.find("matrix");
       const std::vector<Json>& m = matrix->items;
       if (m[3].number != 0 || m[7].number != 0 || m[11].number != 0 || m[15].number != 1) {
-        d_.report(Code::E6207, matrix, at + "/matrix", "the last row of the matrix is not 0 0 0 1");
+        d_.report(Code("E6207"), matrix, at + "/matrix",
+                  "the last row of the matrix is not 0 0 0 1");
         node.erase("matrix");
       } else if (!is_trs(m)) {
-        d_.report(Code::E6207, matrix, at + "/matrix",
+        d_.report(Code("E6207"), matrix, at + "/matrix",
                   "the matrix is not a translation, rotation and scale: it shears or flattens");
       }
     }
@@ -181,7 +183,7 @@ class NodePass {
       double squared = 0;
       for (const Json& x : rotation->items) squared += x.number * x.number;
       if (std::fabs(std::sqrt(squared) - 1) > kSmallUnit)
-        d_.report(Code::E6204, rotation, at + "/rotation",
+        d_.report(Code("E6204"), rotation, at + "/rotation",
                   fmt::format("a quaternion of length {:.6g}, expected 1", std::sqrt(squared)));
       if (!(squared > 0)) node.erase("rotation");
     }
@@ -200,7 +202,7 @@ class NodePass {
     const Json* weights = node.find("weights");
     if (weights && weights->items.size() != target_count(used))
       d_.report(
-          Code::E6211, weights, pointer("nodes", index) + "/weights",
+          Code("E6211"), weights, pointer("nodes", index) + "/weights",
           fmt::format("{} weights for {} targets", weights->items.size(), target_count(used)));
     if (!node.find("skin")) return;
     bool skinned = true;
@@ -209,7 +211,7 @@ class NodePass {
       skinned = skinned && attributes && attributes->find("JOINTS_0");
     }
     if (!skinned)
-      d_.report(Code::W6215, &node, pointer("nodes", index),
+      d_.report(Code("W6215"), &node, pointer("nodes", index),
                 "a skin over a mesh without joints; the mesh is not posed");
   }
 
@@ -220,21 +222,21 @@ class NodePass {
       const Json* joints = skins[i].find("joints");
       if (!joints) continue;
       if (!one_root(*joints))
-        d_.report(Code::W6215, joints, pointer("skins", i) + "/joints",
+        d_.report(Code("W6215"), joints, pointer("skins", i) + "/joints",
                   "the joints have no common root");
       if (!matrices) continue;
       const Accessor& a = d_.accessors[index_in(*matrices)];
       if (a.view >= 0 && d_.views[static_cast<std::size_t>(a.view)].stride > 0)
-        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+        d_.report(Code("E6206"), matrices, pointer("skins", i) + "/inverseBindMatrices",
                   "the view of matrices has a byteStride");
       if (!a.json->find("componentType") || !a.json->find("type"))
-        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+        d_.report(Code("E6206"), matrices, pointer("skins", i) + "/inverseBindMatrices",
                   "the accessor has no type that is known");
       if (!a.json->broken && (a.width != 16 || !a.is_float()))
-        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+        d_.report(Code("E6206"), matrices, pointer("skins", i) + "/inverseBindMatrices",
                   "the accessor does not hold matrices of single precision");
       else if (!a.json->broken && a.count < joints->items.size())
-        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+        d_.report(Code("E6206"), matrices, pointer("skins", i) + "/inverseBindMatrices",
                   fmt::format("{} matrices for {} joints", a.count, joints->items.size()));
     }
   }

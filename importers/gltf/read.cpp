@@ -114,7 +114,7 @@ double scale_of(int component, bool normalised) {
 bool may_invent(Document& document, std::uint64_t bytes, const std::string& object) {
   constexpr std::uint64_t kFree = 1 << 20;
   if (bytes > kFree && bytes / 64 > document.file_bytes) {
-    document.report(Code::E6002, nullptr, object,
+    document.report(Code("E6002"), nullptr, object,
                     fmt::format("{} bytes of zeros exceed the limit for a file of {} bytes", bytes,
                                 document.file_bytes));
     return false;
@@ -188,7 +188,7 @@ std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
   }
   if (bad > 0)
     document.report(
-        Code::E6207, a.json, object,
+        Code("E6207"), a.json, object,
         fmt::format("{} of {} elements hold numbers that are not finite", bad.load(), a.count));
   return out;
 }

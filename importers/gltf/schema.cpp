@@ -168,7 +168,7 @@ class SchemaPass {
   }
 
   bool wrong_type(const Json& value, const Path& path, std::string_view wanted) {
-    report(Code::E6204, value, path,
+    report(Code("E6204"), value, path,
            fmt::format("{} is {}, expected {}", path.name(), shown(value), wanted));
     return false;
   }
@@ -180,7 +180,7 @@ class SchemaPass {
       const Path at{&path, rule.name};
       if (!property) {
         if (!rule.needed) continue;
-        report(Code::E6204, value, path, fmt::format("'{}' is missing", rule.name),
+        report(Code("E6204"), value, path, fmt::format("'{}' is missing", rule.name),
                near_name(rule.name, value));
         value.broken = true;
       } else if (!check(rule, *property, at)) {
@@ -231,10 +231,10 @@ class SchemaPass {
                           format_double(rule.low), format_double(rule.high));
     // factors of materials, and what is not read; a rotation has no nearest value
     if (whole || rule.name == "rotation") {
-      report(Code::E6204, value, path, problem);
+      report(Code("E6204"), value, path, problem);
       return false;
     }
-    report(Code::W6215, value, path,
+    report(Code("W6215"), value, path,
            rule.open_below ? problem + "; it is left out"
                            : fmt::format("{}; {} is taken", problem, format_double(within)));
     value.number = within;
@@ -246,7 +246,7 @@ class SchemaPass {
       return wrong_type(value, path, "an index, 0 or more");
     const std::size_t size = sizes_[rule.target];
     if (value.number < static_cast<double>(size)) return true;
-    report(Code::E6205, value, path,
+    report(Code("E6205"), value, path,
            fmt::format("{}[{}] does not exist; the file has {}", rule.target,
                        format_double(value.number), size));
     return false;
@@ -260,7 +260,7 @@ class SchemaPass {
     const std::string text = word ? value.text : format_double(value.number);
     if (std::find(rule.words.begin(), rule.words.end(), text) != rule.words.end()) return true;
     const auto near = word ? nearest_name(text, rule.words) : std::nullopt;
-    report(Code::W6215, value, path,
+    report(Code("W6215"), value, path,
            fmt::format("{} is {}, expected one of {}", path.name(), shown(value),
                        fmt::join(rule.words, ", ")),
            near ? fmt::format("did you mean '{}'?", *near) : "");
@@ -279,7 +279,7 @@ class SchemaPass {
       if (!good) wrong.push_back(value.keys[i]);
     }
     if (value.items.empty())
-      report(Code::W6215, value, path, "an empty object; the property could be left out");
+      report(Code("W6215"), value, path, "an empty object; the property could be left out");
     for (const std::string& key : wrong) value.erase(key);
     value.broken = !wrong.empty();
     return true;
@@ -288,11 +288,11 @@ class SchemaPass {
   bool list(const Rule& rule, Json& value, const Path& path) {
     if (!value.is(Kind::array)) return wrong_type(value, path, "a list");
     if (value.items.empty() && rule.length == 0 && rule.kind != "bounds") {
-      report(Code::W6215, value, path, "an empty list; the property could be left out");
+      report(Code("W6215"), value, path, "an empty list; the property could be left out");
       return false;
     }
     if (rule.length != 0 && value.items.size() != rule.length) {
-      report(Code::E6204, value, path,
+      report(Code("E6204"), value, path,
              fmt::format("{} has {}, expected {}", path.name(),
                          counted(value.items.size(), "number"), rule.length));
       return false;
@@ -320,7 +320,7 @@ class SchemaPass {
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(i);
     const auto equal = [&](const Json& item) { return item.text == items[i].text; };
     if (std::find_if(items.begin(), end, equal) != end)
-      report(Code::E6204, items[i], at, fmt::format("{} repeats {}", at.name(), shown(items[i])));
+      report(Code("E6204"), items[i], at, fmt::format("{} repeats {}", at.name(), shown(items[i])));
     return true;
   }
 
@@ -353,7 +353,7 @@ class SchemaPass {
       const Path at{&path, {}, i, true};
       if (!index(rule, value.items[i], at)) continue;
       if (!seen.insert(value.items[i].number).second) {
-        report(Code::E6204, value.items[i], at,
+        report(Code("E6204"), value.items[i], at,
                fmt::format("{} repeats the index {}", at.name(),
                            format_double(value.items[i].number)));
         continue;
@@ -383,7 +383,7 @@ class SchemaPass {
       const bool known = table().known.contains(name);
       const auto type = table().extensions.find({name, owner});
       if (!document_.used.contains(name) && undeclared_.insert(name).second)
-        report(Code::W6215, extension, here, "the extension is not listed in extensionsUsed");
+        report(Code("W6215"), extension, here, "the extension is not listed in extensionsUsed");
       if (!extension.is(Kind::object)) {
         wrong_type(extension, here, "an object");
         drop.push_back(name);
@@ -392,7 +392,7 @@ class SchemaPass {
         extensions("extension", extension, here);
         if (extension.broken) drop.push_back(name);
       } else if (known) {
-        report(Code::W6215, extension, here, "the extension has no meaning in this place");
+        report(Code("W6215"), extension, here, "the extension has no meaning in this place");
         drop.push_back(name);
       }
     }
@@ -407,14 +407,14 @@ class SchemaPass {
   void depends(Json& value, const Path& path, std::string_view property, std::string_view on) {
     const Json* there = value.find(property);
     if (!there || value.find(on)) return;
-    report(Code::E6204, *there, Path{&path, property},
+    report(Code("E6204"), *there, Path{&path, property},
            fmt::format("'{}' requires '{}'", property, on));
     value.erase(property);
   }
 
   void one_of(Json& value, const Path& path, std::string_view a, std::string_view b) {
     if ((value.find(a) != nullptr) != (value.find(b) != nullptr)) return;
-    report(Code::E6204, value, path, fmt::format("exactly one of '{}' and '{}' is needed", a, b));
+    report(Code("E6204"), value, path, fmt::format("exactly one of '{}' and '{}' is needed", a, b));
   }
 
   // A camera has what its type says, and no other.
@@ -422,9 +422,10 @@ class SchemaPass {
     const Json* type = value.find("type");
     if (!type) return;
     if (value.find("orthographic") && value.find("perspective"))
-      report(Code::E6204, value, path, "only one of 'orthographic' and 'perspective' may be given");
+      report(Code("E6204"), value, path,
+             "only one of 'orthographic' and 'perspective' may be given");
     else if (!value.find(type->text))
-      report(Code::E6204, value, path, fmt::format("'{}' is missing", type->text));
+      report(Code("E6204"), value, path, fmt::format("'{}' is missing", type->text));
   }
 
   void variants(const Json& value, const Path& path) {
@@ -432,7 +433,7 @@ class SchemaPass {
     for (const Json& mapping : value.list("mappings"))
       for (const Json& variant : mapping.list("variants"))
         if (!seen.insert(variant.number).second)
-          report(Code::E6204, variant, Path{&path, "mappings"},
+          report(Code("E6204"), variant, Path{&path, "mappings"},
                  fmt::format("variant {} is mapped twice", format_double(variant.number)));
   }
 
@@ -453,7 +454,7 @@ class SchemaPass {
       for (std::size_t i = 0; i < channels.size(); ++i) {
         const Json* sampler = channels[i].find("sampler");
         if (!sampler || sampler->number < static_cast<double>(samplers)) continue;
-        report(Code::E6205, *sampler, Path{&path, "channels"},
+        report(Code("E6205"), *sampler, Path{&path, "channels"},
                fmt::format("channel {} has sampler {} of {}", i, format_double(sampler->number),
                            samplers));
       }
@@ -463,31 +464,31 @@ class SchemaPass {
     if (type == "bufferView") {
       const Json* stride = value.find("byteStride");
       if (stride && std::fmod(stride->number, 4) != 0) {
-        report(Code::E6204, *stride, Path{&path, "byteStride"},
+        report(Code("E6204"), *stride, Path{&path, "byteStride"},
                fmt::format("byteStride is {}, expected a multiple of 4",
                            format_double(stride->number)));
         value.broken = true;
       }
       const Json* length = value.find("byteLength");
       if (stride && length && stride->number > length->number)
-        report(Code::E6204, *stride, Path{&path, "byteStride"},
+        report(Code("E6204"), *stride, Path{&path, "byteStride"},
                fmt::format("a stride of {} in a view of {} bytes", format_double(stride->number),
                            format_double(length->number)));
       const Json* target = value.find("target");
       if (stride && target && target->number == 34963)
-        report(Code::E6204, *stride, Path{&path, "byteStride"},
+        report(Code("E6204"), *stride, Path{&path, "byteStride"},
                "the view of indices has a byteStride");
     }
     if (type == "@KHR_materials_ior") {
       const Json* ior = value.find("ior");
       if (ior && ior->number > 0 && ior->number < 1)
-        report(Code::E6204, *ior, Path{&path, "ior"},
+        report(Code("E6204"), *ior, Path{&path, "ior"},
                fmt::format("ior is {}, expected 0, or 1 and more", format_double(ior->number)));
     }
     if (type == "light") {
       const Json* kind = value.find("type");
       if (kind && kind->text == "spot" && !value.find("spot"))
-        report(Code::E6204, value, path, "a spot light without 'spot'");
+        report(Code("E6204"), value, path, "a spot light without 'spot'");
     }
   }
 

@@ -63,7 +63,7 @@ const std::vector<Mat4>& SkinPoser::joints_of(int skin) {
   for (const Mat4& m : inverse)
     if (given && (m[0].w != 0 || m[1].w != 0 || m[2].w != 0 || m[3].w != 1)) ++projective;
   if (projective > 0)
-    document_.report(Code::E6207, nullptr,
+    document_.report(Code("E6207"), nullptr,
                      pointer("skins", static_cast<std::size_t>(skin)) + "/inverseBindMatrices",
                      fmt::format("{} of {} matrices have a last row other than 0 0 0 1", projective,
                                  inverse.size()));
@@ -109,14 +109,14 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
   }
   const std::string object = pointer("skins", static_cast<std::size_t>(skin));
   if (beyond > 0 && !joints.empty())
-    document_.report(Code::E6207, nullptr, object,
+    document_.report(Code("E6207"), nullptr, object,
                      fmt::format("{} of its mesh are for joints past the last of {}; left out",
                                  counted(beyond, "weight"), joints.size()));
   if (negative > 0)
-    document_.report(Code::E6207, nullptr, object,
+    document_.report(Code("E6207"), nullptr, object,
                      fmt::format("{} of its mesh are negative", counted(negative, "weight")));
   if (twice > 0)
-    document_.report(Code::W6212, nullptr, object,
+    document_.report(Code("W6212"), nullptr, object,
                      fmt::format("{} of its mesh are for a joint that the vertex has already",
                                  counted(twice, "weight")));
   if (out->normals.empty()) geometry::compute_normals(*out, document_.options.crease_angle);

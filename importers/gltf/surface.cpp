@@ -86,7 +86,7 @@ class Source {
                              reinterpret_cast<double*>(out.data()),
                              sizeof(Vector) / sizeof(double)};
     if (!draco_->read(attribute)) {
-      d_.report(Code::E6210, a.json, at,
+      d_.report(Code("E6210"), a.json, at,
                 fmt::format("the Draco stream has no attribute {}", id->second));
       return {};
     }
@@ -96,13 +96,13 @@ class Source {
       return true;
     };
     if (std::all_of(out.begin(), out.end(), whole)) return out;
-    d_.report(Code::E6207, a.json, at, "the Draco stream holds numbers that are not finite");
+    d_.report(Code("E6207"), a.json, at, "the Draco stream holds numbers that are not finite");
     return {};
   }
 
  private:
   bool refuse(std::string message) {
-    d_.report(Code::E6210, nullptr, object_ + "/extensions/KHR_draco_mesh_compression",
+    d_.report(Code("E6210"), nullptr, object_ + "/extensions/KHR_draco_mesh_compression",
               "Draco: " + std::move(message));
     return false;
   }
@@ -277,7 +277,7 @@ class SurfaceReader {
     for (const std::uint32_t i : read_indices(d_, index, object_ + "/indices"))
       if (i == restart || i >= vertices) ++bad;
     if (bad > 0)
-      wrong(Code::E6207, "/indices",
+      wrong(Code("E6207"), "/indices",
             fmt::format("{} of points or lines are not vertices", counted(bad, "index value")));
   }
 
@@ -297,7 +297,7 @@ class SurfaceReader {
                                : d_.accessors[static_cast<std::size_t>(primitive_.indices)].count;
     const std::uint64_t triangles = primitive_.mode == 4 ? corners / 3 : corners;
     if (triangles > d_.options.limits.triangles) {
-      wrong(Code::E6002, "",
+      wrong(Code("E6002"), "",
             fmt::format("{} triangles are over the limit of {}", triangles,
                         d_.options.limits.triangles));
       return false;
@@ -327,7 +327,7 @@ class SurfaceReader {
       if (same(least->items[place].number, box.low[k]) &&
           same(most->items[place].number, box.high[k]))
         continue;
-      wrong(Code::W6212, "/attributes/POSITION",
+      wrong(Code("W6212"), "/attributes/POSITION",
             fmt::format("positions lie between {} and {} along axis {}, the file says {} and {}",
                         format_double(box.low[k]), format_double(box.high[k]), k,
                         format_double(least->items[place].number),
@@ -339,7 +339,7 @@ class SurfaceReader {
   template <class Vector>
   void keep_if_fitting(std::vector<Vector>& list, const std::string& name) {
     if (list.empty() || list.size() == vertices_) return;
-    wrong(Code::E6211, "/attributes/" + name,
+    wrong(Code("E6211"), "/attributes/" + name,
           fmt::format("{} elements for {} vertices", list.size(), vertices_));
     list.clear();
   }
@@ -352,7 +352,7 @@ class SurfaceReader {
       color = within;
     }
     if (beyond > 0)
-      wrong(Code::W6212, "/attributes/COLOR_0",
+      wrong(Code("W6212"), "/attributes/COLOR_0",
             fmt::format("{} are not within 0 to 1", counted(beyond, "colour")));
   }
 
@@ -379,7 +379,7 @@ class SurfaceReader {
       mesh.triangles = source_.draco().triangles();
       for (const Triangle& t : mesh.triangles)
         if (std::max({t[0], t[1], t[2]}) >= vertices) {
-          wrong(Code::E6210, "", "Draco: an index past the last vertex");
+          wrong(Code("E6210"), "", "Draco: an index past the last vertex");
           return false;
         }
       return true;
@@ -404,13 +404,13 @@ class SurfaceReader {
     else
       list ? assembler.list(count, at) : assembler.run(count, fan, at);
     if (list ? count % 3 != 0 : count < 3)
-      wrong(Code::W6215, "", fmt::format("{} vertices do not make whole triangles", count));
+      wrong(Code("W6215"), "", fmt::format("{} vertices do not make whole triangles", count));
     if (assembler.restarts() > 0)
-      wrong(Code::E6207, "/indices",
+      wrong(Code("E6207"), "/indices",
             fmt::format("the value {} for a primitive restart occurs {}", restart,
                         counted(assembler.restarts(), "time")));
     if (assembler.beyond() > 0)
-      wrong(Code::E6207, "/indices",
+      wrong(Code("E6207"), "/indices",
             fmt::format("{} with indices up to {}, of {} vertices; left out",
                         counted(assembler.beyond(), "triangle"), assembler.worst(), vertices));
     return true;
@@ -453,7 +453,7 @@ class SurfaceReader {
       n /= length;
     }
     if (off + lost.size() > 0)
-      wrong(Code::W6212, "/attributes/NORMAL",
+      wrong(Code("W6212"), "/attributes/NORMAL",
             fmt::format("{} of {} normals are not unit vectors", off + lost.size(),
                         mesh.normals.size()));
     if (lost.empty()) return;

@@ -54,22 +54,22 @@ bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& n
   name = label && !label->text.empty() ? label->text : fmt::format("image{}", image);
   if (const Json* view = json.find("bufferView")) {
     const View& data = document_.views[static_cast<std::size_t>(view->number)];
-    if (!data.sound) return lost(Code::W6004, "the image lies in a view that cannot be read");
+    if (!data.sound) return lost(Code("W6004"), "the image lies in a view that cannot be read");
     bytes = data.bytes;
     return true;
   }
   const Json* uri = json.find("uri");
-  if (!uri) return lost(Code::W6004, "the image has neither 'uri' nor 'bufferView'");
+  if (!uri) return lost(Code("W6004"), "the image has neither 'uri' nor 'bufferView'");
   if (is_data_uri(uri->text)) {
     auto data = data_of(uri->text);
-    if (!data) return lost(Code::W6004, "the data URI of the image is damaged");
+    if (!data) return lost(Code("W6004"), "the data URI of the image is damaged");
     owner = std::make_shared<const std::string>(std::move(data->bytes));
   } else {
     if (images_.size() + document_.inputs.size() > document_.options.limits.files)
-      return lost(Code::W6004, "the model names too many files");
+      return lost(Code("W6004"), "the model names too many files");
     NamedFile found = document_.find_named(*uri, at, false);
     if (found.outcome != Files::Outcome::found) {
-      document_.report(found.outside ? Code::W6005 : Code::W6004, &json, at, found.problem,
+      document_.report(found.outside ? Code("W6005") : Code("W6004"), &json, at, found.problem,
                        found.outside ? kRootHint : "");
       return false;
     }
@@ -96,7 +96,7 @@ std::optional<image::DecodedImage> TextureReader::load(std::size_t image) {
     if (found.code) problem = found.message;
   }
   if (!problem.empty()) {
-    document_.report(Code::W6004, &json, pointer("images", image),
+    document_.report(Code("W6004"), &json, pointer("images", image),
                      fmt::format("the image cannot be used: {}", problem));
     return std::nullopt;
   }

@@ -86,7 +86,7 @@ class AppearanceRules {
     const std::size_t before = scene_.instances.size();
     if (std::ranges::any_of(scene_.instances, is_invisible)) remove_instances(scene_, is_invisible);
     if (const std::size_t count = before - scene_.instances.size(); count > 0)
-      log_.report_file(Code::N6007, name_,
+      log_.report_file(Code("N6007"), name_,
                        fmt::format("{} of opacity 0 left out", counted(count, "part")));
   }
 
@@ -130,7 +130,7 @@ class AppearanceRules {
     std::ranges::sort(parts);
     parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
     if (!parts.empty())
-      log_.report_file(Code::W6008, name_,
+      log_.report_file(Code("W6008"), name_,
                        fmt::format("unsupported: opacity, drawn opaque: {}", listed(parts)));
   }
 
@@ -161,7 +161,7 @@ class AppearanceRules {
       parts.push_back(fmt::format("{} ({:.3g})", name_of(i), most));
     }
     if (!parts.empty())
-      log_.report_file(Code::W1402, name_,
+      log_.report_file(Code("W1402"), name_,
                        fmt::format("diffuse and specular colours add up to more than 1, and are "
                                    "scaled to 1, in {}",
                                    listed(parts)));
@@ -200,7 +200,7 @@ class AppearanceRules {
     for (const std::int32_t map : maps) {
       const scene::Texture& texture = scene_.textures[static_cast<std::size_t>(map)];
       if (const auto problem = image::normal_map_problem(texture.rgba))
-        log_.report_file(Code::W3003, name_,
+        log_.report_file(Code("W3003"), name_,
                          fmt::format("{}: {}", in_quotes(texture.name), *problem));
     }
   }

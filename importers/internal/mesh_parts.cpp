@@ -50,7 +50,7 @@ const MeshParts::Part* MeshParts::part(const MeshFile& mesh) {
                               mesh.where, c_.file.job);
   if (!imported) return nullptr;
   if (imported->lacks_unit)
-    c_.log.report(Code::W6006, mesh.where,
+    c_.log.report(Code("W6006"), mesh.where,
                   fmt::format("{} states no unit: millimetres are assumed", in_quotes(mesh.name)));
   place->second = taken(*imported);
   return &*place->second;
@@ -133,14 +133,14 @@ void MeshParts::attach(const MeshFile& mesh, std::int32_t node, const Cover& cov
     scene.joints.push_back(std::move(joint));
   }
   if (own)
-    c_.trouble(Code::W6221, "own", mesh.where, [&] {
+    c_.trouble(Code("W6221"), "own", mesh.where, [&] {
       return fmt::format(
           "{} has materials of its own, which are kept: the material of the visual "
           "is not used",
           in_quotes(mesh.name));
     });
   if (flat)
-    c_.trouble(Code::W6221, "flat", mesh.where, [&] {
+    c_.trouble(Code("W6221"), "flat", mesh.where, [&] {
       return fmt::format("{} has no texture coordinates: the texture of the visual is not used",
                          in_quotes(mesh.name));
     });

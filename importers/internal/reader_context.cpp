@@ -76,7 +76,7 @@ void ReaderContext::add(Counts& counts, const std::string& what, std::uint64_t c
 }
 
 void ReaderContext::limit(const std::string& message, SourceSpan where) {
-  if (!full) log.report(Code::E6002, where, message);
+  if (!full) log.report(Code("E6002"), where, message);
   full = true;
 }
 
@@ -102,9 +102,9 @@ void ReaderContext::served(std::size_t offset) {
 void ReaderContext::report_missing(const NamedFile& found, bool part, SourceSpan where) {
   const std::string hint = found.outside ? kRootHint : "";
   if (part)
-    log.report(Code::E6010, where, "part not found: " + found.problem, hint);
+    log.report(Code("E6010"), where, "part not found: " + found.problem, hint);
   else
-    log.report(found.outside ? Code::W6005 : Code::W6004, where, found.problem, hint);
+    log.report(found.outside ? Code("W6005") : Code("W6004"), where, found.problem, hint);
 }
 
 void ReaderContext::accept(const NamedFile& found, SourceSpan where) {
@@ -120,7 +120,7 @@ std::optional<NamedFile> ReaderContext::read_named(const FileName& name, SourceS
     if (name.part)
       limit(kTooMany, where);
     else
-      trouble(Code::W6004, "too many files", where, [] { return std::string(kTooMany); });
+      trouble(Code("W6004"), "too many files", where, [] { return std::string(kTooMany); });
     return std::nullopt;
   }
   NamedFile found = find_file(files, name);
@@ -139,9 +139,9 @@ void ReaderContext::tell() {
                    ? trouble.message
                    : fmt::format("{}; {} more like this one", trouble.message, trouble.more));
   if (!skipped_.empty())
-    log.report(Code::N6007, {source_, 0, 0}, fmt::format("skipped: {}", listed(skipped_)));
+    log.report(Code("N6007"), {source_, 0, 0}, fmt::format("skipped: {}", listed(skipped_)));
   if (!lost_.empty())
-    log.report(Code::W6008, {source_, 0, 0},
+    log.report(Code("W6008"), {source_, 0, 0},
                fmt::format("unsupported properties ignored: {}", listed(lost_)));
 }
 
@@ -316,7 +316,7 @@ std::int32_t Assembly::texture(const FileName& name, bool linear, SourceSpan whe
   const image::ImageProblem problem = image::decode_image(
       as_bytes(*found->bytes), context_.options.limits.texture_bytes - texture_bytes_, image);
   if (problem.code) {
-    context_.log.report(Code::W6004, where,
+    context_.log.report(Code("W6004"), where,
                         fmt::format("{}: {}", in_quotes(context_.files.display_name(found->path)),
                                     problem.message));
     return scene::kNone;
@@ -329,7 +329,7 @@ std::int32_t Assembly::texture(const FileName& name, bool linear, SourceSpan whe
 
 Result<Imported> Assembly::finished() {
   if (triangles_ == 0 && !context_.full)
-    context_.trouble(Code::E6501, "no faces", context_.at(0, 0),
+    context_.trouble(Code("E6501"), "no faces", context_.at(0, 0),
                      [] { return "the file has no faces, expected at least 1"; });
   context_.tell();
   if (triangles_ == 0) return failed;

@@ -35,7 +35,7 @@ class ReaderContext {
   const Options& options;
   DiagnosticLog& log;
   std::vector<scene::Input> inputs;  // files beside the model
-  Code tolerated = Code::W6502;      // code of deviations that are tolerated
+  Code tolerated = Code("W6502");    // code of deviations that are tolerated
   bool full = false;                 // a limit is reached: E6002 is reported, and nothing is added
 
   SourceSpan at(std::size_t begin, std::size_t end) const;

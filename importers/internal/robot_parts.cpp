@@ -101,13 +101,13 @@ Result<Imported> read_robot_file(
     const std::function<std::optional<Imported>(XmlText&, meshes::ReaderContext&)>& made,
     const char* empty) {
   meshes::ReaderContext context(files, file, options, true, log);
-  context.tolerated = Code::W6221;
+  context.tolerated = Code("W6221");
   const std::size_t errors = log.errors();
   XmlText text;
   if (!text.parse(context)) return failed;
   std::optional<Imported> out = made(text, context);
   if (!out) {
-    if (log.errors() == errors) log.report(Code::E6220, text.at(text.top()), empty);
+    if (log.errors() == errors) log.report(Code("E6220"), text.at(text.top()), empty);
     context.tell();
     return failed;
   }

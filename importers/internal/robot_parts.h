@@ -20,10 +20,10 @@ class XmlValues {
   XmlValues(const XmlText& text, meshes::ReaderContext& context) : text_(text), c_(context) {}
 
   void wrong(SourceSpan where, const std::string& message) const {
-    c_.log.report(Code::E6220, where, message);
+    c_.log.report(Code("E6220"), where, message);
   }
   void tolerated(SourceSpan where, const std::string& message) const {
-    c_.log.report(Code::W6221, where, message);
+    c_.log.report(Code("W6221"), where, message);
   }
 
   static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);

@@ -205,7 +205,7 @@ void report_places(const scene::Scene& scene, const std::vector<std::size_t>& no
   const std::string line =
       first.source.line == 0 ? "" : fmt::format(", line {}", first.source.line);
   log.report_file(
-      Code::E2010, name,
+      Code("E2010"), name,
       fmt::format("the transforms down to {}{} together scale or move by less than "
                   "1e-30 or more than 1e30; its own is left out{}",
                   in_quotes(to_utf8(first.name, Encoding::utf8)), line,
@@ -239,11 +239,11 @@ void make_storable(scene::Scene& scene, const std::string& name, DiagnosticLog& 
   if (std::any_of(scene.instances.begin(), scene.instances.end(), is_empty))
     remove_instances(scene, is_empty);
   if (const std::size_t count = before - scene.instances.size(); count > 0)
-    log.report_file(Code::W6009, name,
+    log.report_file(Code("W6009"), name,
                     fmt::format("{} left out: without triangles, or of fewer than three vertices",
                                 counted(count, "part")));
   if (const std::size_t count = mend_numbers(scene); count > 0)
-    log.report_file(Code::W6012, name,
+    log.report_file(Code("W6012"), name,
                     fmt::format("{} beyond single precision: texture coordinates become 0, "
                                 "colours white, repeats of textures 1",
                                 counted(count, "value")));
@@ -251,14 +251,14 @@ void make_storable(scene::Scene& scene, const std::string& name, DiagnosticLog& 
   for (scene::Joint& joint : scene.joints) joints += mend_limits(joint);
   joints += cut_followers(scene.joints);
   if (joints > 0)
-    log.report_file(Code::W6012, name,
+    log.report_file(Code("W6012"), name,
                     fmt::format("{} with limits or values that contradict each other or are beyond "
                                 "{:g}: limits are dropped, initial values brought to the limits, "
                                 "followers made independent",
                                 counted(joints, "joint"), kLargestValue));
   report_places(scene, mend_places(scene), name, log);
   if (const std::size_t count = mend_names(scene); count > 0)
-    log.report_file(Code::W6012, name,
+    log.report_file(Code("W6012"), name,
                     fmt::format("{} with a NUL, which becomes '_'", counted(count, "name")));
 }
 

@@ -67,7 +67,7 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
   if (!context_->charge((kTreePerByte + 1) * bytes->size())) return without();
   const FileId file = context_->log.sources().add(
       {context_->files.display_name(path), bytes, Encoding::utf8, where});
-  if (!text.deviation.empty()) context_->log.report(Code::W6221, {file, 0, 0}, text.deviation);
+  if (!text.deviation.empty()) context_->log.report(Code("W6221"), {file, 0, 0}, text.deviation);
   const auto place = [&](std::size_t begin, std::size_t size) {
     return SourceSpan{file, static_cast<std::uint32_t>(std::min(begin, bytes->size())),
                       static_cast<std::uint32_t>(std::min(begin + size, bytes->size()))};
@@ -76,7 +76,8 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
       element.append_buffer(bytes->data(), bytes->size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result)
     context_->log.report(
-        Code::E6220, place(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), 1),
+        Code("E6220"),
+        place(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), 1),
         not_well_formed(result));
   const pugi::xml_node top = element.find_child(
       [](const pugi::xml_node& child) { return child.type() == pugi::node_element; });
@@ -87,7 +88,7 @@ pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
   const char* ignored = nullptr;
   included_[top.name() - offset] = {bytes->size(), file, path, piece_at(element.name(), ignored)};
   if (std::ranges::find(names, std::string_view(top.name())) == names.end()) {
-    context_->log.report(Code::E6220, at(top),
+    context_->log.report(Code("E6220"), at(top),
                          fmt::format("unexpected element {}, expected {}; the file is not read",
                                      in_quotes(top.name()), fmt::join(names, " or ")));
     return without();
@@ -112,7 +113,7 @@ bool XmlText::parse(meshes::ReaderContext& context) {
   if (result) return true;
   const std::size_t offset =
       std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), bytes.size());
-  context.log.report(Code::E6220, context.at(offset, std::min(offset + 1, bytes.size())),
+  context.log.report(Code("E6220"), context.at(offset, std::min(offset + 1, bytes.size())),
                      not_well_formed(result));
   return true;
 }

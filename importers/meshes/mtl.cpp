@@ -91,7 +91,7 @@ class MtlReader {
       return;
     }
     if (out_.empty() || out_.back().library != path_) {
-      s_.trouble(Code::E6501, "mtl begin", at(word), [&] {
+      s_.trouble(Code("E6501"), "mtl begin", at(word), [&] {
         return fmt::format("{} is before the first 'newmtl' and is left out", in_quotes(word));
       });
       return;
@@ -148,7 +148,7 @@ class MtlReader {
                            return !m.opacity && m.transparency.value_or(0) > 0;
                          });
     if (swapped)
-      s_.trouble(Code::W6502, "mtl tr", tr_at_,
+      s_.trouble(Code("W6502"), "mtl tr", tr_at_,
                  [] { return "'Tr' is read as opacity, as MeshLab writes it"; });
     for (MtlMaterial& m : materials)
       if (!m.opacity && m.transparency) m.opacity = swapped ? *m.transparency : 1 - *m.transparency;
@@ -161,7 +161,7 @@ class MtlReader {
   }
 
   void bad_number(std::string_view word, std::string_view value) {
-    s_.trouble(Code::E6501, "mtl number", at(value.empty() ? word : value), [&] {
+    s_.trouble(Code("E6501"), "mtl number", at(value.empty() ? word : value), [&] {
       return fmt::format("{} is followed by {}, expected a number", in_quotes(word),
                          in_quotes(value));
     });
@@ -328,7 +328,7 @@ void MtlLibraries::resolve_names() {
     if (any_missing_) continue;
     const auto near =
         ++unknown <= kMostHints ? nearest_name(use.name, names) : std::optional<std::string_view>();
-    s_.log.report(Code::W6502, use.where,
+    s_.log.report(Code("W6502"), use.where,
                   fmt::format("no material library has {}", in_quotes(use.name)),
                   near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
   }
@@ -353,7 +353,7 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, boo
   m.diffuse = from.diffuse.value_or(usual);
   if (cad.textured && m.diffuse == Vec3(0)) {
     // some programs write no colour beside a texture, and mean the texture's
-    s_.trouble(Code::W6502, "black", from.albedo.where,
+    s_.trouble(Code("W6502"), "black", from.albedo.where,
                [] { return "a texture over a black 'Kd'; its own colours are taken"; });
     m.diffuse = Vec3(1);
   }

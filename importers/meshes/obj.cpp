@@ -80,7 +80,7 @@ class ObjReader {
     if (word == "l" || word == "p") return s_.skipped(word == "l" ? "line" : "point");
     if (is_in(kFreeForm, word)) return s_.skipped("free-form statement");
     if (is_in(kIgnored, word)) return;
-    s_.trouble(Code::E6501, "word", at(word), [&] {
+    s_.trouble(Code("E6501"), "word", at(word), [&] {
       return fmt::format("{} is not an OBJ statement; the line is left out", in_quotes(word));
     });
   }
@@ -94,7 +94,7 @@ class ObjReader {
          word = next_word(rest), ++count) {
       const auto value = parse_double(word);
       if (!value) {
-        s_.trouble(Code::E6501, "number", at(word), [&] {
+        s_.trouble(Code("E6501"), "number", at(word), [&] {
           return fmt::format("{} is not a number; elements that use this line are left out",
                              in_quotes(word));
         });
@@ -108,7 +108,7 @@ class ObjReader {
   bool is_enough(int count, int wanted, std::string_view rest) {
     if (count >= wanted) return true;
     if (count >= 0)
-      s_.trouble(Code::E6501, "few numbers", at(rest), [&] {
+      s_.trouble(Code("E6501"), "few numbers", at(rest), [&] {
         return fmt::format("{}, expected {}; elements that use this line are left out",
                            counted(static_cast<std::size_t>(count), "number"), wanted);
       });
@@ -174,7 +174,7 @@ class ObjReader {
          word = next_word(rest)) {
       ObjCorner corner;
       if (!read_corner(word, corner)) {
-        s_.trouble(Code::E6501, "corner", at(word), [&] {
+        s_.trouble(Code("E6501"), "corner", at(word), [&] {
           return fmt::format(
               "{} is not a corner of a face, expected v, v/vt, v//vn or v/vt/vn, each "
               "a number in its list; the face is left out",
@@ -187,7 +187,7 @@ class ObjReader {
     }
     const std::size_t size = l_.corners.size() - begin;
     if (size < 3) {
-      s_.trouble(Code::W6502, "few corners", at(all),
+      s_.trouble(Code("W6502"), "few corners", at(all),
                  [&] { return fmt::format("a face of {} is left out", counted(size, "corner")); });
       l_.corners.resize(begin);
       return;
@@ -226,7 +226,7 @@ class ObjReader {
     if (name == "off") {
       group = kByCrease;
     } else if (error != std::errc() || end != name.data() + name.size() || group < 0) {
-      s_.trouble(Code::W6502, "smoothing", at(name.empty() ? word : name), [&] {
+      s_.trouble(Code("W6502"), "smoothing", at(name.empty() ? word : name), [&] {
         return fmt::format("{} is not a smoothing group, expected a number or 'off'",
                            in_quotes(name));
       });

@@ -77,28 +77,28 @@ bool ObjMesher::take_face(std::size_t face, std::vector<ObjCorner>& corners) {
                  l_.corners.begin() + static_cast<std::ptrdiff_t>(l_.faces[face].end));
   for (ObjCorner& c : corners) {
     if (!is_in(c.point, l_.points.size())) {
-      s_.trouble(Code::E6501, "point", s_.at(where, where + 1), [&] {
+      s_.trouble(Code("E6501"), "point", s_.at(where, where + 1), [&] {
         return fmt::format("the face names vertex {} of {}, and is left out",
                            std::int64_t{c.point} + 1, l_.points.size());
       });
       return false;
     }
     if (!is_usable(l_.points[static_cast<std::size_t>(c.point)])) {
-      s_.trouble(Code::E6501, "place", s_.at(where, where + 1), [&] {
+      s_.trouble(Code("E6501"), "place", s_.at(where, where + 1), [&] {
         return fmt::format("the face names vertex {}, which has no position, and is left out",
                            std::int64_t{c.point} + 1);
       });
       return false;
     }
     if (c.texcoord >= 0 && !is_in(c.texcoord, l_.texcoords.size())) {
-      s_.trouble(Code::E6501, "texcoord", s_.at(where, where + 1), [&] {
+      s_.trouble(Code("E6501"), "texcoord", s_.at(where, where + 1), [&] {
         return fmt::format("the face names texture coordinates {} of {}; it has none then",
                            std::int64_t{c.texcoord} + 1, l_.texcoords.size());
       });
       c.texcoord = -1;
     }
     if (c.normal >= 0 && !is_in(c.normal, l_.normals.size())) {
-      s_.trouble(Code::E6501, "normal", s_.at(where, where + 1), [&] {
+      s_.trouble(Code("E6501"), "normal", s_.at(where, where + 1), [&] {
         return fmt::format("the face names normal {} of {}; it has none then",
                            std::int64_t{c.normal} + 1, l_.normals.size());
       });
@@ -183,7 +183,7 @@ Mesh ObjMesher::by_smoothing() {
 
 Mesh ObjMesher::finished() {
   if (texcoords_ && bare_)
-    s_.trouble(Code::W6502, "bare", s_.at(0, 0), [] {
+    s_.trouble(Code("W6502"), "bare", s_.at(0, 0), [] {
       return "some corners of a part have no texture coordinates; they get (0, 0)";
     });
   const bool one = std::ranges::all_of(

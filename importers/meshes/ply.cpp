@@ -80,7 +80,7 @@ class PlyReader {
     const bool faces = !ends_.empty() || !strips_.empty();
     if (!s_.full) make_faces();
     if (!faces && !mesh_.positions.empty())
-      s_.trouble(Code::E6501, "no faces", s_.at(header_.body.substr(0, 0)), [&] {
+      s_.trouble(Code("E6501"), "no faces", s_.at(header_.body.substr(0, 0)), [&] {
         return fmt::format("{} and no face: they make no surface",
                            counted(mesh_.positions.size(), "point"));
       });
@@ -106,7 +106,7 @@ class PlyReader {
 
   void cut_short(const PlyElement& element, std::uint64_t i) {
     going_ = false;
-    s_.trouble(Code::E6501, "end", here(), [&] {
+    s_.trouble(Code("E6501"), "end", here(), [&] {
       return fmt::format("{}the file ends in {} {} of {}", byte(), in_quotes(element.name), i,
                          element.count);
     });
@@ -126,7 +126,7 @@ class PlyReader {
     const Got got = values_.next(type, out);
     if (got == Got::word) {
       out = std::numeric_limits<double>::quiet_NaN();
-      s_.trouble(Code::E6501, "word", here(), [&] {
+      s_.trouble(Code("E6501"), "word", here(), [&] {
         return fmt::format("{} is not a number; the element is left out",
                            in_quotes(values_.last()));
       });
@@ -145,7 +145,7 @@ class PlyReader {
       return true;
     }
     if (!std::isnan(value))
-      s_.trouble(Code::E6501, "length", here(), [&] {
+      s_.trouble(Code("E6501"), "length", here(), [&] {
         return fmt::format("{}a list of {} numbers, which exceeds the file", byte(),
                            format_double(value));
       });
@@ -216,7 +216,7 @@ class PlyReader {
   void read_vertices(const PlyElement& element) {
     const std::vector<Slot> slots = slots_of(element);
     if (!has_places_) {
-      s_.trouble(Code::E6501, "xyz", s_.at(0, 0), [] { return "vertices have no x, y and z"; });
+      s_.trouble(Code("E6501"), "xyz", s_.at(0, 0), [] { return "vertices have no x, y and z"; });
       return skip_element(element);
     }
     const std::uint64_t count = count_of(element);
@@ -283,7 +283,7 @@ class PlyReader {
     if (header_.textures.size() < 2) return nullptr;
     for (const PlyProperty& property : element.properties)
       if (!property.count && property.name == "texnumber") return &property;
-    s_.trouble(Code::W6502, "texnumber", s_.at(0, 0), [&] {
+    s_.trouble(Code("W6502"), "texnumber", s_.at(0, 0), [&] {
       return fmt::format("{} are named, and no 'texnumber' of a face says which; the first is used",
                          counted(header_.textures.size(), "texture"));
     });
@@ -329,7 +329,7 @@ class PlyReader {
     const auto count = static_cast<double>(header_.textures.size());
     if (number >= 0 && number < std::max(count, 1.0)) return static_cast<std::int32_t>(number);
     if (number != -1)
-      s_.trouble(Code::W6502, "texture number", s_.at(header_.body.substr(where, 1)), [&] {
+      s_.trouble(Code("W6502"), "texture number", s_.at(header_.body.substr(where, 1)), [&] {
         return fmt::format("{}the face has texture {} of {}; it has none", byte(where),
                            format_double(number), header_.textures.size());
       });
@@ -346,7 +346,7 @@ class PlyReader {
     wedges_.resize(corners_.size() - face.size(), Vec2(0));
     const bool fits = uvs->size() == 2 * face.size();
     if (!fits && !uvs->empty())
-      s_.trouble(Code::W6502, "wedges", s_.at(header_.body.substr(where, 1)), [&] {
+      s_.trouble(Code("W6502"), "wedges", s_.at(header_.body.substr(where, 1)), [&] {
         return fmt::format("{}{} texture coordinates for {} are not used", byte(where), uvs->size(),
                            counted(face.size(), "corner"));
       });
@@ -412,7 +412,7 @@ class PlyReader {
   bool is_sound(std::span<const std::uint32_t> corners, std::uint32_t where, std::size_t vertices) {
     const SourceSpan place = s_.at(header_.body.substr(where, 1));
     if (corners.size() < 3) {
-      s_.trouble(Code::W6502, "few", place, [&] {
+      s_.trouble(Code("W6502"), "few", place, [&] {
         return fmt::format("{}a face of {} is left out", byte(where),
                            counted(corners.size(), "corner"));
       });
@@ -420,7 +420,7 @@ class PlyReader {
     }
     for (const std::uint32_t v : corners) {
       if (is_vertex(v)) continue;
-      s_.trouble(Code::E6501, "index", place, [&] {
+      s_.trouble(Code("E6501"), "index", place, [&] {
         const std::string which = v == kNoIndex ? "no vertex" : fmt::format("vertex {}", v);
         return fmt::format("{}the face names {} of {}, and is left out", byte(where), which,
                            vertices);
@@ -471,7 +471,7 @@ class PlyReader {
         continue;
       }
       if (v != kNoIndex)
-        s_.trouble(Code::E6501, "strip", s_.at(header_.body.substr(0, 0)), [&] {
+        s_.trouble(Code("E6501"), "strip", s_.at(header_.body.substr(0, 0)), [&] {
           return fmt::format("a strip names vertex {} of {}, and is cut there", v,
                              mesh_.positions.size());
         });
@@ -576,11 +576,11 @@ Result<Imported> read_ply(Files& files, const InputFile& file, const Options& op
   ReaderContext context(files, file, options, text, log);
   // note: Blender 2.41 writes "Created by Blender3D …" so
   if (!header.credit.empty())
-    log.report(Code::W6502, context.at(header.credit),
+    log.report(Code("W6502"), context.at(header.credit),
                fmt::format("{} has no 'comment' before it; it is taken for one",
                            in_quotes(header.credit)));
   if (header.problem.empty()) return PlyReader(context, std::move(header)).read();
-  log.report(Code::E6501, context.at(header.place), header.problem);
+  log.report(Code("E6501"), context.at(header.place), header.problem);
   return failed;
 }
 

@@ -74,7 +74,7 @@ class BinaryReader {
         usable = usable && is_usable(corners[k]);
       }
       if (!usable) {
-        s_.trouble(Code::E6501, "corner", where, [&] {
+        s_.trouble(Code("E6501"), "corner", where, [&] {
           return fmt::format("byte {}: triangle {} has a corner out of range and is left out",
                              begin, i);
         });
@@ -101,7 +101,7 @@ class BinaryReader {
   std::uint64_t triangles() {
     const SourceSpan where = s_.at(0, 0);
     if (bytes_.size() < kHeader) {
-      s_.trouble(Code::E6501, "size", where, [&] {
+      s_.trouble(Code("E6501"), "size", where, [&] {
         return fmt::format("{} are too few for an STL file; a binary one has {} or more",
                            counted(bytes_.size(), "byte"), kHeader);
       });
@@ -113,18 +113,18 @@ class BinaryReader {
     // what is written without knowing the number in advance has none, or all bits set
     const bool unknown = said == 0 || said == 0xffffffffu;
     if (unknown && held > 0 && (bytes_.size() - kHeader) % kRecord == 0) {
-      s_.trouble(Code::W6502, "count", where, [&] {
+      s_.trouble(Code("W6502"), "count", where, [&] {
         return fmt::format("byte 80: the number of triangles is {}; the file holds {}", said, held);
       });
       return held;
     }
     if (said > held)
-      s_.trouble(Code::E6501, "count", where, [&] {
+      s_.trouble(Code("E6501"), "count", where, [&] {
         return fmt::format("byte 80: {} are announced, and the file ends after {}",
                            counted(said, "triangle"), held);
       });
     else if (extra > 0)
-      s_.trouble(Code::W6502, "extra", where, [&] {
+      s_.trouble(Code("W6502"), "extra", where, [&] {
         return fmt::format("byte {}: {} after the last triangle", bytes_.size() - extra,
                            counted(extra, "byte"));
       });
@@ -147,7 +147,7 @@ class TextReader {
       s_.served(s_.file.bytes->size() - lines_.rest().size());
     }
     if (!s_.full && in_solid_)
-      s_.trouble(Code::E6501, "end", s_.at(line),
+      s_.trouble(Code("E6501"), "end", s_.at(line),
                  [] { return "the file ends within a solid: 'endsolid' is missing"; });
     finish_solid();
     return assembly_.finished();
@@ -181,7 +181,7 @@ class TextReader {
         finish_solid();
         return;
       } else {
-        s_.trouble(Code::E6501, "word", s_.at(word), [&] {
+        s_.trouble(Code("E6501"), "word", s_.at(word), [&] {
           return fmt::format("{} is not an STL keyword; the line is left out", in_quotes(word));
         });
         return;
@@ -209,13 +209,13 @@ class TextReader {
       usable = usable && number;
       if (number) p[k] = *number;
       if (number) continue;
-      s_.trouble(Code::E6501, "number", s_.at(word.empty() ? line : word), [&] {
+      s_.trouble(Code("E6501"), "number", s_.at(word.empty() ? line : word), [&] {
         return fmt::format("{} is not a number; the facet is left out", in_quotes(word));
       });
     }
     if (usable && !is_usable(p)) {
       usable = false;
-      s_.trouble(Code::E6501, "place", s_.at(line),
+      s_.trouble(Code("E6501"), "place", s_.at(line),
                  [] { return "a corner is out of range; the facet is left out"; });
     }
     broken_ = broken_ || !usable;
@@ -226,15 +226,15 @@ class TextReader {
 
   void end_unfinished(std::string_view word) {
     if (!face_.empty() && !broken_)
-      s_.trouble(Code::E6501, "endloop", s_.at(word),
+      s_.trouble(Code("E6501"), "endloop", s_.at(word),
                  [] { return "'endloop' is missing before this word"; });
     if (!face_.empty() || broken_) end_loop(word);
   }
 
   void end_loop(std::string_view word) {
     if (!broken_ && face_.size() != 3)
-      s_.trouble(face_.size() < 3 ? Code::E6501 : Code::W6502, face_.size() < 3 ? "few" : "many",
-                 s_.at(word), [&] {
+      s_.trouble(face_.size() < 3 ? Code("E6501") : Code("W6502"),
+                 face_.size() < 3 ? "few" : "many", s_.at(word), [&] {
                    return fmt::format(
                        "a facet of {}{}", counted(face_.size(), "corner"),
                        face_.size() < 3 ? ", which is left out" : "; STL has only triangles");

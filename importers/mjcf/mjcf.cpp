@@ -146,7 +146,7 @@ class SceneMaker {
     std::vector<std::string_view> names;
     for (const auto& [each, value] : scalars_) names.push_back(each);
     std::ranges::sort(names);
-    c_.log.report(Code::E6220, coupling.where,
+    c_.log.report(Code("E6220"), coupling.where,
                   fmt::format("there is no hinge or slide {}; the joints move independently",
                               in_quotes(name)),
                   near_hint(name, names));
@@ -162,7 +162,7 @@ class SceneMaker {
       if (!follower) continue;
       const auto index = static_cast<std::size_t>(follower->joint);
       if (taken[index]) {
-        c_.log.report(Code::W6221, coupling.where,
+        c_.log.report(Code("W6221"), coupling.where,
                       fmt::format("the joint {} is held or follows another one already; this is "
                                   "left out",
                                   in_quotes(coupling.follower)));
@@ -176,7 +176,7 @@ class SceneMaker {
       const Scalar* const leader = scalar(coupling.leader, coupling);
       if (!leader) continue;
       if (leads(joints, leader->joint, follower->joint)) {
-        c_.log.report(Code::E6220, coupling.where,
+        c_.log.report(Code("E6220"), coupling.where,
                       fmt::format("the joint {} follows itself; it moves independently",
                                   in_quotes(coupling.follower)));
         continue;
@@ -184,7 +184,7 @@ class SceneMaker {
       taken[index] = 1;
       const auto& factors = coupling.factors;
       if (factors[2] != 0 || factors[3] != 0 || factors[4] != 0)
-        c_.log.report(Code::W6221, coupling.where,
+        c_.log.report(Code("W6221"), coupling.where,
                       fmt::format("the joint {} follows a curve; its line {:g} + {:g}·x is taken",
                                   in_quotes(coupling.follower), factors[0], factors[1]));
       scene::Joint& joint = joints[index];
@@ -195,7 +195,7 @@ class SceneMaker {
     }
     for (const Outside& each : outside_)
       if (joints[each.joint].mimic == kNone)
-        c_.log.report(Code::W6221, each.where,
+        c_.log.report(Code("W6221"), each.where,
                       fmt::format("ref is outside the limits of the joint {}: it begins at {:g}",
                                   in_quotes(joints[each.joint].name), each.begins));
   }
@@ -289,7 +289,7 @@ class SceneMaker {
     }
     if (cover.texture != kNone && mesh->texcoords.empty()) {
       cover.texture = kNone;
-      c_.trouble(Code::W6221, "flat", geom.where, [] {
+      c_.trouble(Code("W6221"), "flat", geom.where, [] {
         return std::string(
             "a mesh has no texture coordinates: the texture of its geom is not used");
       });
@@ -343,7 +343,7 @@ class Includer {
     const pugi::xml_attribute file = element.attribute("file");
     const SourceSpan where = file ? text_.at(file) : text_.at(element);
     if (!file) {
-      c_.log.report(Code::E6220, where, "<include> has no file; it is left out");
+      c_.log.report(Code("E6220"), where, "<include> has no file; it is left out");
     } else if (!c_.full) {
       const FileName name{
           .text = file.value(), .including = {c_.file.path, text_.path_of(element)}, .part = true};
@@ -351,7 +351,7 @@ class Includer {
         if (!text_.is_within(element, found->path))
           return text_.include(element, found->path, found->bytes, where,
                                {"mujoco", "mujocoinclude"});
-        c_.log.report(Code::E6220, where,
+        c_.log.report(Code("E6220"), where,
                       fmt::format("{} includes itself; it is left out", in_quotes(found->path)));
       }
     }

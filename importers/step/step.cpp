@@ -75,27 +75,27 @@ void report_end(const ProcessEnd& end, const fs::path& program, const Limits& li
     case How::satisfied:
       return;
     case How::not_started:
-      return report(Code::E6001,
+      return report(Code("E6001"),
                     fmt::format("{}, which reads STEP files, cannot be started: {}",
                                 in_quotes(program.string()), std::strerror(end.code)),
                     fmt::format("install it again, or name it in {}", kVariable));
     case How::out_of_time:
-      return report(Code::E6002,
+      return report(Code("E6002"),
                     fmt::format("the model needs more time than the limit allows: {:g} s of "
                                 "processor time, {:g} s in all",
                                 limits.seconds, kPatience * limits.seconds),
                     "--max-seconds raises it; a larger --deflection needs less");
     case How::killed:
-      return report(Code::E6601,
+      return report(Code("E6601"),
                     fmt::format("the reader of STEP files crashed ({}); the program goes on",
                                 signal_text(end.code)),
                     "another program may read the file and export it again, as STEP or glTF");
     case How::exited:
       if (end.code == kOutOfMemory)
-        return report(Code::E6002, "the model needs more memory than the limit allows",
+        return report(Code("E6002"), "the model needs more memory than the limit allows",
                       "a larger --deflection needs less");
       return report(
-          Code::E6601,
+          Code("E6601"),
           fmt::format("the reader of STEP files ended without an answer (exit code {})", end.code),
           "another program may read the file and export it again, as STEP or glTF");
   }
@@ -111,7 +111,7 @@ Result<Imported> read(const InputFile& file, const Options& options, DiagnosticL
   if (!program) {
     const fs::path given = given_reader();
     report(
-        Code::E6001,
+        Code("E6001"),
         given.empty()
             ? fmt::format("STEP is read by {}, which is not installed here", in_quotes(kProgram))
             : fmt::format("{} names {}, which is not a file", kVariable, in_quotes(given.string())),
@@ -141,7 +141,7 @@ Result<Imported> read(const InputFile& file, const Options& options, DiagnosticL
       report_end(end, *program, options.limits, report);
       return failed;
     case AnswerReader::State::damaged:
-      report(Code::E6601,
+      report(Code("E6601"),
              fmt::format("the answer of the reader of STEP files is damaged: {}", answer.damage()));
       return failed;
     case AnswerReader::State::complete:

@@ -121,7 +121,7 @@ class SceneMaker {
       const double begins = std::clamp(0.0, from.limits->x, from.limits->y);
       if (begins != 0) joint.value = {begins};
       if (begins != 0 && !from.mimic)
-        c_.log.report(Code::W6221, from.where,
+        c_.log.report(Code("W6221"), from.where,
                       fmt::format("0 is outside the limits of the joint {}: it begins at {:g}",
                                   in_quotes(from.name), begins));
     }
@@ -181,7 +181,7 @@ class SceneMaker {
                 ? fmt::format("there is no joint {}", in_quotes(mimic->joint))
                 : fmt::format("{} cannot follow {}, expected joints of one value each",
                               in_quotes(robot_.joints[i].name), in_quotes(mimic->joint));
-        c_.log.report(Code::E6220, mimic->where, problem + "; the joint moves independently");
+        c_.log.report(Code("E6220"), mimic->where, problem + "; the joint moves independently");
         continue;
       }
       scene::Joint& joint = joints[static_cast<std::size_t>(leader_[i])];
@@ -213,7 +213,7 @@ class SceneMaker {
       joints[at].mimic = kNone;
       joints[at].multiplier = 1;
       joints[at].offset = 0;
-      c_.log.report(Code::E6220, robot_.joints[i].mimic->where,
+      c_.log.report(Code("E6220"), robot_.joints[i].mimic->where,
                     fmt::format("the joint {} follows itself; it moves independently",
                                 in_quotes(joints[at].name)));
     }

@@ -23,9 +23,9 @@ Result<Imported> read(Files& files, const InputFile& file, const Options& option
     const std::string message =
         fmt::format("the model needs more {} than the limit allows", over.what);
     if (over.where.file == kNoFile)
-      log.report_file(Code::E6002, file.name, message);
+      log.report_file(Code("E6002"), file.name, message);
     else
-      log.report(Code::E6002, over.where, message);
+      log.report(Code("E6002"), over.where, message);
     return failed;
   }
 }

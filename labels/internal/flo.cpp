@@ -52,7 +52,7 @@ Result<Flow> read_flo(const std::filesystem::path& path, std::uint32_t width, st
   const bool whole = bytes.size() == flo_bytes(width, height);
   if (whole) std::memcpy(&header, bytes.data(), sizeof header);
   if (!whole || header.magic != kFloMagic || header.width != width || header.height != height) {
-    log.report_file(Code::E9001, path.string(),
+    log.report_file(Code("E9001"), path.string(),
                     fmt::format("the file is no flow of {} x {} pixels", width, height));
     return failed;
   }

@@ -43,7 +43,7 @@ bool profile_of(const Cone& cone, const Vec2&, FormProblems& problems, Profile& 
     return false;
   const double slope = cone.length / std::fabs(cone.radius - cone.top_radius);
   if (cone.flange > 0 && slope < 0.01) {
-    problems.log.report(Code::E7001, problems.where,
+    problems.log.report(Code("E7001"), problems.where,
                         fmt::format("the cone is {} m long between radii of {} and {} m, expected "
                                     "at least a hundredth of their difference with flanges",
                                     cone.length, cone.radius, cone.top_radius));

@@ -152,32 +152,32 @@ void describe_vertices(const Model& model, const Found& found, Problems& problem
   if (const Tally& bad = found.values; bad.count > 0) {
     const layout::Float3& p = model.positions()[bad.first];
     problems.push_back(
-        {Code::E4012, fmt::format("positions[{}] is {} {} {}, expected finite numbers{}", bad.first,
-                                  p.x, p.y, p.z, others(bad))});
+        {Code("E4012"), fmt::format("positions[{}] is {} {} {}, expected finite numbers{}",
+                                    bad.first, p.x, p.y, p.z, others(bad))});
   }
   if (const Tally& bad = found.outside; bad.count > 0) {
     const layout::Float3& p = model.positions()[bad.first];
     const std::size_t m = mesh_of(model, bad.first, first_vertex);
     problems.push_back(
-        {Code::E4013, fmt::format("positions[{}] at {} {} {} lies outside the bounds of {}{}",
-                                  bad.first, p.x, p.y, p.z, mesh_words(model, m), others(bad))});
+        {Code("E4013"), fmt::format("positions[{}] at {} {} {} lies outside the bounds of {}{}",
+                                    bad.first, p.x, p.y, p.z, mesh_words(model, m), others(bad))});
   }
 }
 
 void describe_indices(const Model& model, const Found& found, Problems& problems) {
   if (const Tally& bad = found.values; bad.count > 0)
     problems.push_back(
-        {Code::E4012, fmt::format("byte {} of the padding between two runs of indices is not 0{}",
-                                  bad.first, others(bad))});
+        {Code("E4012"), fmt::format("byte {} of the padding between two runs of indices is not 0{}",
+                                    bad.first, others(bad))});
   if (const Tally& bad = found.outside; bad.count > 0) {
     const std::size_t m = mesh_of(model, bad.first, index_offset);
     const layout::Mesh& mesh = model.meshes()[m];
     std::uint32_t value = 0;
     std::memcpy(&value, model.index_bytes().data() + bad.first, mesh.index_size);
     problems.push_back(
-        {Code::E4010, fmt::format("index {} of {} is {}, but the mesh has {} vertices{}",
-                                  (bad.first - mesh.index_offset) / mesh.index_size,
-                                  mesh_words(model, m), value, mesh.vertex_count, others(bad))});
+        {Code("E4010"), fmt::format("index {} of {} is {}, but the mesh has {} vertices{}",
+                                    (bad.first - mesh.index_offset) / mesh.index_size,
+                                    mesh_words(model, m), value, mesh.vertex_count, others(bad))});
   }
 }
 
@@ -191,13 +191,13 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
   } else if (kind == SectionKind::texcoords) {
     const layout::Float2& t = model.texcoords()[at];
     problems.push_back(
-        {Code::E4012, fmt::format("texcoords[{}] is {} {}, expected magnitudes of at most {}{}", at,
-                                  t.x, t.y, layout::kMaxNumber, others(found.values))});
+        {Code("E4012"), fmt::format("texcoords[{}] is {} {}, expected magnitudes of at most {}{}",
+                                    at, t.x, t.y, layout::kMaxNumber, others(found.values))});
   } else {
     const bool normal = kind == SectionKind::normals;
     const layout::Float3& v = (normal ? model.normals() : model.colors())[at];
     problems.push_back(
-        {Code::E4012,
+        {Code("E4012"),
          fmt::format(
              "{}[{}] is {} {} {}, expected {}{}", normal ? "normals" : "colours", at, v.x, v.y, v.z,
              normal ? "a unit vector" : fmt::format("numbers from 0 to {}", layout::kMaxColor),
@@ -241,13 +241,13 @@ void describe_all(const Model& model, const layout::DirectoryEntry& entry,
 void finish(const Model& model, const Work& work, Problems& problems) {
   const layout::DirectoryEntry& entry = *work.entry;
   if (combined(work.hashes) != entry.hash) {
-    problems.push_back({Code::E4009, section_words(entry) + " does not match its checksum"});
+    problems.push_back({Code("E4009"), section_words(entry) + " does not match its checksum"});
     return;
   }
   const std::uint64_t used = has_codec(entry) ? entry.packed_length : entry.raw_length;
   const auto padding = model.bytes().subspan(entry.offset + used, entry.stored_length - used);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
-    problems.push_back({Code::E4008, section_words(entry) + " has padding bytes that are not 0"});
+    problems.push_back({Code("E4008"), section_words(entry) + " has padding bytes that are not 0"});
   describe_all(model, entry, work.found, problems);
 }
 
@@ -257,11 +257,11 @@ std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& 
   const SectionKind kind{entry.kind};
   const auto chunks = chunks_of(model, entry);
   if (!chunks)
-    return Problem{Code::E4015,
+    return Problem{Code("E4015"),
                    section_words(entry) + " has chunks whose lengths do not add up to its length"};
   const auto to = Unpacked::make(model, kind, entry.raw_length);
   if (to.empty())
-    return Problem{Code::E4015,
+    return Problem{Code("E4015"),
                    fmt::format("{} decompresses to {} bytes, which exceeds the available memory",
                                section_words(entry), entry.raw_length)};
   std::vector<char> sound(chunks->count());
@@ -277,7 +277,7 @@ std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& 
       job);
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad != sound.end())
-    return Problem{Code::E4015,
+    return Problem{Code("E4015"),
                    fmt::format("{} cannot be decompressed: chunk {} of {} is damaged",
                                section_words(entry), bad - sound.begin(), sound.size())};
   describe_all(model, entry, found, problems);

@@ -101,7 +101,7 @@ void check_rule(const Model& model, const FieldRule& rule, Problems& problems) {
           rule.kind == FieldRuleKind::reference || rule.kind == FieldRuleKind::reference_or_none;
       const std::string part = rule.count > 1 ? fmt::format("[{}]", k) : std::string();
       problems.push_back(
-          {reference ? Code::E4010 : Code::E4012,
+          {reference ? Code("E4010") : Code("E4012"),
            fmt::format("{}[{}].{}{} is {}, {}", section_info(rule.section).name, record, rule.name,
                        part, number_words(rule, at), rule_words(rule, limit))});
       return;
@@ -125,10 +125,10 @@ void check_unit(const Model& model, const FieldRule& rule, Problems& problems) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::byte* record = record_at(model, rule.section, i);
     if (is_unit(rule, record)) continue;
-    problems.push_back({Code::E4012, fmt::format("{}[{}].{} is {}, expected a unit {}",
-                                                 section_info(rule.section).name, i, rule.name,
-                                                 value_words(rule, record),
-                                                 rule.count == 4 ? "quaternion" : "vector")});
+    problems.push_back({Code("E4012"), fmt::format("{}[{}].{} is {}, expected a unit {}",
+                                                   section_info(rule.section).name, i, rule.name,
+                                                   value_words(rule, record),
+                                                   rule.count == 4 ? "quaternion" : "vector")});
     return;
   }
 }
@@ -156,7 +156,7 @@ void check_order(const Model& model, SectionKind kind, Problems& problems) {
     for (std::size_t k = 1; k < fields.size(); ++k)
       names += fmt::format(", then by {}", fields[k]->name);
     problems.push_back(
-        {Code::E4012,
+        {Code("E4012"),
          fmt::format("{}[{}] is out of order, expected them ascending by {}{}",
                      section_info(kind).name, i, names, fields.size() == 1 ? ", each once" : "")});
     return;
@@ -168,14 +168,15 @@ void check_count(const Model& model, SectionKind kind, Problems& problems) {
   const std::uint64_t count = count_of(model, kind);
   if (table.most > 0 && (count < table.least || count > table.most))
     problems.push_back(
-        {Code::E4012,
+        {Code("E4012"),
          fmt::format("section '{}' has {} records, expected {}{}", section_info(kind).name, count,
                      table.least == table.most ? "" : "at most ", table.most)});
   const std::uint64_t others = count_of(model, table.each);
   if (table.each != kind && count != 0 && count != others)
-    problems.push_back({Code::E4010, fmt::format("section '{}' has {}, but section '{}' has {}",
-                                                 section_info(kind).name, counted(count, "element"),
-                                                 section_info(table.each).name, others)});
+    problems.push_back(
+        {Code("E4010"),
+         fmt::format("section '{}' has {}, but section '{}' has {}", section_info(kind).name,
+                     counted(count, "element"), section_info(table.each).name, others)});
 }
 
 }  // namespace

@@ -74,16 +74,16 @@ std::optional<Problem> joint_problem(const Model& model) {
     const std::string_view name = unchecked_string(model, joints[i].name);
     if (problem.empty() && name.empty()) problem = "has no name";
     if (problem.empty()) problem = aim_problem(model, joints[i]);
-    if (!problem.empty()) return Problem{Code::E4012, fmt::format("joints[{}] {}", i, problem)};
+    if (!problem.empty()) return Problem{Code("E4012"), fmt::format("joints[{}] {}", i, problem)};
     names.push_back(name);
     all.push_back(kinematic(joints[i]));
   }
   std::ranges::sort(names);
   if (const auto twice = std::ranges::adjacent_find(names); twice != names.end())
-    return Problem{Code::E4012, fmt::format("two joints have the name {}", in_quotes(*twice))};
+    return Problem{Code("E4012"), fmt::format("two joints have the name {}", in_quotes(*twice))};
   std::size_t wrong = 0;
   if (!geometry::JointSet::of(std::move(all), &wrong))
-    return Problem{Code::E4012,
+    return Problem{Code("E4012"),
                    fmt::format("joints[{}].mimic is a joint that it cannot follow", wrong)};
   return {};
 }

@@ -31,15 +31,15 @@ std::optional<Problem> offsets_problem(const Model& model) {
   const auto offsets = model.string_offsets();
   const std::uint64_t bytes = count_of(model, SectionKind::string_bytes);
   if (offsets.size() < 2 || offsets[0] != 0 || offsets[1] != 0)
-    return Problem{Code::E4010, "string_offsets do not begin with an empty string"};
+    return Problem{Code("E4010"), "string_offsets do not begin with an empty string"};
   for (std::size_t i = 1; i < offsets.size(); ++i)
     if (offsets[i] < offsets[i - 1])
       return Problem{
-          Code::E4010,
+          Code("E4010"),
           fmt::format("string_offsets[{}] is {}, expected at least {}, the one before it", i,
                       offsets[i], offsets[i - 1])};
   if (offsets.back() != bytes)
-    return Problem{Code::E4010,
+    return Problem{Code("E4010"),
                    fmt::format("the strings end at byte {}, but string_bytes has {} bytes",
                                offsets.back(), bytes)};
   return {};
@@ -58,7 +58,7 @@ std::optional<Problem> text_problem(const Model& model) {
   for (const Tally& group : groups) all.add(group);
   if (all.count == 0) return {};
   return Problem{
-      Code::E4014,
+      Code("E4014"),
       fmt::format("string {} is not valid UTF-8 text without NUL{}", all.first,
                   all.count > 1 ? fmt::format(" (and {} more)", all.count - 1) : std::string())};
 }
@@ -74,7 +74,8 @@ bool is_finite(const Mat4& m) {
 // The first problem of the tree.
 std::optional<Problem> node_problem(const Model& model) {
   const auto nodes = model.nodes();
-  if (nodes.empty()) return Problem{Code::E4012, "the file has no nodes, expected at least a root"};
+  if (nodes.empty())
+    return Problem{Code("E4012"), "the file has no nodes, expected at least a root"};
   std::vector<std::uint32_t> depths(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::int64_t parent = nodes[i].parent;
@@ -84,17 +85,17 @@ std::optional<Problem> node_problem(const Model& model) {
     }
     if (i == 0 || parent < 0)
       return Problem{
-          i == 0 ? Code::E4011 : Code::E4010,
+          i == 0 ? Code("E4011") : Code("E4010"),
           fmt::format("nodes[{}].parent is {}, {}", i, parent,
                       i == 0 ? "expected -1 for the root" : "but only node 0 may have no parent")};
     if (parent >= static_cast<std::int64_t>(i))
       return Problem{
-          Code::E4011,
+          Code("E4011"),
           fmt::format("nodes[{}].parent is {}, expected a node before its child", i, parent)};
     depths[i] = depths[parent] + 1;
     if (depths[i] > layout::kMaxDepth)
-      return Problem{Code::E4012, fmt::format("nodes[{}] is at depth {}, expected at most {}", i,
-                                              depths[i], layout::kMaxDepth)};
+      return Problem{Code("E4012"), fmt::format("nodes[{}] is at depth {}, expected at most {}", i,
+                                                depths[i], layout::kMaxDepth)};
   }
   return {};
 }
@@ -104,7 +105,7 @@ std::optional<Problem> world_problem(const Model& model) {
   const std::vector<Mat4> world = model.world_from_nodes();
   for (std::size_t i = 0; i < world.size(); ++i)
     if (!is_finite(world[i]))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("nodes[{}] has world coordinates that are not finite", i)};
   const auto instances = model.instances();
   const auto is_reachable = [&](const layout::Mesh& mesh, const Mat4& m) {
@@ -118,18 +119,18 @@ std::optional<Problem> world_problem(const Model& model) {
   };
   for (std::size_t i = 0; i < instances.size(); ++i)
     if (!is_reachable(model.meshes()[instances[i].mesh], world[instances[i].node]))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("instances[{}] has world coordinates that are not finite", i)};
   const auto levels = model.levels();
   for (std::size_t i = 0; i < levels.size(); ++i)
     if (!is_reachable(model.meshes()[levels[i].mesh], world[instances[levels[i].instance].node]))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("levels[{}] has world coordinates that are not finite", i)};
   const auto keypoints = model.keypoints();
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const double* p = keypoints[i].position;
     if (!panwright::is_finite(Vec3(world[keypoints[i].node] * Vec4(p[0], p[1], p[2], 1.0))))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("keypoints[{}] has world coordinates that are not finite", i)};
   }
   return {};
@@ -141,7 +142,7 @@ std::optional<Problem> lamp_problem(const Model& model) {
   for (std::size_t i = 0; i < model.lamps().size(); ++i) {
     const layout::Lamp& lamp = model.lamps()[i];
     const auto wrong = [&](std::string_view what) {
-      return Problem{Code::E4012, fmt::format("lamps[{}] {}", i, what)};
+      return Problem{Code("E4012"), fmt::format("lamps[{}] {}", i, what)};
     };
     // note: not lamp_name(), which is of checked models; the table of strings is sound here
     const auto offsets = model.string_offsets();
@@ -164,16 +165,16 @@ std::optional<Problem> lamp_problem(const Model& model) {
 
 std::optional<Problem> mesh_form_problem(const layout::Mesh& mesh, std::size_t i) {
   if (mesh.index_size != 2 && mesh.index_size != 4)
-    return Problem{Code::E4012,
+    return Problem{Code("E4012"),
                    fmt::format("meshes[{}].index_size is {}, expected 2 or 4", i, mesh.index_size)};
   if (mesh.index_size == 2 && mesh.vertex_count > layout::kMaxShortVertices)
     return Problem{
-        Code::E4012,
+        Code("E4012"),
         fmt::format("meshes[{}] has {} vertices with indices of 2 bytes, expected at most {}", i,
                     mesh.vertex_count, layout::kMaxShortVertices)};
   for (int k = 0; k < 3; ++k)
     if (mesh.bounds_min[k] > mesh.bounds_max[k])
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("meshes[{}].bounds_min[{}] is {}, above bounds_max, {}", i, k,
                                  mesh.bounds_min[k], mesh.bounds_max[k])};
   return {};
@@ -186,7 +187,7 @@ std::optional<Problem> mesh_problem(const Model& model) {
   const auto stored = [&](std::uint64_t place) { return whole ? place : place & 0xffffffffu; };
   const auto misplaced = [](std::size_t i, const char* field, std::uint64_t is,
                             std::uint64_t must) {
-    return Problem{Code::E4010,
+    return Problem{Code("E4010"),
                    fmt::format("meshes[{}].{} is {}, expected {}, where the run before it ends", i,
                                field, is, must)};
   };
@@ -221,7 +222,7 @@ std::optional<Problem> mesh_problem(const Model& model) {
   for (const auto& array : arrays)
     if (count_of(model, array.kind) != array.needed)
       return Problem{
-          Code::E4010,
+          Code("E4010"),
           fmt::format("section '{}' has {}, but the meshes need {}", info(array.kind).name,
                       counted(count_of(model, array.kind), "element"), array.needed)};
   return {};
@@ -235,13 +236,13 @@ std::optional<Problem> texture_problem(const Model& model) {
     const std::uint64_t needed = std::uint64_t{4} * texture.width * texture.height;
     if (texture.offset != bytes || texture.bytes != needed)
       return Problem{
-          Code::E4010,
+          Code("E4010"),
           fmt::format("textures[{}] has {} bytes at {}, expected {} x {} texels at {}", i,
                       texture.bytes, texture.offset, texture.width, texture.height, bytes)};
     bytes += needed;
   }
   if (count_of(model, SectionKind::texels) != bytes)
-    return Problem{Code::E4010,
+    return Problem{Code("E4010"),
                    fmt::format("section 'texels' has {} bytes, but the textures need {}",
                                count_of(model, SectionKind::texels), bytes)};
   return {};
@@ -264,11 +265,11 @@ std::optional<Problem> back_problem(const Model& model, std::size_t index) {
       (front.cutout_map < 0 || (front.cutout_threshold == behind.cutout_threshold &&
                                 std::ranges::equal(front.map_repeat, behind.map_repeat)));
   if (!alike)
-    return Problem{Code::E4012, fmt::format("backs[{}].material has other holes than that of "
-                                            "instances[{}]",
-                                            index, back.instance)};
+    return Problem{Code("E4012"), fmt::format("backs[{}].material has other holes than that of "
+                                              "instances[{}]",
+                                              index, back.instance)};
   if ((model.meshes()[instance.mesh].flags & layout::kMeshClosed) != 0 && front.cutout_map < 0)
-    return Problem{Code::E4012,
+    return Problem{Code("E4012"),
                    fmt::format("backs[{}] is of a closed mesh, whose back is not visible", index)};
   return {};
 }
@@ -285,8 +286,8 @@ std::optional<Problem> instance_problem(const Model& model) {
                          : material.cell_count[0] > 0 ? "material with cells"
                                                       : nullptr;
     if (!reason) return {};
-    return Problem{Code::E4010, fmt::format("{}[{}] has a {}, but meshes[{}] has no texcoords",
-                                            what, i, reason, mesh)};
+    return Problem{Code("E4010"), fmt::format("{}[{}] has a {}, but meshes[{}] has no texcoords",
+                                              what, i, reason, mesh)};
   };
   for (std::size_t i = 0; i < instances.size(); ++i)
     if (auto problem = lacks_texcoords("instances", i, instances[i].mesh, instances[i].material,
@@ -306,7 +307,7 @@ std::optional<Problem> instance_problem(const Model& model) {
   }
   const std::uint64_t sources = model.sources().size();
   if (model.entry(SectionKind::sources) && sources != instances.size())
-    return Problem{Code::E4010,
+    return Problem{Code("E4010"),
                    fmt::format("section 'sources' has {}, but there are {}",
                                counted(sources, "element"), counted(instances.size(), "instance"))};
   return {};
@@ -319,11 +320,11 @@ std::optional<Problem> material_problem(const Model& model) {
     const int zeros = (n[0] == 0) + (n[1] == 0) + (n[2] == 0);
     if (zeros != 0 && zeros != 3)
       return Problem{
-          Code::E4012,
+          Code("E4012"),
           fmt::format("materials[{}].refract is {} {} {}, expected 0 in all channels or in none", i,
                       n[0], n[1], n[2])};
     if (const auto broken = material_limit_broken(materials[i]))
-      return Problem{Code::E4012, fmt::format("materials[{}]: {}", i, *broken)};
+      return Problem{Code("E4012"), fmt::format("materials[{}]: {}", i, *broken)};
   }
   return {};
 }
@@ -333,7 +334,7 @@ std::optional<Problem> decal_problem(const Model& model) {
   for (std::size_t i = 0; i < decals.size(); ++i) {
     const layout::Decal& decal = decals[i];
     if (!(decal.width > 0 && decal.height > 0 && decal.depth > 0))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("decals[{}] is {} x {} m and {} m deep, expected sizes above 0", i,
                                  decal.width, decal.height, decal.depth)};
   }
@@ -345,13 +346,13 @@ std::optional<Problem> level_problem(const Model& model) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const layout::Level& level = levels[i];
     if (!(level.detail > 0))
-      return Problem{Code::E4012,
+      return Problem{Code("E4012"),
                      fmt::format("levels[{}].detail is {}, expected more than 0", i, level.detail)};
   }
   for (std::size_t i = 0; i < model.decals().size(); ++i)
     if (std::ranges::binary_search(levels, model.decals()[i].instance, {},
                                    &layout::Level::instance))
-      return Problem{Code::E4012, fmt::format("decals[{}] is on an instance with levels", i)};
+      return Problem{Code("E4012"), fmt::format("decals[{}] is on an instance with levels", i)};
   return {};
 }
 
@@ -362,15 +363,15 @@ std::optional<Problem> build_problem(const Model& model) {
     const std::string_view path = unchecked_string(model, inputs[i].path);
     // note: without a limit, many inputs that share one long path would take quadratic time
     if (path.size() > layout::kMaxPathBytes)
-      return Problem{Code::E4012, fmt::format("inputs[{}].path has {} bytes, expected at most {}",
-                                              i, path.size(), layout::kMaxPathBytes)};
+      return Problem{Code("E4012"), fmt::format("inputs[{}].path has {} bytes, expected at most {}",
+                                                i, path.size(), layout::kMaxPathBytes)};
     hasher.input({inputs[i].hash[0], inputs[i].hash[1]}, inputs[i].bytes, path);
   }
   const layout::Build& build = model.builds().front();
   const Hash128 id =
       hasher.finish(unchecked_string(model, build.version), unchecked_string(model, build.options));
   if (id != model.build_id())
-    return Problem{Code::E4012,
+    return Problem{Code("E4012"),
                    fmt::format("the build identity is {}, but inputs, version and options give {}",
                                model.build_id().hex(), id.hex())};
   return {};
@@ -381,7 +382,7 @@ std::optional<Problem> stream_problem(const Model& model) {
   const auto streams = model.mesh_streams();
   if (!model.entry(SectionKind::mesh_streams)) return {};
   if (streams.size() != model.meshes().size())
-    return Problem{Code::E4010,
+    return Problem{Code("E4010"),
                    fmt::format("there are {} for {} meshes", counted(streams.size(), "mesh stream"),
                                model.meshes().size())};
   std::uint64_t end = 0;
@@ -393,17 +394,17 @@ std::optional<Problem> stream_problem(const Model& model) {
         streamed_bytes({mesh.vertex_count, mesh.triangle_count, mesh.index_size});
     if (stream.offset != end || stream.length > bytes - end || stream.length % 4 != 0)
       return Problem{
-          Code::E4010,
+          Code("E4010"),
           fmt::format("mesh_streams[{}] has the bytes {} to {}, expected to begin at {} of {}", i,
                       stream.offset, stream.offset + stream.length, end, bytes)};
     if (raw / layout::kMaxStreamed > stream.length)
-      return Problem{Code::E4010,
+      return Problem{Code("E4010"),
                      fmt::format("mesh_streams[{}] has {} bytes, too few for {} of its mesh", i,
                                  stream.length, raw)};
     end += stream.length;
   }
   if (end == bytes) return {};
-  return Problem{Code::E4010, fmt::format("mesh streams end at byte {} of {}", end, bytes)};
+  return Problem{Code("E4010"), fmt::format("mesh streams end at byte {} of {}", end, bytes)};
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ void store_default(std::byte* to, FieldType type, double value) {
 }
 
 Problem no_memory(const DirectoryEntry& entry, std::uint64_t bytes) {
-  return {Code::E4015,
+  return {Code("E4015"),
           fmt::format("{} decompresses to {} bytes, which exceeds the available memory",
                       section_words(entry), bytes)};
 }
@@ -62,14 +62,15 @@ std::optional<Problem> unpack(const Model& model, const DirectoryEntry& entry,
                               std::span<std::byte> to) {
   const auto chunks = chunks_of(model, entry);
   if (!chunks)
-    return Problem{Code::E4015,
+    return Problem{Code("E4015"),
                    section_words(entry) + " has chunks whose lengths do not add up to its length"};
   std::vector<char> sound(chunks->count());
   parallel_for(sound.size(), [&](std::size_t i) { sound[i] = chunks->unpack(i, to); });
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad == sound.end()) return {};
-  return Problem{Code::E4015, fmt::format("{} cannot be decompressed: chunk {} of {} is damaged",
-                                          section_words(entry), bad - sound.begin(), sound.size())};
+  return Problem{Code("E4015"),
+                 fmt::format("{} cannot be decompressed: chunk {} of {} is damaged",
+                             section_words(entry), bad - sound.begin(), sound.size())};
 }
 
 std::optional<Problem> resize(Model& model, const DirectoryEntry& entry,
@@ -201,7 +202,7 @@ Problems unpack_streams(Model& model, const Job& job) {
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad == sound.end()) return {};
   drop();
-  return {Problem{Code::E4015,
+  return {Problem{Code("E4015"),
                   fmt::format("the stream of meshes[{}] is damaged", bad - sound.begin())}};
 }
 

@@ -54,7 +54,7 @@ bool report_failure(Device::Impl& device, ReadBack::Wait why, DiagnosticLog& log
   if (why == ReadBack::Wait::cancelled)
     report_cancelled(log);
   else if (device.went_well(log))
-    log.report_file(Code::E5003, {}, "the context failed while it drew");
+    log.report_file(Code("E5003"), {}, "the context failed while it drew");
   return false;
 }
 
@@ -79,10 +79,10 @@ image::Image FrameUnderWay::take(DiagnosticLog& log) {
     mix_in(other_coverage, static_cast<float>(weight), taken.coverage);
   }
   if (std::all_of(taken.coverage.begin(), taken.coverage.end(), [](float a) { return a == 0; }))
-    log.report_file(Code::W5006, {}, why_empty);
+    log.report_file(Code("W5006"), {}, why_empty);
   else
     for (const std::string& name : thin)
-      log.report_file(Code::W5006, {},
+      log.report_file(Code("W5006"), {},
                       fmt::format("'{}' is thinner than the sample spacing (--samples) and may be "
                                   "missing; --imposters always shows it",
                                   name));

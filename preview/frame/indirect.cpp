@@ -10,7 +10,7 @@ bool fits_texture(const GladGLContext& gl, const light::SurfelGrid& grid, Diagno
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (std::max(grid.cells.size(), grid.entries.size()) <= static_cast<std::size_t>(most))
     return true;
-  log.report_file(Code::E5003, {},
+  log.report_file(Code("E5003"), {},
                   "light between surfaces takes more than the context's buffers hold",
                   "--indirect off leaves it out");
   return false;

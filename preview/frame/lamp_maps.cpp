@@ -139,7 +139,7 @@ bool LampMaps::update(Device::Impl& device, const FrameScene& scene, std::vector
     slots_.clear();
     side_ = 0;
     if (!layers_.make(gl, side, side, most, static_cast<int>(maps.size()))) {
-      log.report_file(Code::E5003, {},
+      log.report_file(Code("E5003"), {},
                       fmt::format("the context has no memory for {} shadow maps of lamps, each of "
                                   "{} by {} texels",
                                   maps.size(), side, side));

@@ -40,7 +40,7 @@ bool SceneState::set_shapes(const world::World& world, const LevelState& levels,
     items += count;
   }
   if (items <= kMostItems) return true;
-  log.report_file(Code::E5003, {},
+  log.report_file(Code("E5003"), {},
                   fmt::format("the targets of the world have {} instances in all; one image "
                               "takes {}",
                               items, kMostItems));

@@ -89,7 +89,7 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   if (map.layers.make(gl, map.columns * side, map.rows * side, limits.framebuffer_side, layers))
     return true;
   log.report_file(
-      Code::E5003, {},
+      Code("E5003"), {},
       fmt::format("the context has no memory for a shadow map of {} by {} texels{}",
                   map.columns * side, map.rows * side,
                   layers > 1 ? fmt::format(" for each of {} points of the Sun", layers) : ""));

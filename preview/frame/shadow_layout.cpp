@@ -285,7 +285,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
   }
   if (missed.points < missed.asked)
     log.report_file(
-        Code::W5012, {},
+        Code("W5012"), {},
         fmt::format(
             "memory for shadows of {} points of the Sun's disc, expected {}: penumbrae have steps "
             "of {:.2g}, expected {:.2g} (RMS); a smaller --shadow-side allows more",
@@ -293,7 +293,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
             error_of_sun_points(missed.asked)));
   if (!worst) return;
   log.report_file(
-      Code::W5012, {},
+      Code("W5012"), {},
       fmt::format("the shadow map of '{}' has texels of {:.3g} m at pixels of {:.3g} m: shadow "
                   "edges are off by up to {:.2g} pixels, expected {:.2g} ({})",
                   scene.world[worst->targets.front().target].name(), worst->layout.texel,

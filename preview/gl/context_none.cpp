@@ -12,7 +12,7 @@ void Context::release() {}
 std::string Context::load() { return "built without OpenGL"; }
 
 Result<std::unique_ptr<Context>> Context::create(ContextKind, DiagnosticLog& log) {
-  log.report_file(Code::E5007, {},
+  log.report_file(Code("E5007"), {},
                   "this program was built without OpenGL; build with PANWRIGHT_GL=ON to render");
   return failed;
 }

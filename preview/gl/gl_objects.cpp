@@ -93,7 +93,7 @@ bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
   bool good = true;
   for (GLenum error = gl.GetError(); error != GL_NO_ERROR; error = gl.GetError()) good = false;
   if (!good)
-    log.report_file(Code::E5003, {},
+    log.report_file(Code("E5003"), {},
                     fmt::format("the context has no memory for the model's {}", what));
   return good;
 }
@@ -160,7 +160,7 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
   target = make_render_target(gl, std::span(all).first(formats.size()), depth, wider, higher);
   if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
   target = {};
-  log.report_file(Code::E5003, {},
+  log.report_file(Code("E5003"), {},
                   fmt::format("the context has no memory for a framebuffer of {} by {} samples",
                               wider, higher));
   return false;

@@ -48,13 +48,13 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   for (std::size_t i = 0; i < model.meshes().size(); ++i)
     if (model.meshes()[i].triangle_count > kMeshTriangles) {
       log.report_file(
-          Code::E5003, model.name(),
+          Code("E5003"), model.name(),
           fmt::format("mesh '{}' has {} triangles; one draw takes {}", model.mesh_name(i),
                       model.meshes()[i].triangle_count, kMeshTriangles));
       return false;
     }
   if (model.header().required_features & layout::kFeatureLongRuns) {
-    log.report_file(Code::E5003, model.name(),
+    log.report_file(Code("E5003"), model.name(),
                     fmt::format("{} vertices; the preview takes {}", model.positions().size(),
                                 std::uint64_t{1} << 32));
     return false;
@@ -89,7 +89,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   const std::uint64_t most_items = std::min<std::uint64_t>(texels, kMostItems);
   if (model.materials().size() > texels / rows || list.size() > most_items) {
     log.report_file(
-        Code::E5003, model.name(),
+        Code("E5003"), model.name(),
         fmt::format("{} and {}; this context takes {} and {}", counted(list.size(), "instance"),
                     counted(model.materials().size(), "material"), most_items, texels / rows));
     return false;

@@ -87,7 +87,7 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
     const auto i = static_cast<std::size_t>(use.texture);
     const layout::Texture& texture = model.textures()[i];
     if (std::max(texture.width, texture.height) > context.limits().texture_side) {
-      log.report_file(Code::E5003, model.name(),
+      log.report_file(Code("E5003"), model.name(),
                       fmt::format("texture '{}' is {} by {} texels; this context takes {} a side",
                                   model.texture_name(i), texture.width, texture.height,
                                   context.limits().texture_side));

@@ -82,7 +82,7 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
     const double error = relative_error(batches);
     if (!(error > options.until_error)) return;
     if (batches.batches() >= most) {
-      log.report_file(Code::W5008, {},
+      log.report_file(Code("W5008"), {},
                       fmt::format("the relative error of the flux is {:.2g} after {} samples per "
                                   "pixel, expected {:.2g}",
                                   error, std::uint64_t{batches.batches()} * view.batch_samples(),
@@ -245,7 +245,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
                                            const Job& job) {
   assert(is_sound_request(camera, options));
   if (camera.width > kMaxReferenceSide || camera.height > kMaxReferenceSide) {
-    log.report_file(Code::E5003, {},
+    log.report_file(Code("E5003"), {},
                     fmt::format("an image of {} by {} pixels, expected at most {} a side",
                                 camera.width, camera.height, kMaxReferenceSide));
     return failed;
@@ -270,7 +270,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
       image.pixels() * (options.ground_truth ? 60 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
     log.report_file(
-        Code::E5003, {},
+        Code("E5003"), {},
         fmt::format("an image of {} by {} pixels takes {:.4g} GB of memory; the limit is {:.4g} GB",
                     camera.width, camera.height, static_cast<double>(bytes) / 1e9,
                     static_cast<double>(options.max_bytes) / 1e9),
@@ -306,7 +306,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   if (world.has_sky()) add_backdrop(world, scene, camera, cells, options, result, job);
   if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
-    log.report_file(Code::W5006, {}, empty_because(world, scene.rays(), cells));
+    log.report_file(Code("W5006"), {}, empty_because(world, scene.rays(), cells));
   result.seconds = seconds_since(start);
   return result;
 }

@@ -524,7 +524,7 @@ class KindReader {
 
   void fail(std::size_t begin, std::size_t end, std::string message, std::string hint) {
     if (std::exchange(clash_, true)) return;
-    problem_ = {Code::E1212, begin, end, std::move(message), std::move(hint)};
+    problem_ = {Code("E1212"), begin, end, std::move(message), std::move(hint)};
   }
 
   const Formula& formula_;

@@ -99,7 +99,7 @@ struct Expressions::Implementation {
 
   static void unknown_name(const Formula::Operand& operand, const Scope* scope,
                            ExpressionProblem& problem) {
-    problem = {Code::E1222, operand.begin, operand.end, "", ""};
+    problem = {Code("E1222"), operand.begin, operand.end, "", ""};
     std::vector<std::string_view> names;
     if (scope != nullptr) names = scope->names();
     const bool none = names.empty();
@@ -183,7 +183,7 @@ struct Expressions::Implementation {
     };
     const std::string_view unit = lengths ? bare.length->name : bare.angle->name;
     const std::string number = format_double(known.value);
-    problem = {Code::E1212, operand.begin, operand.end,
+    problem = {Code("E1212"), operand.begin, operand.end,
                fmt::format("the bare number {} = {} is {} here, and {} elsewhere", operand.name,
                            number, name(use), name(known.uses)),
                fmt::format("give it a unit, value=\"{0}{1}\", and where it is a plain number write "
@@ -204,7 +204,7 @@ struct Expressions::Implementation {
   }
 
   static void not_finite(const Entry& entry, std::size_t size, ExpressionProblem& problem) {
-    problem = {Code::E1223, 0, size, "it has no finite value", ""};
+    problem = {Code("E1223"), 0, size, "it has no finite value", ""};
     const Program::Broken& seen = entry.program.broken();
     if (seen.operation == Program::kNone) return;
     const Formula::Operation& operation = entry.formula.operations[seen.operation];

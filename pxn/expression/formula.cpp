@@ -63,7 +63,7 @@ class FormulaReader {
   }
 
   void fail(std::size_t begin, std::size_t end, std::string message, std::string hint = {},
-            Code code = Code::E1221) {
+            Code code = Code("E1221")) {
     if (formula_.problem) return;
     formula_.problem = ExpressionProblem{code, begin, end, std::move(message), std::move(hint)};
   }
@@ -198,7 +198,7 @@ class FormulaReader {
     if (!value)
       return fail(at_, end,
                   fmt::format("{} is past 1.8e308, the largest number", in_quotes(number)), {},
-                  Code::E1223);
+                  Code("E1223"));
     emit_operand({*value, unit == nullptr ? schemas::Dimension::none : unit->dimension, {}}, end);
   }
 
@@ -214,7 +214,7 @@ class FormulaReader {
                          units_of(schemas::Dimension::length));
     fail(at, at + name.size(),
          fmt::format("unknown unit {}", in_quotes(to_utf8(name, Encoding::utf8))), hint,
-         Code::E1213);
+         Code("E1213"));
   }
 
   void read_name() {
@@ -233,7 +233,7 @@ class FormulaReader {
       const auto near = nearest_name(name, names);
       return fail(begin, begin + name.size(), fmt::format("unknown function {}", in_quotes(name)),
                   near ? fmt::format("did you mean '{}'?", *near) : "a product is written with *",
-                  Code::E1222);
+                  Code("E1222"));
     }
     const auto index = static_cast<std::size_t>(known - std::begin(kFunctions));
     const char piece[] = {'f', static_cast<char>('a' + index), 0};

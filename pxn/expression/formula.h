@@ -16,7 +16,7 @@ struct Unit;
 
 // Problem of an expression, with the bytes of its text.
 struct ExpressionProblem {
-  Code code = Code::E1221;
+  Code code = Code("E1221");
   std::size_t begin = 0;
   std::size_t end = 0;
   std::string message;

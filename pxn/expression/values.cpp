@@ -241,7 +241,7 @@ std::optional<std::string> Values::text(std::uint32_t element, std::size_t attri
   for (char& c : out)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   if (out.find_first_not_of(' ') == std::string::npos) {
-    reporter_.report(Code::E1103, doc_.value_span(*given), doc_, element, [&] {
+    reporter_.report(Code("E1103"), doc_.value_span(*given), doc_, element, [&] {
       return Reporter::Text(
           fmt::format("the attribute '{}' of <{}> is empty", known.name, schema(element).name));
     });
@@ -250,7 +250,7 @@ std::optional<std::string> Values::text(std::uint32_t element, std::size_t attri
   if (known.value.kind != schemas::ValueKind::word) return out;
   if (std::find(known.value.words.begin(), known.value.words.end(), out) != known.value.words.end())
     return out;
-  reporter_.report(Code::E1204, doc_.value_span(*given), doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1204"), doc_.value_span(*given), doc_, element, [&]() -> Reporter::Text {
     const auto near = nearest_name(out, known.value.words);
     return {fmt::format("{} of <{}> is {}, expected {}", known.name, schema(element).name,
                         in_quotes(out), fmt::join(known.value.words, " or ")),

@@ -235,7 +235,7 @@ std::optional<Values::Amount> Values::read_amount(std::uint32_t element, const T
   const std::string_view number = token.text.substr(0, length);
   const std::string_view name = token.text.substr(length);
   if (length == 0 || !(name.empty() || looks_like_unit(name))) {
-    bad_number(Code::E1201, element, text, token, value, index, {});
+    bad_number(Code("E1201"), element, text, token, value, index, {});
     return std::nullopt;
   }
   Amount amount;
@@ -259,7 +259,7 @@ std::optional<Values::Amount> Values::read_amount(std::uint32_t element, const T
   }
   const auto converted = read_number(number, amount.unit);
   if (!converted) {
-    const Code code = is_too_large(number) ? Code::E1202 : Code::E1201;
+    const Code code = is_too_large(number) ? Code("E1202") : Code("E1201");
     bad_number(code, element, text, token, value, index, amount);
     return std::nullopt;
   }
@@ -312,7 +312,7 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
       return std::nullopt;
     }
     const Token part = {whole.substr(open, 1), token.at + open};
-    reporter_.report(Code::E1221, place(text, part), doc_, element, [&]() -> Reporter::Text {
+    reporter_.report(Code("E1221"), place(text, part), doc_, element, [&]() -> Reporter::Text {
       if (end == std::string_view::npos) return {"this brace is not closed"};
       if (open == 0 && looks_like_unit(whole.substr(end + 1)))
         return {"a unit after an expression", "units go inside the braces: {2*5mm}"};
@@ -355,7 +355,7 @@ bool Values::read_real(std::uint32_t element, const Text& text, const Token& tok
   const schemas::Number& limits = number_at(value, index);
   const double number = amount->computed ? at_limit(amount->value, limits) : amount->value;
   if (!in_range(number, limits)) {
-    const Code code = limits.nonzero && number == 0 ? Code::E1211 : Code::E1202;
+    const Code code = limits.nonzero && number == 0 ? Code("E1211") : Code("E1202");
     bad_number(code, element, text, token, value, index, *amount);
     return false;
   }
@@ -378,13 +378,13 @@ bool Values::read_integer(std::uint32_t element, const Text& text, const Token& 
     if (unit != nullptr)
       bad_kind(element, text, token, Dimension::none, name_of(unit->dimension));
     else
-      bad_number(Code::E1201, element, text, token, value, index, {});
+      bad_number(Code("E1201"), element, text, token, value, index, {});
     return false;
   }
   const schemas::Number& limits = number_at(value, index);
   const double sized = (negative ? -1.0 : 1.0) * static_cast<double>(number);
   if (error == std::errc::result_out_of_range || !in_range(sized, limits)) {
-    bad_number(Code::E1202, element, text, token, value, index, {});
+    bad_number(Code("E1202"), element, text, token, value, index, {});
     return false;
   }
   out = number;
@@ -399,7 +399,7 @@ bool Values::read_computed_integer(std::uint32_t element, const Text& text, cons
   if (!amount) return false;
   const double number = amount->value;
   if (number != std::floor(number) || std::fabs(number) > kMost) {
-    reporter_.report(Code::E1224, place(text, token), doc_, element, [&]() -> Reporter::Text {
+    reporter_.report(Code("E1224"), place(text, token), doc_, element, [&]() -> Reporter::Text {
       return {fmt::format("{} is {}, expected a whole number", subject(element, value, index),
                           format_double(number)),
               "floor, ceil and round make whole numbers"};
@@ -407,7 +407,7 @@ bool Values::read_computed_integer(std::uint32_t element, const Text& text, cons
     return false;
   }
   if (number < 0 || !in_range(number, number_at(value, index))) {
-    bad_number(Code::E1202, element, text, token, value, index, *amount);
+    bad_number(Code("E1202"), element, text, token, value, index, *amount);
     return false;
   }
   out = static_cast<std::uint64_t>(number);
@@ -419,7 +419,7 @@ bool Values::replace_expressions(std::uint32_t element, const Text& text, std::s
   for (std::size_t at = 0; at < text.text.size();) {
     const std::size_t open = text.text.find('{', at);
     if (const std::size_t lone = text.text.find('}', at); lone < open) {
-      reporter_.report(Code::E1221, place(text, {text.text.substr(lone, 1), lone}), doc_, element,
+      reporter_.report(Code("E1221"), place(text, {text.text.substr(lone, 1), lone}), doc_, element,
                        [&] { return Reporter::Text("unmatched closing brace"); });
       return false;
     }
@@ -427,7 +427,7 @@ bool Values::replace_expressions(std::uint32_t element, const Text& text, std::s
     if (open == std::string_view::npos) break;
     const std::size_t close = text.text.find('}', open);
     if (close == std::string_view::npos) {
-      reporter_.report(Code::E1221, place(text, {text.text.substr(open, 1), open}), doc_, element,
+      reporter_.report(Code("E1221"), place(text, {text.text.substr(open, 1), open}), doc_, element,
                        [&] { return Reporter::Text("this brace is not closed"); });
       return false;
     }

@@ -117,7 +117,7 @@ bool Values::has_commas(std::uint32_t element, const Text& text, const schemas::
     ends += token.text.ends_with(',') || token.text.starts_with(',') ? 1 : 0;
   }
   if (first.text.empty()) return false;
-  reporter_.report(Code::E1201, place(text, first), doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1201"), place(text, first), doc_, element, [&]() -> Reporter::Text {
     constexpr std::size_t kShown = 60;
     // "0,5 1 2" has as many numbers as are needed
     const bool points =
@@ -143,7 +143,7 @@ void Values::check_radians(std::uint32_t element, const Text& text, const schema
   Token token;
   for (std::size_t at = 0; next_token(text, at, token);)
     if (const auto warning = warning_of_radians(token.text))
-      reporter_.report(Code::W1214, place(text, token), doc_, element,
+      reporter_.report(Code("W1214"), place(text, token), doc_, element,
                        [&] { return Reporter::Text(warning->message, warning->hint); });
 }
 
@@ -157,13 +157,13 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
             ? "a number, with or without a unit, or an expression in braces"
             : range_of(limits, amount.unit,
                        amount.unit != nullptr && !(amount.bare && is_si(amount.unit)));
-    if (code == Code::E1202)
+    if (code == Code("E1202"))
       return {fmt::format("{} is {}{}, expected {}", what, written(text, token),
                           amount.computed
                               ? " = " + number_in(amount.value, amount.unit, amount.unit != nullptr)
                               : "",
                           takes)};
-    if (code == Code::E1211)
+    if (code == Code("E1211"))
       return {
           fmt::format("{} is 0, which flattens everything below; expected any other number", what)};
     const Encoding encoding = text.offsets == nullptr ? doc_.encoding : Encoding::utf8;
@@ -196,7 +196,7 @@ std::string Values::kinds_of_operands(const Token& token) const {
 
 void Values::bad_kind(std::uint32_t element, const Text& text, const Token& token, Dimension needed,
                       std::string_view got) {
-  reporter_.report(Code::E1212, place(text, token), doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1212"), place(text, token), doc_, element, [&]() -> Reporter::Text {
     std::string hint;
     if (needed != Dimension::none) hint = fmt::format("its units: {}", units_of(needed));
     // a number of them, then
@@ -217,7 +217,7 @@ void Values::bad_kind(std::uint32_t element, const Text& text, const Token& toke
 void Values::bad_unit(std::uint32_t element, const Text& text, const Token& token,
                       std::size_t number) {
   const Token name = {token.text.substr(number), token.at + number};
-  reporter_.report(Code::E1213, place(text, name), doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1213"), place(text, name), doc_, element, [&]() -> Reporter::Text {
     std::vector<std::string_view> names;
     for (const Unit& unit : all_units()) names.push_back(unit.name);
     const auto near = nearest_name(name.text, names);
@@ -231,7 +231,7 @@ void Values::bad_unit(std::uint32_t element, const Text& text, const Token& toke
 void Values::bad_count(std::uint32_t element, const schemas::Value& value, std::string_view subject,
                        std::size_t count) {
   const SourceSpan where = doc_.name_span(element);
-  reporter_.report(Code::E1203, where, doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1203"), where, doc_, element, [&]() -> Reporter::Text {
     std::string names;
     if (value.count > 1)
       for (const schemas::Number& number : value.numbers)
@@ -245,7 +245,7 @@ void Values::bad_count(std::uint32_t element, const schemas::Value& value, std::
 }
 
 void Values::bad_tuples(std::uint32_t element, const schemas::Value& value, std::size_t count) {
-  reporter_.report(Code::E1203, doc_.name_span(element), doc_, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1203"), doc_.name_span(element), doc_, element, [&]() -> Reporter::Text {
     const std::size_t least = std::size_t{value.least} * value.tuple;
     const bool few = count < least;
     if (few)

@@ -194,7 +194,7 @@ scene::Source Assembler::source_of(const Use& use, const Item& item) const {
 bool Assembler::enter(Use& use, const Item& item, std::string name,
                       const scene::Transform& transform, Context& context) {
   if (scene_.nodes.size() >= options_.limits.nodes) {
-    report(Code::E1008, use, item, [&] {
+    report(Code("E1008"), use, item, [&] {
       return Reporter::Text(fmt::format(
           "the model has more than {} nodes, counting those of parts, repeats and includes",
           options_.limits.nodes));
@@ -213,7 +213,7 @@ bool Assembler::enter(Use& use, const Item& item, std::string name,
     context.world_from_node = world;
     context.texture_from_node = context.texture_from_node * local;
   } else {
-    report(Code::E2010, use, item, [&] {
+    report(Code("E2010"), use, item, [&] {
       return Reporter::Text(
           "the transforms down to here together scale or move by less than 1e-30 or more than "
           "1e30; "
@@ -267,7 +267,7 @@ void Assembler::joint(Use& use, const PartJoint& known, std::uint32_t element, s
   where.file = file_of(use);
   if (joints_.add(known, node, prefix, where, use.part->file->document, element, scene_)) return;
   if (!taken_.insert({use.part, element}).second) return;
-  report_at(Code::E1210, use, element, [&] {
+  report_at(Code("E1210"), use, element, [&] {
     return Reporter::Text(fmt::format("duplicate joint {}; the contents of this one stay at rest",
                                       in_quotes(prefix + known.joint.name)));
   });
@@ -283,7 +283,7 @@ void Assembler::import_joints(Use& use, const PartImport& place, const Context& 
     joint(use, known, moved.rule, node, context.prefix);
   }
   for (const std::size_t index : attached_.sheared)
-    report_at(Code::E1231, use, place.moved[index].rule, [&] {
+    report_at(Code("E1231"), use, place.moved[index].rule, [&] {
       const PartJoint& known = use.part->joints[place.moved[index].joint];
       return Reporter::Text(
           fmt::format("joint {} moves a node that its parents shear; it stays at rest",
@@ -296,7 +296,7 @@ void Assembler::frame(Use& use, const Item& item, const Context& context) {
   const std::string name = context.prefix + known.label;
   if (!labels_.insert(name).second) {
     if (!taken_.insert({use.part, item.element}).second) return;
-    report(Code::E1210, use, item, [&] {
+    report(Code("E1210"), use, item, [&] {
       return Reporter::Text(
           fmt::format("duplicate frame {}; this one is left out", in_quotes(name)));
     });
@@ -312,7 +312,7 @@ void Assembler::import_frames(Use& use, const Item& item) {
       continue;
     }
     if (!taken_.insert({use.part, item.element}).second) continue;
-    report(Code::E1210, use, item, [&] {
+    report(Code("E1210"), use, item, [&] {
       return Reporter::Text(fmt::format("duplicate frame {} of the import; this one is left out",
                                         in_quotes(frame.name)));
     });
@@ -324,7 +324,7 @@ void Assembler::keypoint(Use& use, const Item& item, const Context& context) {
   const std::string name = context.prefix + known.name;
   if (!keypoints_.insert(name).second) {
     if (!taken_.insert({use.part, item.element}).second) return;
-    report(Code::E1210, use, item, [&] {
+    report(Code("E1210"), use, item, [&] {
       return Reporter::Text(
           fmt::format("duplicate keypoint {}; this one is left out", in_quotes(name)));
     });
@@ -338,7 +338,7 @@ void Assembler::lamp(Use& use, const Item& item, const Context& context) {
   lamp.name = context.prefix + lamp.name;
   if (!lamps_.insert(lamp.name).second) {
     if (!taken_.insert({use.part, item.element}).second) return;
-    report(Code::E1210, use, item, [&] {
+    report(Code("E1210"), use, item, [&] {
       return Reporter::Text(
           fmt::format("duplicate lamp {}; this one is left out", in_quotes(lamp.name)));
     });
@@ -353,7 +353,7 @@ void Assembler::part(Use& use, const Item& item, Context& context) {
   const bool used = item.kind == ItemKind::use;
   if (!used && ++includes_ > options_.limits.includes) {
     if (includes_ == options_.limits.includes + 1)
-      report(Code::E1304, use, item, [&] {
+      report(Code("E1304"), use, item, [&] {
         return Reporter::Text(
             fmt::format("the model makes more than {} includes; the rest is left out",
                         options_.limits.includes));
@@ -385,7 +385,7 @@ void Assembler::import(Use& use, const Item& item, Context& context) {
   const scene::Scene& from = model.imported.scene;
   if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
   if (scene_.nodes.size() + from.nodes.size() > options_.limits.nodes + 1) {
-    report(Code::E1008, use, item, [&] {
+    report(Code("E1008"), use, item, [&] {
       return Reporter::Text(fmt::format("with the import's {} the model has more than {}",
                                         counted(from.nodes.size(), "node"), options_.limits.nodes));
     });

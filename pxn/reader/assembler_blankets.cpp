@@ -86,7 +86,7 @@ std::vector<std::int32_t> Assembler::wrapped_instances(const Use& use, const Par
 
 void Assembler::report_no_match(Use& use, const Item& item, const PartWrap& wrap,
                                 std::uint32_t first) {
-  report_at(Code::W1501, use, item.element, [&]() -> Reporter::Text {
+  report_at(Code("W1501"), use, item.element, [&]() -> Reporter::Text {
     std::set<std::string> names;
     for (std::size_t i = first; i < scene_.nodes.size() && wrap.on; ++i)
       names.insert(scene_.nodes[i].name);

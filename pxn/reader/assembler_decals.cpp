@@ -32,7 +32,7 @@ void Assembler::decal(Use& use, const Item& item) {
   }
   for (; first != last; ++first) {
     if (scene_.decals.size() >= options_.limits.nodes) {
-      report(Code::E1008, use, item, [&] {
+      report(Code("E1008"), use, item, [&] {
         return Reporter::Text(
             fmt::format("the model has more than {} decals", options_.limits.nodes));
       });
@@ -61,7 +61,7 @@ bool Assembler::is_written(const Part& part, std::string_view name) {
 }
 
 void Assembler::report_missing_shape(Use& use, const Item& item, const std::string& name) {
-  report(Code::E1311, use, item, [&]() -> Reporter::Text {
+  report(Code("E1311"), use, item, [&]() -> Reporter::Text {
     std::vector<std::string_view> names;
     for (const auto& [other, instances] : use.shapes) names.push_back(other);
     const auto near = nearest_name(name, names);

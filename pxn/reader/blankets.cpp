@@ -247,12 +247,12 @@ void Blankets::tell(const std::vector<Worn>& worn, Reporter& reporter) {
   for (const Worn& one : worn) {
     const FoilWish& wish = *one.wish;
     if (one.instances == 0 && one.problem.empty() && !wish.faces.empty()) {
-      say(Code::W1501, wish,
+      say(Code("W1501"), wish,
           fmt::format("no face of {} looks along {}", counted(one.asked, "shape"),
                       in_quotes(wish.faces)));
       continue;
     }
-    say(Code::E7001, wish, one.problem);
+    say(Code("E7001"), wish, one.problem);
     const auto warn = [&](std::size_t kind, double how_much, std::string text) {
       Kind& known = kinds[kind];
       if (text.empty()) return;
@@ -261,7 +261,7 @@ void Blankets::tell(const std::vector<Worn>& worn, Reporter& reporter) {
     };
     const mli::WrapTally& tally = one.tally;
     if (tally.groups > 0 && tally.refused == tally.groups)
-      say(Code::E7001, wish, tally.refusals());  // nothing is worn at all
+      say(Code("E7001"), wish, tally.refusals());  // nothing is worn at all
     else
       warn(0, tally.area_refused, tally.refusals());
     warn(1, -tally.least, tally.scalings(one.enough));
@@ -276,7 +276,7 @@ void Blankets::tell(const std::vector<Worn>& worn, Reporter& reporter) {
   }
   for (const Kind& kind : kinds)
     if (kind.count > 0)
-      say(Code::W7002, *kind.wish,
+      say(Code("W7002"), *kind.wish,
           kind.count == 1 ? kind.text
                           : fmt::format("{} (the worst of {} elements)", kind.text, kind.count));
 }
@@ -293,7 +293,7 @@ void Blankets::tell_cells(const std::vector<Worn>& worn, Reporter& reporter) {
     largest = std::max(largest, one.largest_cell);
   }
   if (first == nullptr) return;
-  reporter.report(Code::W7002, first->where, *first->document, first->element, [&] {
+  reporter.report(Code("W7002"), first->where, *first->document, first->element, [&] {
     return Reporter::Text(
         fmt::format("cells of {} are up to {:.2g} m, too large for all wrinkles, within a million "
                     "triangles each and {:.0f} million of the model; set others by <mli_settings> "

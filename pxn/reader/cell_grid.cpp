@@ -208,7 +208,7 @@ std::int32_t CellGrids::without_cells(std::int32_t material) {
 
 void CellGrids::report(SourceSpan where, DiagnosticLog& log) const {
   if (file_.count + rectangles_.count > 0)
-    log.report(Code::N2021, where,
+    log.report(Code("N2021"), where,
                fmt::format("solar cells lie along the edges of {}, columns and rows per metre: {} "
                            "by texture coordinates of the file, {} as rectangles",
                            faces(file_.count + rectangles_.count, file_.area + rectangles_.area),
@@ -219,7 +219,7 @@ void CellGrids::report(SourceSpan where, DiagnosticLog& log) const {
     names += (i == 0 ? "" : ", ") + in_quotes(off_nodes_[i]);
   if (off_nodes_.size() > kMostNodeNames)
     names += fmt::format(" and {} more", off_nodes_.size() - kMostNodeNames);
-  log.report(Code::W6008, where,
+  log.report(Code("W6008"), where,
              fmt::format("no grid of solar cells on {} of {} {}: not flat rectangles, and without "
                          "texture coordinates that lie unsheared along their longest edge",
                          faces(off_.count, off_.area),

@@ -93,7 +93,7 @@ void Loader::merge(File& file, const Definitions& from, Definitions& to, std::ui
   for (const auto& each : from) {
     const Definition* const known = to.emplace(each).first->second;
     if (known == each.second) continue;
-    reporter_.report(Code::E1210, file.document.tag_span(element), file.document, element, [&] {
+    reporter_.report(Code("E1210"), file.document.tag_span(element), file.document, element, [&] {
       return Reporter::Text(
           fmt::format("{} is defined by this file and by another that the root includes, {}",
                       in_quotes(each.first), in_quotes(known->file->found.name)));
@@ -109,7 +109,7 @@ std::optional<std::string> Loader::parameter_name(File& file, std::uint32_t elem
   const SourceSpan where = file.values->value_place(element, attribute::param_name);
   if (!check_name(file.document, element, where, *name, reporter_)) return std::nullopt;
   if (!scope.has_own(*name)) return name;
-  reporter_.report(Code::E1210, where, file.document, element, [&] {
+  reporter_.report(Code("E1210"), where, file.document, element, [&] {
     return Reporter::Text(fmt::format("duplicate parameter {}", in_quotes(*name)));
   });
   return std::nullopt;
@@ -152,7 +152,7 @@ void Loader::check_overrides() {
     const std::vector<std::string_view> all(parameters_.begin(), parameters_.end());
     const auto near = nearest_name(name, all);
     reporter_.log().report_file(
-        Code::E1225, "",
+        Code("E1225"), "",
         fmt::format("-D {}={}: {}", name, value,
                     all.empty()
                         ? "the model has no parameters"
@@ -171,7 +171,7 @@ void Loader::define(File& file, std::uint32_t element, std::size_t attribute, De
   definition.name = *name;
   const Definition* const first = known.emplace(*name, &definition).first->second;
   if (first == &definition) return;
-  reporter_.report(Code::E1210, file.values->value_place(element, attribute), file.document,
+  reporter_.report(Code("E1210"), file.values->value_place(element, attribute), file.document,
                    element, [&] {
                      const File& other = *first->file;
                      return Reporter::Text(
@@ -202,7 +202,7 @@ void Loader::read_budget(File& file, std::uint32_t element) {
     budget_ = element;
     return;
   }
-  reporter_.report(Code::N1314, file.document.tag_span(element), file.document, element, [&] {
+  reporter_.report(Code("N1314"), file.document.tag_span(element), file.document, element, [&] {
     return Reporter::Text("the budget of an included file is not used; the top file's holds");
   });
 }
@@ -212,7 +212,7 @@ void Loader::check_approach() {
   std::vector<std::string_view> names;
   for (const scene::Frame& frame : scene_.frames) names.push_back(frame.name);
   if (approach.empty() || std::ranges::find(names, approach) != names.end()) return;
-  reporter_.report(Code::E1311,
+  reporter_.report(Code("E1311"),
                    budget_file_->values->value_place(budget_, attribute::budget_approach),
                    budget_file_->document, budget_, [&]() -> Reporter::Text {
                      const auto near = nearest_name(approach, names);
@@ -239,7 +239,7 @@ void Loader::read_definitions(File& file) {
     }
     if (definition.parts.empty()) part_of(definition, {}, {});
     if (definition.used || is_library || definition.name.empty()) continue;
-    reporter_.report(Code::W1315, file.document.tag_span(definition.element), file.document,
+    reporter_.report(Code("W1315"), file.document.tag_span(definition.element), file.document,
                      definition.element, [&] {
                        return Reporter::Text(fmt::format("the part {} is not used by anything",
                                                          in_quotes(definition.name)));
@@ -328,13 +328,13 @@ bool Loader::read_arguments(Work& work, std::uint32_t element, const Definition&
     if (std::find(all.begin(), all.end(), *name) != all.end()) {
       if (!arguments.emplace(*name, *value).second)
         reporter_.report(
-            Code::E1210, values.value_place(c, attribute::with_name), document, c, [&] {
+            Code("E1210"), values.value_place(c, attribute::with_name), document, c, [&] {
               return Reporter::Text(
                   fmt::format("{} has a value already; the first one is used", in_quotes(*name)));
             });
       continue;
     }
-    reporter_.report(Code::E1222, values.value_place(c, attribute::with_name), document, c,
+    reporter_.report(Code("E1222"), values.value_place(c, attribute::with_name), document, c,
                      [&]() -> Reporter::Text {
                        const std::vector<std::string_view> names(all.begin(), all.end());
                        const auto near = nearest_name(*name, names);
@@ -361,7 +361,7 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
     Definition* const base =
         look_up(file, element, attribute::named_material_base, file.materials, "material");
     if (base != nullptr && base->reading)
-      reporter_.report(Code::E1312,
+      reporter_.report(Code("E1312"),
                        file.values->value_place(element, attribute::named_material_base), document,
                        element, [&] {
                          return Reporter::Text(fmt::format(
@@ -370,8 +370,8 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
                        });
     else if (base != nullptr && nesting_ >= options_.limits.depth)
       reporter_.report(
-          Code::E1006, file.values->value_place(element, attribute::named_material_base), document,
-          element, [&] {
+          Code("E1006"), file.values->value_place(element, attribute::named_material_base),
+          document, element, [&] {
             return Reporter::Text(fmt::format("materials are based on each other deeper than {}",
                                               options_.limits.depth));
           });
@@ -432,7 +432,7 @@ BackMaterial Loader::back_of(File& file, std::uint32_t element, std::size_t whic
   const std::vector<std::string_view> library = preset_names();
   if (const auto found = std::ranges::find(library, *name); found != library.end())
     return {-1, *found};
-  reporter_.report(Code::E1311, file.values->value_place(element, which), file.document, element,
+  reporter_.report(Code("E1311"), file.values->value_place(element, which), file.document, element,
                    [&]() -> Reporter::Text {
                      std::vector<std::string_view> names = library;
                      names.push_back("none");
@@ -452,7 +452,7 @@ const Preset* Loader::preset_of(File& file, std::uint32_t element) {
   if (!name) return nullptr;
   const Preset* const found = find_preset(*name);
   if (found == nullptr)
-    reporter_.report(Code::E1311,
+    reporter_.report(Code("E1311"),
                      file.values->value_place(element, attribute::named_material_preset),
                      file.document, element, [&]() -> Reporter::Text {
                        const auto near = nearest_name(*name, preset_names());
@@ -470,7 +470,7 @@ Definition* Loader::look_up(File& file, std::uint32_t element, std::size_t attri
   const auto found = known.find(*name);
   if (found != known.end()) return found->second;
   reporter_.report(
-      Code::E1311, file.values->value_place(element, attribute), file.document, element,
+      Code("E1311"), file.values->value_place(element, attribute), file.document, element,
       [&]() -> Reporter::Text {
         std::vector<std::string_view> names;
         for (const auto& [other, definition] : known) names.push_back(other);

@@ -118,13 +118,13 @@ class DiskFiles : public Files {
       if (const auto text = unsaved_->find(file.key); text != unsaved_->end()) {
         used_ += text->second->size();
         if (used_ <= limit_) return text->second;
-        log.report(Code::E0104, where, too_large(file, limit_));
+        log.report(Code("E0104"), where, too_large(file, limit_));
         return failed;
       }
     std::error_code error;
     const std::uint64_t size = fs::file_size(file.key, error);
     if (!error && used_ > 0 && size > limit_ - used_) {
-      log.report(Code::E0104, where, too_large(file, limit_));
+      log.report(Code("E0104"), where, too_large(file, limit_));
       return failed;
     }
     auto bytes = read_file(where.file == kNoFile ? fs::path(file.name) : fs::path(file.key),
@@ -199,9 +199,9 @@ class MemoryFiles : public Files {
     const std::string& bytes = *files_.at(file.key);
     if (bytes.size() > limit_ - used_) {
       if (where.file == kNoFile)
-        log.report_file(Code::E0104, file.name, too_large(file, limit_));
+        log.report_file(Code("E0104"), file.name, too_large(file, limit_));
       else
-        log.report(Code::E0104, where, too_large(file, limit_));
+        log.report(Code("E0104"), where, too_large(file, limit_));
       return failed;
     }
     used_ += bytes.size();

@@ -40,7 +40,7 @@ class ImportFiles : public importers::Files {
     }
     DiagnosticLog log = log_.apart();  // the importer says it in its own words
     const auto loaded = files_.load(found, {}, log);
-    if (!loaded) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
+    if (!loaded) return log.contains(Code("E0104")) ? Outcome::too_large : Outcome::unreadable;
     bytes = *loaded;
     return Outcome::found;
   }
@@ -160,7 +160,7 @@ void Loader::note_unused(Work& work, std::uint32_t element, importers::Format fo
   Values& values = *work.file.values;
   const auto note = [&](std::size_t which, const char* message) {
     if (!values.has(element, which)) return;
-    reporter_.report(Code::N1405, values.value_place(element, which), work.file.document, element,
+    reporter_.report(Code("N1405"), values.value_place(element, which), work.file.document, element,
                      [&] { return Reporter::Text(message); });
   };
   if (!cleaned) {
@@ -244,7 +244,7 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
       chosen[i] = static_cast<char>(chosen[i] && fits);
     }
     if (any) return;
-    reporter_.report(Code::W1501, values.value_place(rule, which), work.file.document, rule, [&] {
+    reporter_.report(Code("W1501"), values.value_place(rule, which), work.file.document, rule, [&] {
       return Reporter::Text(
           fmt::format("no {} of the import with a surface fits {}", what, in_quotes(*pattern)),
           near_names(*pattern, names));
@@ -323,7 +323,7 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
   if (has_diffuse(materials_[*index].fields)) unseen = 0;
   if (unseen + palettes > 0)
     reporter_.report(
-        Code::W6008, values.value_place(rule, attribute::assign_material), document, rule, [&] {
+        Code("W6008"), values.value_place(rule, attribute::assign_material), document, rule, [&] {
           if (unseen > 0)
             return Reporter::Text(fmt::format("the textures of {} have no effect: they multiply "
                                               "the diffuse colour, and {} has none",

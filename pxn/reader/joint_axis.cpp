@@ -189,8 +189,8 @@ bool Loader::axis_from_faces(Work& work, std::uint32_t rule, const PartImport& i
   if (!seeks_axis && !seeks_origin) {
     if (named)
       reporter_.report(
-          Code::N1405, values.value_place(rule, attribute::import_joint_axis_from), document, rule,
-          [&] {
+          Code("N1405"), values.value_place(rule, attribute::import_joint_axis_from), document,
+          rule, [&] {
             return Reporter::Text("'axis_from' has no effect where axis and origin are written");
           });
     return true;
@@ -208,7 +208,7 @@ bool Loader::axis_from_faces(Work& work, std::uint32_t rule, const PartImport& i
   const std::vector<char> nodes = matching_nodes(scene, model.top, Pattern(*pattern));
   if (std::ranges::find(nodes, 1) == nodes.end()) {
     reporter_.report(
-        Code::W1501, values.value_place(rule, attribute::import_joint_axis_from), document, rule,
+        Code("W1501"), values.value_place(rule, attribute::import_joint_axis_from), document, rule,
         [&] {
           std::set<std::string> names;
           for (std::size_t i = 1; i < scene.nodes.size(); ++i) names.insert(scene.nodes[i].name);
@@ -225,14 +225,14 @@ bool Loader::axis_from_faces(Work& work, std::uint32_t rule, const PartImport& i
   const std::vector<AxisLine> all = lines_in(import, nodes);
   const std::vector<AxisLine> lines = lines_meant(all, written);
   if (lines.empty() || ambiguous(lines, written)) {
-    reporter_.report(Code::E1233, where, document, rule,
+    reporter_.report(Code("E1233"), where, document, rule,
                      [&] { return no_line(joint.joint.name, *pattern, lines, !all.empty()); });
     return false;
   }
   const AxisLine& line = lines.front();
   if (seeks_axis) joint.joint.axis = line.faces.axis;
   if (seeks_origin) moved.origin = line.faces.origin;
-  reporter_.report(Code::N1234, where, document, rule, [&] {
+  reporter_.report(Code("N1234"), where, document, rule, [&] {
     std::string text = fmt::format(
         "joint {} has the axis of {}: {:.3g} % of the area there, {:.2g} m from the vertices (root "
         "mean square); {}",

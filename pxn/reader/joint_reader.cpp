@@ -155,7 +155,7 @@ std::optional<PartJoint> Loader::joint_of(Work& work, std::uint32_t element) {
     problem = "has an axis of length 0";
   if (problem.empty()) problem = aim_of(work, element, out);
   if (problem.empty()) return out;
-  reporter_.report(Code::E1231, document.tag_span(element), document, element, [&] {
+  reporter_.report(Code("E1231"), document.tag_span(element), document, element, [&] {
     return Reporter::Text(fmt::format("joint {} {}", in_quotes(*name), problem));
   });
   return std::nullopt;
@@ -193,7 +193,7 @@ void Loader::read_import_joint(Work& work, std::uint32_t rule, PartImport& impor
       moved.nodes.push_back(static_cast<std::uint32_t>(i));
   const SourceSpan where = values.value_place(rule, schemas::attribute::import_joint_nodes);
   if (moved.nodes.empty()) {
-    reporter_.report(Code::W1501, where, document, rule, [&] {
+    reporter_.report(Code("W1501"), where, document, rule, [&] {
       std::set<std::string> names;
       for (std::size_t i = 1; i < scene.nodes.size(); ++i) names.insert(scene.nodes[i].name);
       return Reporter::Text(fmt::format("no node of the import fits {}; joint {} moves nothing",
@@ -205,7 +205,7 @@ void Loader::read_import_joint(Work& work, std::uint32_t rule, PartImport& impor
   for (const PartImport::Moved& other : import.moved)
     for (const std::uint32_t node : other.nodes)
       if (std::ranges::binary_search(moved.nodes, node)) {
-        reporter_.report(Code::E1231, where, document, rule, [&] {
+        reporter_.report(Code("E1231"), where, document, rule, [&] {
           return Reporter::Text(
               fmt::format("joint {} moves node {}, which an earlier joint of the import moves",
                           in_quotes(joint->joint.name), in_quotes(scene.nodes[node].name)));

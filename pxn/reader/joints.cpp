@@ -72,7 +72,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
     return scene.joints[static_cast<std::size_t>(known.index)];
   };
   const auto refuse = [&](const Known& known, const std::string& problem, std::string hint = {}) {
-    reporter.report(Code::E1232, known.where, *known.document, known.element, [&] {
+    reporter.report(Code("E1232"), known.where, *known.document, known.element, [&] {
       return Reporter::Text(fmt::format("joint {} {}", in_quotes(joint_of(known).name), problem),
                             hint);
     });

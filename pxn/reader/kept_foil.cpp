@@ -166,7 +166,7 @@ bool write(const MadeFoil& made, const mli::RecipePlaces& places, ByteWriter& to
   write(made.meshes, to);
   to.number(made.said.size());
   for (const Diagnostic& entry : made.said) {
-    if (entry.code != Code::W7002 || !same(entry.where, places.recipe) || !entry.object.empty())
+    if (entry.code != Code("W7002") || !same(entry.where, places.recipe) || !entry.object.empty())
       return false;
     to.text(entry.message);
     to.text(entry.hint);
@@ -180,7 +180,7 @@ MadeFoil read_made(const mli::RecipePlaces& places, ByteReader& from) {
   if (is_empty(out.meshes)) from.fail();
   for (std::uint64_t left = from.number(); left > 0 && from.good(); --left) {
     std::string message = from.text();
-    out.said.push_back({Code::W7002, places.recipe, std::move(message), {}, from.text()});
+    out.said.push_back({Code("W7002"), places.recipe, std::move(message), {}, from.text()});
   }
   return out;
 }

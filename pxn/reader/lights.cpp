@@ -71,7 +71,7 @@ void Loader::read_lamp(Work& work, std::uint32_t element) {
   const auto axis = unit_vector(lamp.axis);
   if (problem.empty() && !axis) problem = "has a direction of length 0";
   if (!problem.empty()) {
-    reporter_.report(Code::E1108, document.tag_span(element), document, element, [&] {
+    reporter_.report(Code("E1108"), document.tag_span(element), document, element, [&] {
       return Reporter::Text(fmt::format("lamp {} {}", in_quotes(*name), problem));
     });
     return;
@@ -93,7 +93,7 @@ void Loader::read_scene(File& file, std::uint32_t element) {
   const xml::Document& document = file.document;
   Values& values = *file.values;
   if (file.level != 0) {
-    reporter_.report(Code::N1314, document.tag_span(element), document, element, [&] {
+    reporter_.report(Code("N1314"), document.tag_span(element), document, element, [&] {
       return Reporter::Text("the scene of an included file is not used; the top file's holds");
     });
     return;

@@ -164,7 +164,7 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
   const SourceSpan where = work.file.values->value_place(element, attribute);
   const xml::Document& document = work.file.document;
   if (outcome == Files::Outcome::outside) {
-    reporter_.report(Code::E1303, where, document, element, [&] {
+    reporter_.report(Code("E1303"), where, document, element, [&] {
       return Reporter::Text(
           fmt::format(
               "{} leaves the project; included files lie in the top file's folder or below it",
@@ -173,7 +173,7 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
     });
     return std::nullopt;
   }
-  reporter_.report(Code::E1301, where, document, element, [&]() -> Reporter::Text {
+  reporter_.report(Code("E1301"), where, document, element, [&]() -> Reporter::Text {
     const std::string near = files_.near_name(file, work.file.found, own_folder);
     std::string hint;
     if (!near.empty() && near != file)
@@ -197,7 +197,7 @@ std::optional<std::uint32_t> Loader::add_item(Work& work, ItemKind kind, std::ui
   // note: the root is a node as well
   if (++items_ >= options_.limits.nodes && repeats_ > 0) {
     if (complete_)
-      reporter_.report(Code::E1313, work.file.document.tag_span(element), work.file.document,
+      reporter_.report(Code("E1313"), work.file.document.tag_span(element), work.file.document,
                        element, [&] {
                          return Reporter::Text(
                              fmt::format("repeats make more than {} nodes", options_.limits.nodes));
@@ -327,7 +327,7 @@ void Loader::check_group_count(Work& work, std::uint32_t element) {
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) ++there;
   if (*count == there) return;
   const SourceSpan where = work.file.values->value_place(element, attribute::group_count);
-  reporter_.report(Code::W1205, where, document, element, [&] {
+  reporter_.report(Code("W1205"), where, document, element, [&] {
     return Reporter::Text(
         fmt::format("count is {}, and the group holds {}", *count, counted(there, "node")));
   });
@@ -365,7 +365,7 @@ bool Loader::fits_in_model(Work& work, std::uint32_t element, std::uint64_t coun
   const std::uint64_t inside = least_items(work.file, element, limit);
   if (inside == 0 || count < (limit + inside - 1) / inside) return true;
   const xml::Document& document = work.file.document;
-  reporter_.report(Code::E1313, work.file.values->value_place(element, attribute::repeat_count),
+  reporter_.report(Code("E1313"), work.file.values->value_place(element, attribute::repeat_count),
                    document, element, [&] {
                      return Reporter::Text(fmt::format(
                          "{} repetitions of {} or more; a model has at most {} with its root",
@@ -390,11 +390,11 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
   if (!count) return;
   if (!fits_in_model(work, element, *count)) return;
   if (*count > kMostRepetitions) {
-    reporter_.report(
-        Code::E1313, values.value_place(element, attribute::repeat_count), document, element, [&] {
-          return Reporter::Text(
-              fmt::format("{} repetitions, expected at most {}", *count, kMostRepetitions));
-        });
+    reporter_.report(Code("E1313"), values.value_place(element, attribute::repeat_count), document,
+                     element, [&] {
+                       return Reporter::Text(fmt::format("{} repetitions, expected at most {}",
+                                                         *count, kMostRepetitions));
+                     });
     return;
   }
   Scope scope(work.scope);
@@ -409,7 +409,7 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     scope.set(variable, {number, schemas::Dimension::none});
     // note: runs around nothing add no items
     if (++runs_ > kMostRepetitions) {
-      reporter_.report(Code::E1313, document.tag_span(element), document, element, [&] {
+      reporter_.report(Code("E1313"), document.tag_span(element), document, element, [&] {
         return Reporter::Text(
             fmt::format("the repeats of this model run more than {} times", kMostRepetitions));
       });
@@ -453,7 +453,7 @@ void Loader::read_include(Work& work, std::uint32_t element, std::uint32_t depth
   if (!found) return;
   const SourceSpan where = values.value_place(element, which);
   const auto too_deep = [&] {
-    reporter_.report(Code::E1304, where, document, element, [&] {
+    reporter_.report(Code("E1304"), where, document, element, [&] {
       return Reporter::Text(
           fmt::format("includes are nested deeper than {} files", options_.limits.include_depth));
     });
@@ -470,7 +470,7 @@ void Loader::read_include(Work& work, std::uint32_t element, std::uint32_t depth
   if (!index) return;
   const Part& inner = parts_[*index];
   if (inner.loading) {
-    reporter_.report(Code::E1302, where, document, element, [&] {
+    reporter_.report(Code("E1302"), where, document, element, [&] {
       return Reporter::Text(fmt::format("{} includes itself{}", in_quotes(inner.file->found.name),
                                         inner.file == &work.file ? "" : " through other files"));
     });
@@ -491,7 +491,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
   definition->used = true;
   const SourceSpan where = work.file.values->value_place(element, attribute::use_part);
   if (definition->reading) {
-    reporter_.report(Code::E1312, where, document, element, [&] {
+    reporter_.report(Code("E1312"), where, document, element, [&] {
       const bool direct =
           definition->file == &work.file && work.part.element == definition->element;
       return Reporter::Text(fmt::format("the part {} uses itself{}", in_quotes(definition->name),
@@ -504,7 +504,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
   if (!read_arguments(work, element, *definition, arguments)) return;
   if (nesting_ >= options_.limits.depth) {
     work.part.too_deep = true;
-    reporter_.report(Code::E1006, where, document, element, [&] {
+    reporter_.report(Code("E1006"), where, document, element, [&] {
       return Reporter::Text(
           fmt::format("parts use each other deeper than {}", options_.limits.depth));
     });
@@ -524,7 +524,7 @@ bool Loader::fits_in(Work& work, std::uint32_t element, SourceSpan where, const 
   if (inner.too_deep) work.part.too_deep = true;
   if (depth + inner.height > options_.limits.depth) {
     if (std::exchange(work.part.too_deep, true)) return false;
-    reporter_.report(Code::E1006, where, work.file.document, element, [&] {
+    reporter_.report(Code("E1006"), where, work.file.document, element, [&] {
       return Reporter::Text(fmt::format("with {} elements are nested deeper than {}",
                                         in_quotes(name), options_.limits.depth));
     });

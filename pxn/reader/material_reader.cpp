@@ -83,7 +83,7 @@ class Reader {
     if (!named_ || !fields.reflect) return;
     const Vec3& w = *fields.reflect;
     if (w.x + w.y + w.z <= 1 + kSumTolerance) return;
-    reporter_.report(Code::E1406, document_.tag_span(c), document_, c, [&] {
+    reporter_.report(Code("E1406"), document_.tag_span(c), document_, c, [&] {
       return Reporter::Text(fmt::format(
           "the weights {} {} {} of reflect add up to {:.6g}, expected at most 1 to conserve energy",
           format_double(w.x), format_double(w.y), format_double(w.z), w.x + w.y + w.z));
@@ -211,7 +211,7 @@ class Reader {
   void unknown(std::uint32_t c, std::size_t which, const std::string& name,
                std::span<const std::string_view> known, const char* otherwise) {
     reporter_.report(
-        Code::E1407, values_.value_place(c, which), document_, c, [&]() -> Reporter::Text {
+        Code("E1407"), values_.value_place(c, which), document_, c, [&]() -> Reporter::Text {
           const auto near = nearest_name(name, known);
           return {fmt::format("optical constants of {} are not known", in_quotes(name)),
                   near ? fmt::format("did you mean '{}'?", *near) : otherwise};

@@ -48,7 +48,7 @@ class MeshReader {
     drop_flat_triangles();
     if (mesh_.triangles.empty()) {
       if (!strips_failed_)
-        report(Code::E2004, element_, [&] {
+        report(Code("E2004"), element_, [&] {
           return Reporter::Text(
               "the mesh has no triangle with area; a strip takes three indices or more");
         });
@@ -85,7 +85,7 @@ class MeshReader {
     if (list == 0) return;
     const bool ok = read_list(list, out);
     if (ok && out.size() != mesh_.positions.size()) {
-      report(Code::E2002, list, [&] {
+      report(Code("E2002"), list, [&] {
         return Reporter::Text(
             fmt::format("<{}> has {}, and there are {}; expected one per position", doc_.name(list),
                         counted(out.size(), "entry"), counted(mesh_.positions.size(), "position")));
@@ -111,7 +111,7 @@ class MeshReader {
       joins += geometry::append_strip(indices, mesh_.triangles);
     }
     if (joins > 0)
-      report(Code::N2005, strips, [&] {
+      report(Code("N2005"), strips, [&] {
         return Reporter::Text(fmt::format("{} that repeat{} an index {} left out",
                                           counted(joins, "triangle"), joins == 1 ? "s" : "",
                                           joins == 1 ? "is" : "are"));
@@ -121,7 +121,7 @@ class MeshReader {
   void check_count(std::uint32_t strip, std::size_t there) {
     const auto count = values_.integer(strip, schemas::attribute::tristrip_count);
     if (!count || *count == there) return;
-    reporter_.report(Code::W1205, values_.value_place(strip, schemas::attribute::tristrip_count),
+    reporter_.report(Code("W1205"), values_.value_place(strip, schemas::attribute::tristrip_count),
                      doc_, strip, [&] {
                        return Reporter::Text(
                            fmt::format("count is {}, and there are {} indices", *count, there));
@@ -136,7 +136,7 @@ class MeshReader {
     const auto others = std::count_if(bad + 1, indices.end(), past);
     const SourceSpan where =
         values_.place_of(strip, static_cast<std::size_t>(bad - indices.begin()));
-    reporter_.report(Code::E2001, where, doc_, strip, [&] {
+    reporter_.report(Code("E2001"), where, doc_, strip, [&] {
       const std::string accepted =
           vertices == 0
               ? "no positions"
@@ -169,7 +169,7 @@ class MeshReader {
     };
     const std::size_t dropped = std::erase_if(mesh_.triangles, is_flat);
     if (dropped > 0)
-      report(Code::W2006, element_, [&] {
+      report(Code("W2006"), element_, [&] {
         return Reporter::Text(fmt::format("{} without area {} left out",
                                           counted(dropped, "triangle"),
                                           dropped == 1 ? "is" : "are"));
@@ -202,7 +202,7 @@ class MeshReader {
     const std::uint32_t list = child_of(doc_, element_, ElementId::normals);
     std::uint32_t first = list + 1;
     for (std::size_t i = 0; i < zero[0]; ++i) first = doc_.elements[first].next;
-    report(Code::W2008, first, [&] {
+    report(Code("W2008"), first, [&] {
       return Reporter::Text(fmt::format(
           "the normal has length zero{}; the computed one is used",
           zero.size() > 1 ? fmt::format(", and so have {} more of this mesh", zero.size() - 1)
@@ -214,14 +214,14 @@ class MeshReader {
     const geometry::MeshReport found = geometry::check(mesh_);
     mesh_.closed = found.closed;
     if (found.misoriented_edges > 0)
-      report(Code::W2007, element_, [&] {
+      report(Code("W2007"), element_, [&] {
         return Reporter::Text(fmt::format(
             "at {} neighbouring triangles face opposite ways; strips alternate, beginning "
             "counter-clockwise from outside",
             counted(found.misoriented_edges, "edge")));
       });
     if (found.closed && found.volume < 0)
-      report(Code::W2009, element_, [&] {
+      report(Code("W2009"), element_, [&] {
         return Reporter::Text(fmt::format(
             "the mesh is closed and inside out: its triangles enclose {:.4g} m³", found.volume));
       });

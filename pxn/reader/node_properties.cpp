@@ -97,7 +97,7 @@ std::optional<Quat> Loader::unit_quat(Work& work, std::uint32_t element, SourceS
   if (std::abs(length - 1) <= kRounding) return Quat(q[0], q[1], q[2], q[3]);
   if (std::abs(length - 1) <= kLengthTolerance)
     return Quat(q[0] / length, q[1] / length, q[2] / length, q[3] / length);
-  reporter_.report(Code::E1206, where, work.file.document, element, [&] {
+  reporter_.report(Code("E1206"), where, work.file.document, element, [&] {
     return Reporter::Text(fmt::format(
         "the quaternion has length {:.6g}, expected w x y z of length 1 to 1e-3", length));
   });
@@ -120,7 +120,7 @@ void Loader::read_placing_children(Work& work, std::uint32_t element, scene::Tra
     const int turns = (numbers.x != 0) + (numbers.y != 0) + (numbers.z != 0);
     if (turns > 1) {
       const std::uint32_t child = child_of(document, element, ElementId::rotation);
-      reporter_.report(Code::N1209, document.tag_span(child), document, child, [&] {
+      reporter_.report(Code("N1209"), document.tag_span(child), document, child, [&] {
         return Reporter::Text(fmt::format(
             "rotation about {} axes is read as x first, then y, then z, about fixed axes", turns));
       });
@@ -156,7 +156,7 @@ void Loader::read_frame(Work& work, std::uint32_t element) {
       values.numbers(element, attribute::frame_up, std::span(&up.x, 3))) {
     const auto rotation = looking(forward, up);
     if (!rotation) {
-      reporter_.report(Code::E1207, document.tag_span(element), document, element, [&] {
+      reporter_.report(Code("E1207"), document.tag_span(element), document, element, [&] {
         return Reporter::Text(
             "forward and up do not fix a frame: one of them is 0, or they are parallel");
       });

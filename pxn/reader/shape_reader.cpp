@@ -244,7 +244,7 @@ class ShapeReader {
     if (!ok_) return true;  // without the vertices nothing is known
     for (std::size_t i = 0; i < out.size(); ++i) {
       if (out[i] < limit) continue;
-      reporter_.report(Code::E2001, values_.place_of(child, i), doc_, child, [&] {
+      reporter_.report(Code("E2001"), values_.place_of(child, i), doc_, child, [&] {
         return Reporter::Text(limit == 0 ? fmt::format("index {} of no {}", out[i], of)
                                          : fmt::format("index {} of {} {}, expected at most {}",
                                                        out[i], limit, of, limit - 1));

@@ -52,7 +52,7 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
                 const std::string& name, Reporter& reporter) {
   if (is_name(name)) {
     if (!is_built_in(name)) return true;
-    reporter.report(Code::E1210, where, document, element, [&]() -> Reporter::Text {
+    reporter.report(Code("E1210"), where, document, element, [&]() -> Reporter::Text {
       const bool constant = name == "pi" || name == "tau";
       return {fmt::format("{} is a {} of the language", in_quotes(name),
                           constant ? "constant" : "function"),
@@ -60,7 +60,7 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
     });
     return true;
   }
-  reporter.report(Code::E1221, where, document, element, [&] {
+  reporter.report(Code("E1221"), where, document, element, [&] {
     return Reporter::Text(
         fmt::format("{} is not allowed in expressions; names are letters, digits and underscores, "
                     "not beginning "
@@ -102,14 +102,14 @@ std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uin
   if (problem.empty() && glm::determinant(written) < 0)
     problem = "right is the opposite of forward × up";
   if (!problem.empty()) {
-    reporter.report(Code::E1207, document.tag_span(element), document, element, [&] {
+    reporter.report(Code("E1207"), document.tag_span(element), document, element, [&] {
       return Reporter::Text(fmt::format(
           "{}; expected perpendicular unit vectors to 1e-4, with right = forward × up", problem));
     });
     return std::nullopt;
   }
   if (off > kFrameRounding) {
-    reporter.report(Code::N1208, document.tag_span(element), document, element, [&] {
+    reporter.report(Code("N1208"), document.tag_span(element), document, element, [&] {
       return Reporter::Text(fmt::format(
           "the frame's axes are off by {:.2g}; the nearest exact rotation is used", off));
     });

@@ -61,7 +61,7 @@ class SheetReader {
     const std::uint32_t operations = child_of(doc_, element_, ElementId::mli_operations);
     // other children that are not there have been reported
     if (settings == 0 && !wrap_)
-      reporter_.report(Code::E1103, doc_.name_span(element_), doc_, element_,
+      reporter_.report(Code("E1103"), doc_.name_span(element_), doc_, element_,
                        [] { return Reporter::Text("<mli> needs <mli_settings>"); });
     if ((settings == 0 && !wrap_) || operations == 0) {
       ok_ = false;
@@ -327,7 +327,7 @@ class SheetReader {
     pattern(attribute::mli_on, wrap.on);
     pattern(attribute::mli_materials, wrap.materials);
     if (!wrap.on && !wrap.materials && ok_)
-      reporter_.report(Code::E1103, doc_.name_span(element_), doc_, element_, [&] {
+      reporter_.report(Code("E1103"), doc_.name_span(element_), doc_, element_, [&] {
         ok_ = false;
         return Reporter::Text(
             "a wrap covers nothing: 'on' names nodes or shapes, 'materials' materials");
@@ -358,7 +358,7 @@ class SheetReader {
 
   void wrong(SourceSpan where, const std::string& message) {
     ok_ = false;
-    reporter_.report(Code::E7001, where, doc_, element_, [&] { return Reporter::Text(message); });
+    reporter_.report(Code("E7001"), where, doc_, element_, [&] { return Reporter::Text(message); });
   }
 
   const xml::Document& doc_;
@@ -527,7 +527,7 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
   }
   const double vertices = (foil.recipe.xgrid + 1.0) * (foil.recipe.ygrid() + 1);
   if (vertices > room) {
-    reporter.report(Code::E7001, foil.places.xgrid, document, element, [&] {
+    reporter.report(Code("E7001"), foil.places.xgrid, document, element, [&] {
       return Reporter::Text(
           fmt::format("the sheet has {:.0f} vertices; all sheets of a model may have {:.0f}, and "
                       "{:.0f} are left; a smaller xgrid has fewer",

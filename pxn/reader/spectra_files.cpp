@@ -27,7 +27,7 @@ std::optional<materials::Conductor> Loader::spectrum(Work& work, std::uint32_t e
   materials::TableProblem problem;
   spectrum = materials::read_optical_table(**bytes, problem);
   if (!spectrum)
-    reporter_.report(Code::E1409, where, work.file.document, element, [&] {
+    reporter_.report(Code("E1409"), where, work.file.document, element, [&] {
       const std::string line = problem.line > 0 ? fmt::format(", line {}", problem.line) : "";
       return Reporter::Text(
           fmt::format("optical constants {}{}: {}", in_quotes(*file), line, problem.message));
@@ -51,7 +51,7 @@ void Loader::read_spectra(Work& work, std::uint32_t element, materials::Fields& 
   if (!film) return;
   const SourceSpan where = values.value_place(coat, attribute::coat_file);
   if (!(film->n.y >= 1 && film->n.y <= 4)) {
-    reporter_.report(Code::E1409, where, document, coat, [&] {
+    reporter_.report(Code("E1409"), where, document, coat, [&] {
       return Reporter::Text(fmt::format("a coat has an index of 1 to 4, and this one {} at 550 nm",
                                         format_double(film->n.y)));
     });

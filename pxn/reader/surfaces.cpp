@@ -77,7 +77,7 @@ std::int32_t Surfaces::back_of(const geometry::Shape* shape, std::int32_t front,
   const materials::Material& made = scene_.materials[static_cast<std::size_t>(index)];
   if (scene::same_holes(outside, made)) return index;
   if (unlike_.emplace(front, index).second)
-    reporter_.log().report(Code::W1410, where(),
+    reporter_.log().report(Code("W1410"), where(),
                            fmt::format("the holes of {} are not those of its back {}; the back "
                                        "looks as the front does",
                                        in_quotes(outside.name), in_quotes(made.name)),

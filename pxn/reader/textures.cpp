@@ -88,8 +88,8 @@ materials::Maps Loader::read_maps(Work& work, std::uint32_t element, const mater
     if (const auto problem =
             image::normal_map_problem(scene_.textures[static_cast<std::size_t>(maps.normal)].rgba))
       reporter_.report(
-          Code::W3003, values.value_place(element, attribute::named_material_normal_map), document,
-          element, [&] {
+          Code("W3003"), values.value_place(element, attribute::named_material_normal_map),
+          document, element, [&] {
             return Reporter::Text(fmt::format(
                 "{}: {}", in_quotes(scene_.textures[static_cast<std::size_t>(maps.normal)].name),
                 *problem));
@@ -122,7 +122,7 @@ void Loader::read_decal(Work& work, std::uint32_t element) {
       return;
     }
     reporter_.report(
-        Code::E1202, values.value_place(element, which), work.file.document, element,
+        Code("E1202"), values.value_place(element, which), work.file.document, element,
         [&] { return Reporter::Text("a direction of length 0; expected any other length"); });
   };
   direction(attribute::decal_normal, decal.normal);

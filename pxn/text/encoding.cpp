@@ -53,7 +53,7 @@ class PrologReader {
   Prolog run() {
     if (const std::string_view wide = wide_encoding(bytes_); !wide.empty()) {
       log_.sources().set_encoding(file_, Encoding::binary);
-      report(Code::E1003, 0, std::min<std::size_t>(2, bytes_.size()),
+      report(Code("E1003"), 0, std::min<std::size_t>(2, bytes_.size()),
              fmt::format("the file is {}; {}", wide, kAccepted));
       return {};
     }
@@ -83,7 +83,7 @@ class PrologReader {
     const std::size_t begin = at_;
     const std::size_t close = bytes_.substr(0, begin + kLongestDeclaration).find("?>", begin);
     if (close == std::string_view::npos) {
-      report(Code::E1001, begin, begin + 5, "the XML declaration is not closed by '?>'");
+      report(Code("E1001"), begin, begin + 5, "the XML declaration is not closed by '?>'");
       at_ = std::min(bytes_.find_first_of("<\n", begin + 1), bytes_.size());
       return true;
     }
@@ -100,7 +100,7 @@ class PrologReader {
       while (next < 3 && !bytes_.substr(at_).starts_with(kNames[next])) ++next;
       if (next == 3 || !quoted_value(at_ + kNames[next].size(), close, value, value_begin)) {
         report(
-            Code::E1001, start, close,
+            Code("E1001"), start, close,
             "the XML declaration holds version=\"1.0\", then encoding=\"…\" and standalone=\"…\" "
             "where they are needed, and nothing else");
         break;
@@ -129,10 +129,10 @@ class PrologReader {
 
   bool accept(std::size_t which, std::string_view value, std::size_t begin) {
     if (which == 0 && !value.starts_with("1."))
-      report(Code::E1001, begin, begin + value.size(),
+      report(Code("E1001"), begin, begin + value.size(),
              fmt::format("XML version {} is not known; write \"1.0\"", in_quotes(value)));
     if (which == 2 && value != "yes" && value != "no")
-      report(Code::E1001, begin, begin + value.size(),
+      report(Code("E1001"), begin, begin + value.size(),
              fmt::format("standalone is {}, expected \"yes\" or \"no\"", in_quotes(value)));
     if (which != 1) return true;
     if (same_word(value, "UTF-8") || same_word(value, "UTF8")) {
@@ -143,14 +143,14 @@ class PrologReader {
                same_word(value, "LATIN1")) {
       charset_ = Charset::latin1;
     } else {
-      report(Code::E1003, begin, begin + value.size(),
+      report(Code("E1003"), begin, begin + value.size(),
              fmt::format("the encoding {} is not read; {}",
                          in_quotes(to_utf8(value, Encoding::latin1)), kAccepted));
       return false;
     }
     if (mark_ && charset_ != Charset::utf8) {
       report(
-          Code::E1003, begin, begin + value.size(),
+          Code("E1003"), begin, begin + value.size(),
           fmt::format("the file begins with the mark of UTF-8 and declares {}", in_quotes(value)));
       return false;
     }
@@ -203,7 +203,7 @@ class PrologReader {
         byte < 0x80 ? fmt::format("the control character 0x{:02X} is not allowed in text", byte)
                     : fmt::format("the byte 0x{:02X} is not valid {} text here", byte, name);
     const std::string others = bad > 1 ? fmt::format(", and so in {} other places", bad - 1) : "";
-    report(Code::E1004, first, first + 1, what + others,
+    report(Code("E1004"), first, first + 1, what + others,
            byte < 0x80 ? ""
                        : "if the file is ISO-8859-1, say so in its first line: "
                          "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>");

@@ -67,7 +67,7 @@ class Checker {
   bool check_root() {
     const schemas::Element& root = entry(language_.root);
     if (doc_.name(0) != root.name) {
-      report(Code::E1107, doc_.name_span(0), 0, [&]() -> Reporter::Text {
+      report(Code("E1107"), doc_.name_span(0), 0, [&]() -> Reporter::Text {
         return {fmt::format("the root element is <{}>, not <{}>", tag(0), root.name),
                 near(root.name)};
       });
@@ -99,7 +99,7 @@ class Checker {
       level_ = level;
       return true;
     }
-    report(Code::E1107, doc_.value_span(*given), 0, [&] {
+    report(Code("E1107"), doc_.value_span(*given), 0, [&] {
       return Reporter::Text(fmt::format("{}=\"{}\" is not a known version; write {}=\"{}\"",
                                         attribute.name, value, attribute.name,
                                         fmt::join(language_.versions, "\" or \"")));
@@ -120,7 +120,7 @@ class Checker {
       if (known == schema.attributes.end()) {
         unknown_attribute(element, doc_.attributes[i]);
       } else if (!known->supported || known->level > level_) {
-        report(Code::E1106, doc_.name_span(doc_.attributes[i]), element, [&] {
+        report(Code("E1106"), doc_.name_span(doc_.attributes[i]), element, [&] {
           return Reporter::Text(
               known->level > level_
                   ? later(known->name, known->level)
@@ -133,7 +133,7 @@ class Checker {
       if (!attribute.required || attribute.level > level_ ||
           find_attribute(doc_, element, attribute.name) != nullptr)
         continue;
-      report(Code::E1103, doc_.name_span(element), element, [&] {
+      report(Code("E1103"), doc_.name_span(element), element, [&] {
         return Reporter::Text(
             fmt::format("the attribute '{}' of <{}> is missing", attribute.name, schema.name),
             attribute.value.kind == schemas::ValueKind::version
@@ -145,7 +145,7 @@ class Checker {
   }
 
   void unknown_attribute(std::uint32_t element, const xml::Attribute& attribute) {
-    report(Code::E1102, doc_.name_span(attribute), element, [&]() -> Reporter::Text {
+    report(Code("E1102"), doc_.name_span(attribute), element, [&]() -> Reporter::Text {
       const schemas::Element& schema = entry(element);
       const std::string name = to_utf8(doc_.name(attribute).substr(0, 60), doc_.encoding);
       std::vector<std::string_view> here;
@@ -219,7 +219,7 @@ class Checker {
       const schemas::Element& known = entry(found);
       ++counts_[place];
       if (!known.supported || known.level > level_) {
-        report(Code::E1106, doc_.name_span(child), child, [&] {
+        report(Code("E1106"), doc_.name_span(child), child, [&] {
           return Reporter::Text(
               known.level > level_
                   ? later(known.name, known.level)
@@ -237,7 +237,7 @@ class Checker {
   }
 
   void too_many(std::uint32_t element, std::uint32_t child, const schemas::Slot& slot) {
-    report(Code::E1104, doc_.name_span(child), child, [&]() -> Reporter::Text {
+    report(Code("E1104"), doc_.name_span(child), child, [&]() -> Reporter::Text {
       const std::string what =
           slot.label.empty() ? fmt::format("<{}>", tag(child)) : std::string(slot.label);
       return {
@@ -298,7 +298,7 @@ class Checker {
   }
 
   void unknown_child(std::uint32_t element, std::uint32_t child) {
-    report(Code::E1101, doc_.name_span(child), child, [&]() -> Reporter::Text {
+    report(Code("E1101"), doc_.name_span(child), child, [&]() -> Reporter::Text {
       const schemas::Element& schema = entry(element);
       const std::string name = tag(child);
       const std::vector<std::string_view> here = names_in(schema);
@@ -323,7 +323,7 @@ class Checker {
   }
 
   void missing_child(std::uint32_t element, const schemas::Slot& slot, std::uint32_t count) {
-    report(Code::E1103, doc_.name_span(element), element, [&] {
+    report(Code("E1103"), doc_.name_span(element), element, [&] {
       std::vector<std::string_view> names;
       for (const ElementId id : slot.elements)
         if (entry(id).supported && entry(id).level <= level_) add_name(names, entry(id).name);
@@ -378,7 +378,7 @@ class Checker {
         break;
     }
     if (broken.empty()) return;
-    report(Code::E1108, doc_.name_span(element), element,
+    report(Code("E1108"), doc_.name_span(element), element,
            [&] { return Reporter::Text(fmt::format("<{}> {}", entry(element).name, broken)); });
   }
 
@@ -396,7 +396,7 @@ class Checker {
       last = owner;
       const std::size_t lead = text.find_first_not_of(" \t\r\n");
       const std::size_t tail = text.find_last_not_of(" \t\r\n") + 1;
-      report(Code::E1105,
+      report(Code("E1105"),
              doc_.span(run.begin + static_cast<std::uint32_t>(lead),
                        run.begin + static_cast<std::uint32_t>(tail)),
              owner, [&] {

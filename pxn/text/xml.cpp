@@ -48,7 +48,7 @@ class Scanner {
     log_.report(code, doc_.span(begin, std::min(end, size_)), std::move(message), std::move(hint));
     if (++errors_ < kMostSyntaxErrors || stopped_) return;
     stopped_ = true;
-    log_.report(Code::E1001, doc_.span(at_, at_),
+    log_.report(Code("E1001"), doc_.span(at_, at_),
                 fmt::format("{} problems with the XML; the rest of the file is not read",
                             kMostSyntaxErrors));
   }
@@ -105,7 +105,7 @@ class Scanner {
         at_ = find("<", at_);
         return;
       }
-      report(Code::E1001, at_, at_ + 1,
+      report(Code("E1001"), at_, at_ + 1,
              root_seen_ ? "text after the root element" : "text before the root element");
       at_ = find("<", at_);
       return;
@@ -119,7 +119,7 @@ class Scanner {
       } else if (c == '&') {
         reference();
       } else {
-        if (follows("]]>")) report(Code::E1001, at_, at_ + 3, "']]>' in text; write ']]&gt;'");
+        if (follows("]]>")) report(Code("E1001"), at_, at_ + 3, "']]>' in text; write ']]&gt;'");
         ++at_;
       }
     }
@@ -142,16 +142,16 @@ class Scanner {
     std::uint32_t end = at_ < size_ && text_[at_] == '#' ? at_ + 1 : at_;
     while (end < size_ && is(text_[end], CharClass::name)) ++end;
     if (end == at_ || end >= size_ || text_[end] != ';') {
-      report(Code::E1001, begin, begin + 1, "'&' without a reference; write '&amp;'");
+      report(Code("E1001"), begin, begin + 1, "'&' without a reference; write '&amp;'");
       return;
     }
     const bool number = text_[at_] == '#';
     at_ = end + 1;
     if (number)
-      report(Code::E1001, begin, at_,
+      report(Code("E1001"), begin, at_,
              fmt::format("{} is not a character of XML", quoted(begin, at_)));
     else
-      report(Code::E1005, begin, at_,
+      report(Code("E1005"), begin, at_,
              fmt::format("the entity {} is not read; only &lt; &gt; &amp; &quot; &apos; and "
                          "character references are",
                          quoted(begin, at_)));
@@ -181,10 +181,11 @@ class Scanner {
   void broken() {
     const std::uint32_t begin = at_;
     if (follows("<!")) {
-      report(Code::E1001, begin, begin + 2, "'<!' begins neither a comment nor CDATA");
+      report(Code("E1001"), begin, begin + 2, "'<!' begins neither a comment nor CDATA");
       at_ = std::max(begin + 2, find(">", begin));
     } else {
-      report(Code::E1001, at_, at_ + 1, "'<' is followed by no name; in text it is written '&lt;'");
+      report(Code("E1001"), at_, at_ + 1,
+             "'<' is followed by no name; in text it is written '&lt;'");
       ++at_;
     }
   }
@@ -194,9 +195,9 @@ class Scanner {
     const std::uint32_t dashes = find("--", begin + 4);
     at_ = close_of(PieceKind::comment);
     if (at_ == size_) {
-      report(Code::E1001, begin, begin + 4, "the comment is not closed by '-->'");
+      report(Code("E1001"), begin, begin + 4, "the comment is not closed by '-->'");
     } else {
-      if (dashes < at_) report(Code::E1001, dashes, dashes + 2, "'--' inside a comment");
+      if (dashes < at_) report(Code("E1001"), dashes, dashes + 2, "'--' inside a comment");
       at_ += 3;
     }
   }
@@ -206,11 +207,11 @@ class Scanner {
     const std::uint32_t end = close_of(PieceKind::cdata);
     at_ = end;
     if (end == size_)
-      report(Code::E1001, begin, begin + 9, "the CDATA section is not closed by ']]>'");
+      report(Code("E1001"), begin, begin + 9, "the CDATA section is not closed by ']]>'");
     else
       at_ += 3;
     if (!inside() && recording())
-      report(Code::E1001, begin, begin + 9, "CDATA outside the root element");
+      report(Code("E1001"), begin, begin + 9, "CDATA outside the root element");
     else if (recording())
       doc_.runs.push_back({begin + 9, end, current_ | kCdata});
   }
@@ -220,12 +221,12 @@ class Scanner {
     const std::uint32_t end = name_end(begin + 2);
     const std::string_view target = text_.substr(begin + 2, end - begin - 2);
     if (target.empty())
-      report(Code::E1001, begin, begin + 2, "'<?' is followed by no name");
+      report(Code("E1001"), begin, begin + 2, "'<?' is followed by no name");
     else if (target == "xml")
-      report(Code::E1001, begin, end, "the XML declaration must be at the beginning of the file");
+      report(Code("E1001"), begin, end, "the XML declaration must be at the beginning of the file");
     at_ = close_of(PieceKind::instruction);
     if (at_ == size_)
-      report(Code::E1001, begin, begin + 2, "the processing instruction is not closed by '?>'");
+      report(Code("E1001"), begin, begin + 2, "the processing instruction is not closed by '?>'");
     else
       at_ += 2;
   }
@@ -233,7 +234,7 @@ class Scanner {
   // Skips <!DOCTYPE … [ … ] >, quoted texts and comments inside included.
   void doctype() {
     const std::uint32_t begin = at_;
-    report(Code::E1005, begin, begin + 9, "document types are not read; leave '<!DOCTYPE' out");
+    report(Code("E1005"), begin, begin + 9, "document types are not read; leave '<!DOCTYPE' out");
     std::uint32_t brackets = 0;
     for (at_ += 9; at_ < size_; ++at_) {
       const char c = text_[at_];
@@ -251,7 +252,7 @@ class Scanner {
       }
     }
     at_ = size_;
-    report(Code::E1001, begin, begin + 9, "the document type is not closed");
+    report(Code("E1001"), begin, begin + 9, "the document type is not closed");
   }
 
   // ---- tags
@@ -263,21 +264,21 @@ class Scanner {
     if (skipped_ > 0) {
       ++skipped_;
     } else if (!inside() && root_seen_) {
-      report(Code::E1001, begin + 1, end,
+      report(Code("E1001"), begin + 1, end,
              fmt::format("{} after the root element; a file has one", quoted(begin + 1, end)));
       ++skipped_;
     } else if (open_.size() >= limits_.depth) {
       if (!too_deep_)
-        report(Code::E1006, begin + 1, end,
+        report(Code("E1006"), begin + 1, end,
                fmt::format("{} is nested deeper than {} elements", quoted(begin + 1, end),
                            limits_.depth));
       too_deep_ = true;
       ++skipped_;
     } else if (end - begin - 1 > kLongestName) {
-      report(Code::E1001, begin + 1, end, "a name of more than 65535 bytes");
+      report(Code("E1001"), begin + 1, end, "a name of more than 65535 bytes");
       ++skipped_;
     } else if (doc_.elements.size() >= limits_.elements) {
-      report(Code::E1008, begin + 1, end, fmt::format("more than {} elements", limits_.elements));
+      report(Code("E1008"), begin + 1, end, fmt::format("more than {} elements", limits_.elements));
       stopped_ = true;
       doc_.complete = false;
       return;
@@ -323,7 +324,7 @@ class Scanner {
       const std::uint32_t before = at_;
       skip_blanks();
       if (at_ >= size_ || text_[at_] == '<') {
-        report(Code::E1001, before, before + 1, "the tag is not closed by '>'");
+        report(Code("E1001"), before, before + 1, "the tag is not closed by '>'");
         // before an end tag of another name it can hold nothing
         return recording() && follows("</") && !follows_end_of(doc_.name(current_));
       }
@@ -337,13 +338,13 @@ class Scanner {
       }
       const std::uint32_t end = name_end(at_);
       if (end == at_) {
-        report(Code::E1001, at_, at_ + 1,
+        report(Code("E1001"), at_, at_ + 1,
                fmt::format("{} where a tag takes an attribute or its end", quoted(at_, at_ + 1)));
         ++at_;
         continue;
       }
       if (before == at_)
-        report(Code::E1001, at_, end,
+        report(Code("E1001"), at_, end,
                fmt::format("a blank before {} is missing", quoted(at_, end)));
       attribute(end, first);
     }
@@ -354,7 +355,7 @@ class Scanner {
     at_ = end;
     skip_blanks();
     if (at_ >= size_ || text_[at_] != '=') {
-      report(Code::E1001, begin, end, fmt::format("{} has no value", quoted(begin, end)));
+      report(Code("E1001"), begin, end, fmt::format("{} has no value", quoted(begin, end)));
       return;
     }
     ++at_;
@@ -367,7 +368,7 @@ class Scanner {
       while (at_ < size_ && !is(text_[at_], CharClass::blank) && text_[at_] != '>' &&
              text_[at_] != '<' && !follows("/>"))
         ++at_;
-      report(Code::E1001, value, std::max(at_, value + 1),
+      report(Code("E1001"), value, std::max(at_, value + 1),
              fmt::format("the value of {} needs quotes", quoted(begin, end)));
       add_attribute(begin, end, value, at_, first);
       return;
@@ -399,14 +400,14 @@ class Scanner {
         ++at_;
         return true;
       } else if (closes_soon(quote)) {
-        report(Code::E1001, at_, at_ + 1,
+        report(Code("E1001"), at_, at_ + 1,
                fmt::format("'<' in the value of {}; write '&lt;'", quoted(name_begin, name_end)));
         ++at_;
       } else {
         break;
       }
     }
-    report(Code::E1001, open, open + 1,
+    report(Code("E1001"), open, open + 1,
            fmt::format("the value of {} has no closing quote", quoted(name_begin, name_end)));
     // the tag most likely ends where it seems to
     const std::size_t close = text_.substr(open, at_ - open).find('>');
@@ -421,17 +422,17 @@ class Scanner {
     const std::string_view name = text_.substr(begin, end - begin);
     for (std::size_t i = first; i < doc_.attributes.size(); ++i) {
       if (doc_.name(doc_.attributes[i]) != name) continue;
-      report(Code::E1007, begin, end,
+      report(Code("E1007"), begin, end,
              fmt::format("{} is given twice; the first one is used", quoted(begin, end)));
       return;
     }
     if (end - begin > kLongestName) {
-      report(Code::E1001, begin, end, "a name of more than 65535 bytes");
+      report(Code("E1001"), begin, end, "a name of more than 65535 bytes");
       return;
     }
     // note: bounds the search for duplicates, which is quadratic
     if (doc_.attributes.size() - first >= 256) {
-      report(Code::E1001, begin, end, "more than 256 attributes");
+      report(Code("E1001"), begin, end, "more than 256 attributes");
       return;
     }
     doc_.attributes.push_back({begin, value, value_end, static_cast<std::uint16_t>(end - begin)});
@@ -443,7 +444,7 @@ class Scanner {
     at_ = end;
     skip_blanks();
     if (end == begin + 2) {
-      report(Code::E1001, begin, begin + 2, "'</' is followed by no name");
+      report(Code("E1001"), begin, begin + 2, "'</' is followed by no name");
       while (at_ < size_ && text_[at_] != '>' && text_[at_] != '<') ++at_;
       if (at_ < size_ && text_[at_] == '>') ++at_;
       return;
@@ -451,7 +452,7 @@ class Scanner {
     if (at_ < size_ && text_[at_] == '>')
       ++at_;
     else
-      report(Code::E1001, begin + 2, end,
+      report(Code("E1001"), begin + 2, end,
              fmt::format("the end tag {} is not closed by '>'", quoted(begin + 2, end)));
     if (skipped_ > 0) {
       --skipped_;
@@ -469,7 +470,7 @@ class Scanner {
     const auto same = [&](std::uint32_t e) { return doc_.name(e) == name; };
     if (std::none_of(open_.begin(), open_.end(), same)) {
       const std::string open = inside() ? to_utf8(doc_.name(current_), doc_.encoding) : "";
-      report(Code::E1002, begin + 2, end,
+      report(Code("E1002"), begin + 2, end,
              fmt::format("no element {} is open here", quoted(begin + 2, end)),
              inside()
                  ? fmt::format("<{}> of line {} is", open, line_of(doc_.elements[current_].begin))
@@ -480,7 +481,7 @@ class Scanner {
       if (inside() && meant) close_element(at_);
       return;
     }
-    report(Code::E1002, begin + 2, end,
+    report(Code("E1002"), begin + 2, end,
            fmt::format("{} is closed while <{}> of line {} is open", quoted(begin + 2, end),
                        to_utf8(doc_.name(current_), doc_.encoding),
                        line_of(doc_.elements[current_].begin)));
@@ -492,13 +493,13 @@ class Scanner {
     if (!stopped_ && inside()) {
       const Element& e = doc_.elements[current_];
       const std::size_t around = open_.size() - 1;
-      report(Code::E1001, e.begin + 1, e.begin + 1 + e.name_length,
+      report(Code("E1001"), e.begin + 1, e.begin + 1 + e.name_length,
              fmt::format(
                  "<{}> is not closed at the end of the file{}",
                  to_utf8(doc_.name(current_), doc_.encoding),
                  around > 0 ? fmt::format(", nor {} around it", counted(around, "element")) : ""));
     }
-    if (!stopped_ && !root_seen_) report(Code::E1001, size_, size_, "the file holds no element");
+    if (!stopped_ && !root_seen_) report(Code("E1001"), size_, size_, "the file holds no element");
     while (inside()) {
       Element& e = doc_.elements[current_];
       if (e.start_tag_end == 0) e.start_tag_end = size_;

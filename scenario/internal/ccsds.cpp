@@ -39,12 +39,12 @@ class MessageReader {
     }
     if (state_ == State::version)
       input_.error(
-          Code::E8001, input_.bytes().substr(0, 0),
+          Code("E8001"), input_.bytes().substr(0, 0),
           fmt::format("expected {} in the first line, found an empty text", grammar_.version_key));
     else if (state_ != State::body && state_ != State::records)
-      input_.error(Code::E8001, last_mark_, "the text ends within the section that begins here");
+      input_.error(Code("E8001"), last_mark_, "the text ends within the section that begins here");
     else if (message_.blocks.empty())
-      input_.error(Code::E8001, input_.bytes().substr(0, 0),
+      input_.error(Code("E8001"), input_.bytes().substr(0, 0),
                    "no block of metadata and data: expected META_START");
     if (input_.errors() > 0) return failed;
     return std::move(message_);
@@ -57,14 +57,14 @@ class MessageReader {
     const auto [key, value] = field_of(line);
     if (key != grammar_.version_key) {
       input_.error(
-          Code::E8001, line,
+          Code("E8001"), line,
           fmt::format("expected '{} = …' first, found {}", grammar_.version_key, in_quotes(line)));
       return false;
     }
     for (int version = 1; version <= grammar_.versions; ++version)
       if (value == fmt::format("{}.0", version)) message_.version = version;
     if (message_.version == 0) {
-      input_.error(Code::E8001, value,
+      input_.error(Code("E8001"), value,
                    fmt::format("{} is {}; versions 1.0 to {}.0 are read", key, in_quotes(value),
                                grammar_.versions));
       return false;
@@ -89,7 +89,7 @@ class MessageReader {
     } else if (state_ == (grammar_.data_marks ? State::data : State::records)) {
       read_record(line);
     } else {
-      input_.error(Code::E8001, line,
+      input_.error(Code("E8001"), line,
                    fmt::format("unexpected line {} {}", in_quotes(line), place()));
     }
   }
@@ -108,7 +108,7 @@ class MessageReader {
   void read_field(std::string_view line) {
     const Field field = field_of(line);
     if (field.value.empty() || field.key.empty()) {
-      input_.error(Code::E8001, line, "expected KEYWORD = VALUE, found " + in_quotes(line));
+      input_.error(Code("E8001"), line, "expected KEYWORD = VALUE, found " + in_quotes(line));
       return;
     }
     if (state_ == State::body && message_.blocks.empty()) {
@@ -117,17 +117,17 @@ class MessageReader {
       if (!check_key(field, grammar_.keys)) return;
       Block& block = message_.blocks.back();
       if (!block.fields.emplace(field.key, field).second)
-        input_.error(Code::E8001, field.key, fmt::format("{} stands twice", field.key));
+        input_.error(Code("E8001"), field.key, fmt::format("{} stands twice", field.key));
     } else if (state_ == State::covariance) {
       if (field.key == "EPOCH") finish_matrix(line);
       if (field.key != "EPOCH" && field.key != "COV_REF_FRAME")
-        input_.error(Code::E8001, field.key,
+        input_.error(Code("E8001"), field.key,
                      fmt::format("unknown keyword {} in a covariance, expected EPOCH or "
                                  "COV_REF_FRAME",
                                  in_quotes(field.key)));
     } else {
       input_.error(
-          Code::E8001, field.key,
+          Code("E8001"), field.key,
           fmt::format("keyword {} stands outside of header and metadata", in_quotes(field.key)));
     }
   }
@@ -135,7 +135,7 @@ class MessageReader {
   bool check_key(const Field& field, std::span<const std::string_view> known) {
     if (std::ranges::find(known, field.key) != known.end()) return true;
     const auto near = nearest_name(field.key, known);
-    input_.error(Code::E8001, field.key, "unknown keyword " + in_quotes(field.key),
+    input_.error(Code("E8001"), field.key, "unknown keyword " + in_quotes(field.key),
                  near ? fmt::format("did you mean '{}'?", *near) : std::string());
     return false;
   }
@@ -143,7 +143,7 @@ class MessageReader {
   void read_mark(std::string_view mark) {
     const bool between = state_ == State::body || (state_ == State::records && !needs_data());
     if (mark == "META_START" && between && message_.blocks.size() >= kMaxBlocks) {
-      input_.error(Code::E8001, mark, fmt::format("the message has over {} blocks", kMaxBlocks));
+      input_.error(Code("E8001"), mark, fmt::format("the message has over {} blocks", kMaxBlocks));
       return;
     }
     if (mark == "META_START" && between) {
@@ -162,7 +162,7 @@ class MessageReader {
       finish_matrix(mark);
       state_ = State::records;
     } else {
-      input_.error(Code::E8001, mark, fmt::format("unexpected {}", in_quotes(mark)));
+      input_.error(Code("E8001"), mark, fmt::format("unexpected {}", in_quotes(mark)));
       return;
     }
     last_mark_ = mark;
@@ -175,7 +175,7 @@ class MessageReader {
     Block& block = message_.blocks.back();
     split_words(line, words_);
     if (words_.size() - 1 > kMaxRecordNumbers) {
-      input_.error(Code::E8001, line,
+      input_.error(Code("E8001"), line,
                    fmt::format("a record has an epoch and at most {} numbers, found {} words",
                                kMaxRecordNumbers, words_.size()));
       return;
@@ -190,12 +190,12 @@ class MessageReader {
   void read_covariance(std::string_view line) {
     split_words(line, words_);
     if (row_ >= kWholeMatrix) {
-      input_.error(Code::E8001, line, "a covariance has 6 rows and begins with EPOCH = …");
+      input_.error(Code("E8001"), line, "a covariance has 6 rows and begins with EPOCH = …");
       return;
     }
     ++row_;
     if (words_.size() != row_)
-      input_.error(Code::E8001, line,
+      input_.error(Code("E8001"), line,
                    fmt::format("row {} of a covariance has {}, found {}", row_,
                                counted(row_, "number"), words_.size()));
     for (const std::string_view word : words_) (void)input_.number(word, "a covariance");
@@ -203,7 +203,7 @@ class MessageReader {
 
   void finish_matrix(std::string_view at) {
     if (row_ != kWholeMatrix)
-      input_.error(Code::E8001, at, fmt::format("a covariance has 6 rows, found {}", row_));
+      input_.error(Code("E8001"), at, fmt::format("a covariance has 6 rows, found {}", row_));
     row_ = 0;
   }
 
@@ -252,7 +252,7 @@ std::string frame_name(std::string_view name) {
 const Field* required(const Block& block, std::string_view key, Input& input) {
   const Field* const field = block.find(key);
   if (field == nullptr)
-    input.error(Code::E8001, block.begin, fmt::format("the metadata have no {}", key));
+    input.error(Code("E8001"), block.begin, fmt::format("the metadata have no {}", key));
   return field;
 }
 
@@ -273,14 +273,14 @@ bool same_metadata(const Block& block, const Block& first, std::span<const std::
   };
   for (const std::string_view key : keys)
     if (const auto [a, b] = other(key); a != nullptr) {
-      input.error(Code::E8001, a->value,
+      input.error(Code("E8001"), a->value,
                   fmt::format("{} is {}, and {} in the first block", key, in_quotes(a->value),
                               in_quotes(b->value)),
                   "divide the file: one object in one frame is a source");
       return false;
     }
   if (const auto [a, b] = other("TIME_SYSTEM"); a != nullptr) {
-    input.error(Code::E8007, a->value,
+    input.error(Code("E8007"), a->value,
                 fmt::format("TIME_SYSTEM is {}, and {} in the first block; one message has one",
                             in_quotes(a->value), in_quotes(b->value)));
     return false;
@@ -291,7 +291,7 @@ bool same_metadata(const Block& block, const Block& first, std::span<const std::
 std::optional<Epoch> read_epoch(std::string_view text, TimeSystem system, Input& input) {
   std::string problem;
   const auto epoch = parse_epoch(text, system, problem);
-  if (!epoch) input.error(Code::E8001, text, problem);
+  if (!epoch) input.error(Code("E8001"), text, problem);
   return epoch;
 }
 
@@ -301,7 +301,7 @@ bool read_times(const Block& block, BlockTimes& out, Input& input) {
   if (system == nullptr) return false;
   const auto named = time_system_named(system->value);
   if (!named) {
-    input.error(Code::E8007, system->value,
+    input.error(Code("E8007"), system->value,
                 fmt::format("time system {} is not read, expected UTC, TAI, TT, TDB or GPS",
                             in_quotes(system->value)));
     return false;
@@ -313,7 +313,7 @@ bool read_times(const Block& block, BlockTimes& out, Input& input) {
   out.useable_start = optional_epoch(block, "USEABLE_START_TIME", *named, input);
   out.useable_stop = optional_epoch(block, "USEABLE_STOP_TIME", *named, input);
   if (out.start && out.stop && *out.stop < *out.start)
-    input.error(Code::E8004, block.find("STOP_TIME")->value, "STOP_TIME is before START_TIME");
+    input.error(Code("E8004"), block.find("STOP_TIME")->value, "STOP_TIME is before START_TIME");
   return input.errors() == before;
 }
 
@@ -330,7 +330,7 @@ bool read_record_times(const Block& block, TimeSystem system, std::optional<Epoc
       continue;
     }
     if (last && *read < *last) {
-      input.error(Code::E8004, record.epoch,
+      input.error(Code("E8004"), record.epoch,
                   fmt::format("epoch {} is before the one above", in_quotes(record.epoch)));
       if (!input.more()) return false;
     } else if (last && *read == *last) {
@@ -340,7 +340,7 @@ bool read_record_times(const Block& block, TimeSystem system, std::optional<Epoc
       };
       if (!std::ranges::equal(numbers(record), numbers(same)))
         input.error(
-            Code::E8004, record.epoch,
+            Code("E8004"), record.epoch,
             fmt::format("epoch {} stands twice, with other values", in_quotes(record.epoch)));
       else
         input.deviation(strict, record.epoch, "the record repeats the one above");
@@ -352,7 +352,7 @@ bool read_record_times(const Block& block, TimeSystem system, std::optional<Epoc
     }
   }
   if (block.records.empty())
-    input.error(Code::E8001, block.begin, "no record follows these metadata");
+    input.error(Code("E8001"), block.begin, "no record follows these metadata");
   return input.errors() == before;
 }
 
@@ -392,19 +392,19 @@ bool read_method(const Block& block, std::string_view key, MethodRead& out, Inpu
   else if (name == "LINEAR")
     out.method = Method::linear;
   else
-    input.error(Code::E8001, method->value,
+    input.error(Code("E8001"), method->value,
                 fmt::format("unknown method {}, expected HERMITE, LAGRANGE or LINEAR",
                             in_quotes(method->value)));
   if (degree != nullptr) {
     const auto value = parse_double(degree->value);
     if (!value || *value != std::floor(*value) || *value < 1 || *value > 1000)
-      input.error(Code::E8001, degree->value,
+      input.error(Code("E8001"), degree->value,
                   fmt::format("INTERPOLATION_DEGREE is {}, expected a whole number from 1 on",
                               in_quotes(degree->value)));
     else
       out.degree = static_cast<std::size_t>(*value);
   } else if (out.method != Method::linear) {
-    input.error(Code::E8001, method->value, fmt::format("{} needs INTERPOLATION_DEGREE", key));
+    input.error(Code("E8001"), method->value, fmt::format("{} needs INTERPOLATION_DEGREE", key));
   }
   if (out.method == Method::linear) out.degree = 1;
   return input.errors() == before;
@@ -413,7 +413,7 @@ bool read_method(const Block& block, std::string_view key, MethodRead& out, Inpu
 void check_degree(const Block& block, const MethodRead& method, std::size_t needed,
                   std::size_t records, Input& input) {
   if (needed <= records && needed <= kMaxNodes) return;
-  input.report(Code::W8012, block.begin,
+  input.report(Code("W8012"), block.begin,
                fmt::format("degree {} needs {}; of {} used, the degree is lower", method.degree,
                            counted(needed, "record"), std::min(records, kMaxNodes)));
 }

@@ -100,7 +100,7 @@ bool end_block(const Block& block, const BlockTimes& block_times, const Epoch& e
                Samples<Value>& samples, Input& input, bool strict) {
   samples.span = useable_span(block, block_times, epoch, samples.times, input, strict);
   if (!(samples.span.begin <= samples.span.end)) {
-    input.error(Code::E8004, block.begin, "the usable span ends before it begins");
+    input.error(Code("E8004"), block.begin, "the usable span ends before it begins");
     return false;
   }
   report_gap(samples.times, input, block.begin);

@@ -26,7 +26,7 @@ class XmlMessageReader {
 
   Result<Message> read() {
     if (input_.bytes().size() > kMaxXmlBytes) {
-      input_.error(Code::E8001, input_.bytes().substr(0, 1),
+      input_.error(Code("E8001"), input_.bytes().substr(0, 1),
                    "messages in XML of over 64 MB are not read",
                    "convert it to keyword-value notation");
       return failed;
@@ -37,7 +37,7 @@ class XmlMessageReader {
     if (!parsed) {
       const auto offset = std::clamp<std::size_t>(static_cast<std::size_t>(parsed.offset), 0,
                                                   input_.bytes().size());
-      input_.error(Code::E8001, input_.bytes().substr(offset, 1),
+      input_.error(Code("E8001"), input_.bytes().substr(offset, 1),
                    fmt::format("the XML text is not well-formed: {}", parsed.description()));
       return failed;
     }
@@ -48,7 +48,7 @@ class XmlMessageReader {
       read_segment(segment);
     }
     if (message_.blocks.empty() && input_.errors() == 0)
-      input_.error(Code::E8001, at(top), "the message has no segment");
+      input_.error(Code("E8001"), at(top), "the message has no segment");
     if (input_.errors() > 0) return failed;
     return std::move(message_);
   }
@@ -78,10 +78,10 @@ class XmlMessageReader {
     const std::string wanted = grammar_.version_key == "CCSDS_OEM_VERS" ? "oem" : "aem";
     pugi::xml_node top = wanted == root.name() ? root : root.child(wanted.c_str());
     if (!top)
-      input_.error(Code::E8001, at(root),
+      input_.error(Code("E8001"), at(root),
                    fmt::format("expected <{}>, found <{}>", wanted, root.name()));
     else if (top != root && top.next_sibling(wanted.c_str()))
-      input_.error(Code::E8001, at(top.next_sibling(wanted.c_str())),
+      input_.error(Code("E8001"), at(top.next_sibling(wanted.c_str())),
                    fmt::format("the file has more than one <{}>", wanted));
     return input_.errors() > 0 ? pugi::xml_node() : top;
   }
@@ -91,7 +91,7 @@ class XmlMessageReader {
     for (int each = 1; each <= grammar_.versions; ++each)
       if (version == fmt::format("{}.0", each)) message_.version = each;
     if (message_.version > 0) return true;
-    input_.error(Code::E8001, at(top),
+    input_.error(Code("E8001"), at(top),
                  fmt::format("version {} is not read, expected 1.0 to {}.0", in_quotes(version),
                              grammar_.versions));
     return false;
@@ -106,11 +106,11 @@ class XmlMessageReader {
       if (each.type() != pugi::node_element || key == "COMMENT") continue;
       const Field field{key, value(each)};
       if (std::ranges::find(grammar_.keys, key) == grammar_.keys.end())
-        input_.error(Code::E8001, key, "unknown keyword " + in_quotes(key));
+        input_.error(Code("E8001"), key, "unknown keyword " + in_quotes(key));
       else if (field.value.empty())
-        input_.error(Code::E8001, key, fmt::format("<{}> is empty", key));
+        input_.error(Code("E8001"), key, fmt::format("<{}> is empty", key));
       else if (!block.fields.emplace(key, field).second)
-        input_.error(Code::E8001, key, fmt::format("{} stands twice", key));
+        input_.error(Code("E8001"), key, fmt::format("{} stands twice", key));
     }
     const bool attitudes = grammar_.data_marks;
     for (const pugi::xml_node& state :
@@ -129,7 +129,7 @@ class XmlMessageReader {
   bool begin_record(const pugi::xml_node& node, Block& block) {
     const pugi::xml_node epoch = node.child("EPOCH");
     if (!epoch) {
-      input_.error(Code::E8001, at(node), fmt::format("<{}> has no EPOCH", node.name()));
+      input_.error(Code("E8001"), at(node), fmt::format("<{}> has no EPOCH", node.name()));
       return false;
     }
     block.records.push_back({at(node), value(epoch), block.numbers.size(), 0});
@@ -140,7 +140,7 @@ class XmlMessageReader {
     const std::string_view units = node.attribute("units").value();
     if (!units.empty() && !unit.empty() && units != unit)
       input_.error(
-          Code::E8001, at(node),
+          Code("E8001"), at(node),
           fmt::format("units of <{}> are {}, expected {}", node.name(), in_quotes(units), unit));
     block.numbers.push_back(input_.number(value(node), at(node)).value_or(0));
     ++block.records.back().count;
@@ -151,13 +151,13 @@ class XmlMessageReader {
     for (const pugi::xml_node& each : state.children())
       if (each.type() == pugi::node_element &&
           std::ranges::find(kStateNames, std::string_view(each.name())) == kStateNames.end())
-        input_.error(Code::E8001, at(each), fmt::format("unknown element <{}>", each.name()));
+        input_.error(Code("E8001"), at(each), fmt::format("unknown element <{}>", each.name()));
     constexpr std::size_t kState = 6, kAll = 9;
     for (std::size_t i = 0; i < kAll; ++i) {
       const pugi::xml_node each = state.child(kStateNames[i].data());
       if (!each && i >= kState) break;
       if (!each) {
-        input_.error(Code::E8001, at(state),
+        input_.error(Code("E8001"), at(state),
                      fmt::format("<stateVector> has no {}", kStateNames[i]));
         return;
       }
@@ -194,7 +194,7 @@ class XmlMessageReader {
       const std::string_view name = kQuaternionNames[first ? (i + 3) % 4 : i];
       const pugi::xml_node each = (inner ? inner : state).child(name.data());
       if (!each) {
-        input_.error(Code::E8001, at(state), fmt::format("<{}> has no {}", state.name(), name));
+        input_.error(Code("E8001"), at(state), fmt::format("<{}> has no {}", state.name(), name));
         return;
       }
       add_number(each, "", block);
@@ -207,7 +207,8 @@ class XmlMessageReader {
       pugi::xml_node each = inner.child(fmt::format("rotation{}", i).c_str());
       if (!each) each = state.child(fmt::format("ANGLE_{}", i).c_str());
       if (!each) {
-        input_.error(Code::E8001, at(state), fmt::format("<{}> has no angle {}", state.name(), i));
+        input_.error(Code("E8001"), at(state),
+                     fmt::format("<{}> has no angle {}", state.name(), i));
         return;
       }
       add_number(each, "deg", block);

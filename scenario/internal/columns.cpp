@@ -67,7 +67,7 @@ class HeaderParser {
 
  private:
   void fail(std::string_view problem, std::string hint = {}) {
-    input_.error(Code::E8001, column_.header,
+    input_.error(Code("E8001"), column_.header,
                  fmt::format("column {} {}", in_quotes(column_.header), problem), std::move(hint));
   }
 
@@ -76,9 +76,9 @@ class HeaderParser {
         fmt::format("unknown column {} is ignored", in_quotes(column_.header));
     const std::string hint = "columns are time, T.x, T.qw, T.joint.NAME, camera.x, sun.x, name…";
     if (strict_)
-      input_.error(Code::E8001, column_.header, message, hint);
+      input_.error(Code("E8001"), column_.header, message, hint);
     else
-      input_.report(Code::W8002, column_.header, message, hint);
+      input_.report(Code("W8002"), column_.header, message, hint);
   }
 
   void unit(std::span<const Unit> units) {
@@ -113,7 +113,7 @@ class HeaderParser {
     const auto system =
         blank == epoch.npos ? std::nullopt : time_system_named(epoch.substr(blank + 1));
     if (!system) {
-      input_.error(Code::E8007, column_.header,
+      input_.error(Code("E8007"), column_.header,
                    fmt::format("{} names no time system, expected UTC, TAI, TT, TDB or GPS",
                                in_quotes(epoch)),
                    "write time[s since 2026-01-01T00:00:00 UTC]");
@@ -122,7 +122,7 @@ class HeaderParser {
     column_.system = *system;
     std::string problem;
     column_.epoch = parse_epoch(trimmed(epoch.substr(0, blank)), *system, problem);
-    if (!column_.epoch) input_.error(Code::E8001, column_.header, problem);
+    if (!column_.epoch) input_.error(Code("E8001"), column_.header, problem);
   }
 
   void sun(std::string_view member) {

@@ -49,13 +49,13 @@ Input::Input(const Text& text, DiagnosticLog& log)
 
 Input::~Input() {
   if (scaled_ > 1)
-    log_.report(Code::W8006, {file_, 0, 0},
+    log_.report(Code("W8006"), {file_, 0, 0},
                 fmt::format("{} more in this file", counted(scaled_ - 1, "quaternion")));
 }
 
 void Input::report_scaled(double length, std::string_view at) {
   if (++scaled_ == 1)
-    report(Code::W8006, at,
+    report(Code("W8006"), at,
            fmt::format("the quaternion has length {:.6g} and is scaled to 1", length));
 }
 
@@ -83,7 +83,7 @@ void Input::error(Code code, std::string_view at, std::string message, std::stri
   ++errors_;
   report(code, at, std::move(message), std::move(hint));
   if (errors_ == kMostErrors)
-    log_.report(Code::E8001, span(at), fmt::format("reading ends after {} errors", errors_));
+    log_.report(Code("E8001"), span(at), fmt::format("reading ends after {} errors", errors_));
 }
 
 void Input::report(Code code, std::string_view at, std::string message, std::string hint) {
@@ -92,9 +92,9 @@ void Input::report(Code code, std::string_view at, std::string message, std::str
 
 void Input::deviation(bool strict, std::string_view at, std::string message, std::string hint) {
   if (strict)
-    error(Code::E8001, at, std::move(message), std::move(hint));
+    error(Code("E8001"), at, std::move(message), std::move(hint));
   else
-    report(Code::W8012, at, std::move(message), std::move(hint));
+    report(Code("W8012"), at, std::move(message), std::move(hint));
 }
 
 std::optional<double> Input::number(std::string_view word, std::string_view what) {
@@ -106,7 +106,7 @@ std::optional<double> Input::number(std::string_view word, std::string_view what
     value = parse_double(other);
   }
   if (!value)
-    error(Code::E8001, word,
+    error(Code("E8001"), word,
           fmt::format("expected a number for {}, found {}", what, in_quotes(word)));
   return value;
 }
@@ -115,7 +115,7 @@ std::optional<Quat> unit_quaternion(const Quat& q, Input& input, std::string_vie
   constexpr double kPrinted = 1e-4;
   const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   if (!(length >= 0.5 && length <= 2)) {
-    input.error(Code::E8005, at,
+    input.error(Code("E8005"), at,
                 std::isfinite(length)
                     ? fmt::format("the quaternion has length {:.6g}, expected 1", length)
                     : std::string("the quaternion is not finite"));

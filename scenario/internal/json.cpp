@@ -36,7 +36,7 @@ class JsonParser {
  private:
   bool fail(std::string_view expected) {
     const std::string_view found = text_.substr(at_, 1);
-    input_.error(Code::E8001, text_.substr(std::min(at_, text_.size()), 1),
+    input_.error(Code("E8001"), text_.substr(std::min(at_, text_.size()), 1),
                  fmt::format("invalid JSON: expected {}, found {}", expected,
                              found.empty() ? std::string("the end") : in_quotes(found)));
     return false;
@@ -56,7 +56,7 @@ class JsonParser {
   bool parse_value(JsonValue& value, std::size_t depth) {
     skip_blanks();
     if (depth > kMostJsonDepth || ++values_ > kMostJsonValues) {
-      input_.error(Code::E8001, text_.substr(std::min(at_, text_.size()), 1),
+      input_.error(Code("E8001"), text_.substr(std::min(at_, text_.size()), 1),
                    depth > kMostJsonDepth ? "values are nested over 16 deep"
                                           : "the text has over 4 million values");
       return false;
@@ -198,7 +198,7 @@ class JsonParser {
       member.at = text_.substr(begin, at_ - begin);
       if (std::ranges::find(value.members, member.name, &JsonValue::Member::name) !=
           value.members.end()) {
-        input_.error(Code::E8001, member.at,
+        input_.error(Code("E8001"), member.at,
                      fmt::format("member {} stands twice", in_quotes(member.name)));
         return false;
       }

@@ -140,7 +140,7 @@ void report_gap(const std::vector<double>& times, Input& input, std::string_view
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
   if (most <= kLong * *middle) return;
-  input.report(Code::W8011, at,
+  input.report(Code("W8011"), at,
                fmt::format("a step of {} s begins at {} s; the median step is {} s, and values in "
                            "between are interpolated over the gap",
                            most, from, *middle),

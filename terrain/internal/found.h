@@ -37,14 +37,14 @@ struct Opening {
   const Job& job;
 
   Failed fail(const std::string& message, std::string hint = {}) const {
-    log.report_file(Code::E9601, name, message, std::move(hint));
+    log.report_file(Code("E9601"), name, message, std::move(hint));
     return failed;
   }
   void warn(const std::string& message, std::string hint = {}) const {
-    log.report_file(Code::W9603, name, message, std::move(hint));
+    log.report_file(Code("W9603"), name, message, std::move(hint));
   }
   void note(const std::string& message, std::string hint = {}) const {
-    log.report_file(Code::N9604, name, message, std::move(hint));
+    log.report_file(Code("N9604"), name, message, std::move(hint));
   }
   // A file that the label names, in the label's folder, in any letter case.
   Result<MappedFile> beside(std::string_view file_name, DemInfo& info) const;

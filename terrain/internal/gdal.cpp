@@ -113,7 +113,7 @@ class GdalRows : public RowSource {
         },
         job);
     if (wanted && next < first + count)
-      log.report_file(Code::E9601, path_,
+      log.report_file(Code("E9601"), path_,
                       fmt::format("GDAL gave {} of {} rows{}{}", next - first, count,
                                   problem.empty() ? "" : ": ", problem));
     return next == first + count;

@@ -61,7 +61,7 @@ class TiffRows : public RowSource {
                                      return to({row, 1, values, voids});
                                    });
     if (problem.code)
-      log.report_file(Code::E9601, name_, fmt::format("row {}: {}", next, problem.message));
+      log.report_file(Code("E9601"), name_, fmt::format("row {}: {}", next, problem.message));
     return !problem.code && next == first + count;
   }
 

@@ -43,7 +43,7 @@ TEST(Diagnostics, ExceptionsHaveCodesAndExitCodes) {
     }
     return std::pair(log.entries().at(0).code, exit_code(log));
   };
-  const std::pair memory(Code::E0002, 1), internal(Code::E0003, 70);
+  const std::pair memory(Code("E0002"), 1), internal(Code("E0003"), 70);
   EXPECT_EQ(reported(std::bad_alloc()), memory);
   EXPECT_EQ(reported(std::system_error(EAGAIN, std::generic_category())), memory);
   EXPECT_EQ(reported(std::system_error(EIO, std::generic_category())), internal);
@@ -61,13 +61,13 @@ TEST(Registry, CodesAreUniqueAndExplained) {
     EXPECT_EQ(info.explanation.back(), '.') << info.name;
     EXPECT_EQ(code_info(*code_from_name(info.name)).name, info.name);
   }
-  EXPECT_EQ(code_from_name("e1101"), Code::E1101);
+  EXPECT_EQ(code_from_name("e1101"), Code("E1101"));
   EXPECT_FALSE(code_from_name("E9999"));
 }
 
 TEST(ToText, ShowsPlaceLineCaretHintAndIncludes) {
   Sample s;
-  s.log.report(Code::E1101, {s.part, 6, 12}, "unknown element 'difuse' in <material>",
+  s.log.report(Code("E1101"), {s.part, 6, 12}, "unknown element 'difuse' in <material>",
                "did you mean 'diffuse'?");
   EXPECT_EQ(to_text(s.log),
             "part.pxn:2:3: error: unknown element 'difuse' in <material> [E1101]\n"
@@ -83,7 +83,7 @@ TEST(ToText, CutsLongLinesAroundTheCaret) {
   std::string line(5000, 'x');
   line[4000] = '?';
   const FileId f = log.sources().add({"f", Sample::text(line), Encoding::utf8, {}});
-  log.report(Code::E1001, {f, 4000, 4001}, "m");
+  log.report(Code("E1001"), {f, 4000, 4001}, "m");
   const std::string text = to_text(log);
   EXPECT_LT(text.size(), 400u);
   // the caret stands below the question mark
@@ -99,8 +99,8 @@ TEST(ToText, CutsLongLinesAroundTheCaret) {
 
 TEST(DiagnosticLog, KeepsFiftyErrorsAndCountsTheRest) {
   DiagnosticLog log;
-  for (int i = 0; i < 70; ++i) log.report(Code::E1201, {}, "m");
-  log.report(Code::W1205, {}, "w");
+  for (int i = 0; i < 70; ++i) log.report(Code("E1201"), {}, "m");
+  log.report(Code("W1205"), {}, "w");
   EXPECT_EQ(log.errors(), 70u);
   EXPECT_EQ(log.entries().size(), 51u);
   EXPECT_EQ(log.hidden(), 20u);
@@ -109,10 +109,10 @@ TEST(DiagnosticLog, KeepsFiftyErrorsAndCountsTheRest) {
 
 TEST(DiagnosticLog, SortsByPlace) {
   Sample s;
-  s.log.report(Code::E1201, {}, "nowhere");
-  s.log.report(Code::E1201, {s.part, 6, 12}, "third");
-  s.log.report(Code::E1201, {s.top, 9, 12}, "second");
-  s.log.report(Code::E1201, {s.top, 2, 12}, "first");
+  s.log.report(Code("E1201"), {}, "nowhere");
+  s.log.report(Code("E1201"), {s.part, 6, 12}, "third");
+  s.log.report(Code("E1201"), {s.top, 9, 12}, "second");
+  s.log.report(Code("E1201"), {s.top, 2, 12}, "first");
   s.log.sort_by_place();
   std::string order;
   for (const Diagnostic& entry : s.log.entries()) order += entry.message + " ";
@@ -126,18 +126,18 @@ TEST(ExitCode, FollowsTheKindOfError) {
     return exit_code(log);
   };
   EXPECT_EQ(of({}), 0);
-  EXPECT_EQ(of({Code::W1205}), 0);
-  EXPECT_EQ(of({Code::E1101}), 1);
-  EXPECT_EQ(of({Code::E0201}), 2);
-  EXPECT_EQ(of({Code::E0101}), 3);
-  EXPECT_EQ(of({Code::E4009}), 4);
-  EXPECT_EQ(of({Code::E1101, Code::E0103}), 3);
+  EXPECT_EQ(of({Code("W1205")}), 0);
+  EXPECT_EQ(of({Code("E1101")}), 1);
+  EXPECT_EQ(of({Code("E0201")}), 2);
+  EXPECT_EQ(of({Code("E0101")}), 3);
+  EXPECT_EQ(of({Code("E4009")}), 4);
+  EXPECT_EQ(of({Code("E1101"), Code("E0103")}), 3);
 }
 
 TEST(ToJson, HoldsTheSameFacts) {
   Sample s;
-  s.log.report(Code::E1101, {s.part, 6, 12}, "m", "h", "a/b");
-  s.log.report_file(Code::E4001, "f\xff.pan", "not a pan file");
+  s.log.report(Code("E1101"), {s.part, 6, 12}, "m", "h", "a/b");
+  s.log.report_file(Code("E4001"), "f\xff.pan", "not a pan file");
   const auto json = nlohmann::json::parse(to_json(s.log));
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["errors"], 2);
@@ -154,9 +154,9 @@ TEST(ToJson, HoldsTheSameFacts) {
 
 TEST(ToSarif, IsAVersion210Log) {
   Sample s;
-  s.log.report(Code::E1101, {s.part, 6, 12}, "m", "h");
-  s.log.report(Code::E1101, {s.top, 0, 3}, "m2");
-  s.log.report(Code::W1205, {}, "w");
+  s.log.report(Code("E1101"), {s.part, 6, 12}, "m", "h");
+  s.log.report(Code("E1101"), {s.top, 0, 3}, "m2");
+  s.log.report(Code("W1205"), {}, "w");
   const auto json = nlohmann::json::parse(to_sarif(s.log));
   EXPECT_EQ(json["version"], "2.1.0");
   const auto& run = json["runs"][0];

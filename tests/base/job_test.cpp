@@ -47,7 +47,7 @@ TEST(RunJob, SaysOnceThatItWasCancelled) {
   EXPECT_FALSE(run_job(job, log, [&] { return ++calls > 0; }));
   EXPECT_EQ(calls, 0);
   ASSERT_EQ(log.entries().size(), 1u);
-  EXPECT_EQ(log.entries()[0].code, Code::E0001);
+  EXPECT_EQ(log.entries()[0].code, Code("E0001"));
   EXPECT_EQ(exit_code(log), 130);
 }
 
@@ -76,7 +76,7 @@ TEST(RunJob, WorkThatIsCancelledHalfWayIsLeft) {
       return true;
     });
     EXPECT_FALSE(done);
-    EXPECT_TRUE(log.contains(Code::E0001));
+    EXPECT_TRUE(log.contains(Code("E0001")));
     // those that ran when it was cancelled come to their end
     EXPECT_GE(calls, 100);
     EXPECT_LT(calls, 200);

@@ -56,7 +56,7 @@ std::string said_of(const scene::Scene& scene) {
   EXPECT_TRUE(compiled(scene, options, log));
   std::string out;
   for (const Diagnostic& entry : log.entries())
-    if (entry.code == Code::W2022 || entry.code == Code::W2023)
+    if (entry.code == Code("W2022") || entry.code == Code("W2023"))
       out += std::string(code_info(entry.code).name) + " " + entry.message;
   return out;
 }

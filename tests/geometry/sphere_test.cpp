@@ -215,7 +215,7 @@ TEST(Sphere, LimitsHoldBeforeAnythingIsAllocated) {
                                     SphereCounts{4294967295u, 4294967295u}}) {
     DiagnosticLog log;
     EXPECT_FALSE(tessellated(Sphere{1, counts}, {}, {}, log).ok());
-    EXPECT_TRUE(log.contains(Code::E2003));
+    EXPECT_TRUE(log.contains(Code("E2003")));
   }
   DiagnosticLog log;
   TessellationOptions options;
@@ -227,7 +227,7 @@ TEST(Sphere, LimitsHoldBeforeAnythingIsAllocated) {
     DiagnosticLog other;
     options.max_error = impossible;
     EXPECT_FALSE(tessellated(Sphere{1, {}}, options, {}, other).ok());
-    EXPECT_TRUE(other.contains(Code::E2003));
+    EXPECT_TRUE(other.contains(Code("E2003")));
   }
 }
 
@@ -235,7 +235,7 @@ TEST(Sphere, SizesThatSinglePrecisionCannotHoldAreRefused) {
   for (const double radius : {0.0, -1.0, 1e-31, 1e31, 1e300, HUGE_VAL, std::nan("")}) {
     DiagnosticLog log;
     EXPECT_FALSE(tessellated(Sphere{radius, SphereCounts{4, 4}}, {}, {}, log).ok());
-    EXPECT_TRUE(log.contains(Code::E2010)) << radius;
+    EXPECT_TRUE(log.contains(Code("E2010"))) << radius;
   }
   for (const double radius : {1e-30, 1e-9, 1e12, 1e30}) {
     const Mesh mesh = sphere(100, 60, radius);
@@ -295,7 +295,7 @@ TEST(MeshShape, CoordinatesBeyondSinglePrecisionAreRefused) {
     mesh.positions[3].y = x;
     DiagnosticLog log;
     EXPECT_FALSE(tessellated(std::make_shared<const Mesh>(mesh), {}, {}, log).ok());
-    EXPECT_TRUE(log.contains(Code::E2010));
+    EXPECT_TRUE(log.contains(Code("E2010")));
   }
 }
 
@@ -304,7 +304,7 @@ TEST(MeshShape, ObeysTheLimit) {
   TessellationOptions options;
   options.max_triangles = 11;
   EXPECT_FALSE(tessellated(std::make_shared<const Mesh>(shapes::cube()), options, {}, log).ok());
-  EXPECT_TRUE(log.contains(Code::E2003));
+  EXPECT_TRUE(log.contains(Code("E2003")));
 }
 
 // Against the projection onto the plane where that lies inside, and onto sides otherwise.

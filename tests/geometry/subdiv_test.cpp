@@ -399,7 +399,7 @@ TEST(Subdiv, HardCagesAreMadeOrRefused) {
   DiagnosticLog log;
   EXPECT_FALSE(tessellated(far, {.max_error = 1e-3}, {}, log).ok());
   ASSERT_EQ(log.entries().size(), 1u);
-  EXPECT_EQ(log.entries()[0].code, Code::E2003);
+  EXPECT_EQ(log.entries()[0].code, Code("E2003"));
   // too many triangles, and too many faces along semi-sharp creases
   DiagnosticLog more;
   EXPECT_FALSE(

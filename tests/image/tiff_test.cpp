@@ -164,7 +164,7 @@ TEST(DecodeRows, DamagedTiff) {
 TEST(DecodeRows, TooLarge) {
   Rows rows;
   const std::vector<std::byte> whole = file({3, 8, COMPRESSION_NONE, 0, "w"}, 37, 23);
-  EXPECT_EQ(decode_rows(whole, 1000, rows).code, Code::E3002);
+  EXPECT_EQ(decode_rows(whole, 1000, rows).code, Code("E3002"));
 }
 
 // Rows of PPM as the whole image has them.

@@ -197,7 +197,7 @@ TEST(Import, other_formats_are_refused_by_name) {
     DiagnosticLog log;
     const MemoryFile files[] = {{each.path, each.bytes}};
     EXPECT_FALSE(import_memory(files, {}, log));
-    EXPECT_TRUE(log.contains(Code::E6001)) << each.path;
+    EXPECT_TRUE(log.contains(Code("E6001"))) << each.path;
     EXPECT_NE(to_text(log).find(each.name), std::string::npos) << to_text(log);
     // FreeCAD has no reader of it
     if (std::string(each.path) == "a.x_t")

@@ -46,31 +46,31 @@ std::vector<Naming> namings() {
   };
   return {
       {"m.obj", "mtllib ", "\n" + kFaces + "usemtl a\nf 1/1 2/2 3/3\n", ".mtl",
-       "newmtl a\nKd 1 0 0\n", false, Code::W6502},
+       "newmtl a\nKd 1 0 0\n", false, Code("W6502")},
       {"m.obj", kFaces + "usemtl a\nf 1/1 2/2 3/3\nmtllib ", "\n", ".mtl", "newmtl a\nKd 1 0 0\n",
-       false, Code::W6502},
+       false, Code("W6502")},
       {"m.ply", "ply\nformat ascii 1.0\ncomment TextureFile ",
        "\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
        "s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
        "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n",
-       ".ppm", kPicture, false, Code::W6502},
+       ".ppm", kPicture, false, Code("W6502")},
       {"m.gltf", gltf("", ",\"buffers\":[{\"byteLength\":36,\"uri\":\""), "\"}]}", ".bin",
-       kTriangle, true, Code::W6215},
+       kTriangle, true, Code("W6215")},
       {"m.wrl", "#VRML V2.0 utf8\nShape { appearance Appearance { texture ImageTexture { url \"",
-       "\" } } geometry Box { } }\n", ".ppm", kPicture, false, Code::W6118},
+       "\" } } geometry Box { } }\n", ".ppm", kPicture, false, Code("W6118")},
       {"m.wrl", "#VRML V2.0 utf8\nInline { url \"", "\" }\nShape { geometry Box { } }\n", ".wrl",
-       kVrml, true, Code::W6118},
+       kVrml, true, Code("W6118")},
       {"m.urdf", "<robot name='r'><link name='l'><visual><geometry><mesh filename='",
-       "'/></geometry></visual></link></robot>", ".stl", kStl, true, Code::W6221},
+       "'/></geometry></visual></link></robot>", ".stl", kStl, true, Code("W6221")},
       {"m.urdf",
        "<robot name='r'><link name='l'><visual><geometry><box size='1 1 1'/></geometry><material "
        "name='m'><texture filename='",
-       "'/></material></visual></link></robot>", ".ppm", kPicture, false, Code::W6221},
+       "'/></material></visual></link></robot>", ".ppm", kPicture, false, Code("W6221")},
       {"m.xml", "<mujoco><asset><mesh name='a' file='",
        "'/></asset><worldbody><geom type='mesh' mesh='a'/></worldbody></mujoco>", ".stl", kStl,
-       true, Code::W6221},
+       true, Code("W6221")},
       {"m.xml", "<mujoco><worldbody><geom size='1'/></worldbody><include file='", "'/></mujoco>",
-       ".xml", "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", true, Code::W6221},
+       ".xml", "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", true, Code("W6221")},
   };
 }
 
@@ -122,7 +122,7 @@ void expect_found(const Naming& naming, const std::string& at, const std::string
     if (found) EXPECT_FALSE(log.has_errors()) << what;
     if (wanted == Found::no && naming.part) EXPECT_TRUE(log.has_errors()) << what;
     if (wanted == Found::no && !naming.part)
-      EXPECT_TRUE(log.contains(Code::W6004) || log.contains(Code::W6005)) << what;
+      EXPECT_TRUE(log.contains(Code("W6004")) || log.contains(Code("W6005"))) << what;
   }
 }
 
@@ -178,7 +178,7 @@ TEST(NamedFiles, BehindLinksThatLeadOutAreRefused) {
   const auto read = import_file(model, {}, log);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->scene.inputs.size(), 1u);
-  EXPECT_TRUE(log.contains(Code::W6005)) << to_text(log);
+  EXPECT_TRUE(log.contains(Code("W6005"))) << to_text(log);
 }
 
 TEST(NamedFiles, ALinkThatTheUserNamesIsFollowed) {

@@ -356,7 +356,7 @@ TEST(LabelsCompute, AnUnknownPartIsAnError) {
   DiagnosticLog log;
   Labeller labeller({.parts = {{"wing", "craft/root/wings"}}});
   EXPECT_FALSE(labeller.label(world, plain_camera(), {}, log));
-  EXPECT_TRUE(log.contains(Code::E9005));
+  EXPECT_TRUE(log.contains(Code("E9005")));
 }
 
 // On a plate that faces the Sun: the Earth's shadow is a cylinder to the Sun's centre.

@@ -80,7 +80,7 @@ TEST(Material, CookWinsOverShine) {
   f.cook_torrance = CookTorrance{1, 0.2, 1, 1};
   f.reflect = Vec3(0.8, 0.2, 0);
   const Outcome o = settle(f);
-  EXPECT_EQ(o.codes, Codes{Code::N1401});
+  EXPECT_EQ(o.codes, Codes{Code("N1401")});
   EXPECT_THAT(o.messages, HasSubstr("shine 30 is not used, because cook is given"));
   EXPECT_EQ(o.material.specular_model(), SpecularModel::cook_torrance);
 }
@@ -91,7 +91,7 @@ TEST(Material, HapkeWinsOverOren) {
   f.oren_nayar = OrenNayar{0.3};
   f.hapke = Hapke{.w = 0.21, .h = 0.07, .b0 = 1, .roughness = 20 * kDegree};
   const Outcome o = settle(f);
-  EXPECT_EQ(o.codes, (Codes{Code::W1404, Code::N1401}));
+  EXPECT_EQ(o.codes, (Codes{Code("W1404"), Code("N1401")}));
   EXPECT_EQ(o.material.diffuse_model(), DiffuseModel::hapke);
   EXPECT_NEAR(std::get<Hapke>(o.material.diffuse_brdf).roughness, 20 * kDegree, 1e-16);
   EXPECT_THAT(o.messages, HasSubstr("mean roughness 20 degrees"));
@@ -106,7 +106,7 @@ TEST(Material, EnergyOfWeights) {
   f.specular = Vec3(1);
   f.blinn_phong = BlinnPhong{5};
   f.reflect = Vec3(0.9, 0.2, 0);
-  EXPECT_EQ(settle(f).codes, Codes{Code::W1402});
+  EXPECT_EQ(settle(f).codes, Codes{Code("W1402")});
   EXPECT_THAT(settle(f).messages, HasSubstr("0.9 0.2 0 of reflect add up to 1.1"));
   f.reflect = Vec3(0.7, 0.2, 0.1);  // adds up to 1 but for rounding
   f.emissive = Vec3(1);
@@ -116,7 +116,7 @@ TEST(Material, EnergyOfWeights) {
 TEST(Material, EnergyOfColors) {
   Fields f;
   f.diffuse = Vec3(0.2, 1.5, 0.2);
-  EXPECT_EQ(settle(f).codes, Codes{Code::W1402});
+  EXPECT_EQ(settle(f).codes, Codes{Code("W1402")});
   EXPECT_THAT(settle(f).messages, HasSubstr("1.5 in green"));
   EXPECT_THAT(settle(f).messages, testing::Not(HasSubstr("8-bit")));
   // IEC 61966-2-1 by a pocket calculator: ((128/255 + 0.055)/1.055)^2.4 = 0.2159
@@ -132,14 +132,14 @@ TEST(Material, CookFactors) {
   f.specular = Vec3(1);
   f.reflect = Vec3(0.9, 0.1, 0);
   f.cook_torrance = CookTorrance{2, 0.15, 1, 1};
-  EXPECT_EQ(settle(f).codes, Codes{Code::W1403});
+  EXPECT_EQ(settle(f).codes, Codes{Code("W1403")});
   EXPECT_EQ(std::get<CookTorrance>(settle(f).material.specular_brdf).d_scale, 2);
 }
 
 TEST(Material, FieldsWithoutTheirPartner) {
   const auto one_note = [](const Fields& f, const char* words) {
     const Outcome o = settle(f);
-    EXPECT_EQ(o.codes, Codes{Code::N1405}) << words << ": " << o.messages;
+    EXPECT_EQ(o.codes, Codes{Code("N1405")}) << words << ": " << o.messages;
     EXPECT_THAT(o.messages, HasSubstr(words));
   };
   Fields f;

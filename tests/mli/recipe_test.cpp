@@ -21,7 +21,7 @@ std::string said_of(const Recipe& recipe) {
   EXPECT_FALSE(made(recipe, {}, log).ok());
   std::string all;
   for (const Diagnostic& entry : log.entries()) {
-    EXPECT_EQ(entry.code, Code::E7001);
+    EXPECT_EQ(entry.code, Code("E7001"));
     all += entry.message + "\n";
   }
   return all;
@@ -180,7 +180,7 @@ TEST(Recipe, ACancelledSheetIsNone) {
   const Job job({.threads = 1, .progress = {}});
   job.cancel();
   EXPECT_FALSE(made(everything(), {}, log, {}, job).ok());
-  EXPECT_TRUE(log.contains(Code::E0001));
+  EXPECT_TRUE(log.contains(Code("E0001")));
 }
 
 TEST(Recipe, OperationsHaveNames) {

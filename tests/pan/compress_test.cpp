@@ -185,7 +185,7 @@ TEST(Compress, CopiesInMemoryKeepTheirLimit) {
   const std::uint64_t size = std::filesystem::file_size(path);
   DiagnosticLog refusing;
   EXPECT_FALSE(Model::read(path, size, refusing));
-  EXPECT_TRUE(refusing.contains(Code::E0104));
+  EXPECT_TRUE(refusing.contains(Code("E0104")));
   EXPECT_TRUE(Model::read(path, 1 << 20, log)) << to_text(log);
   std::filesystem::remove(path);
 }
@@ -238,7 +238,7 @@ TEST(Compress, ACancelledCheckCanBeDoneAgain) {
     DiagnosticLog stopped;
     const bool done = model->check(stopped, job);
     other.join();
-    EXPECT_EQ(done, !stopped.contains(Code::E0001));
+    EXPECT_EQ(done, !stopped.contains(Code("E0001")));
     EXPECT_EQ(done, model->checked());
     DiagnosticLog again;
     ASSERT_TRUE(model->check(again)) << to_text(again);

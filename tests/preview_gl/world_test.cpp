@@ -91,7 +91,7 @@ TEST(Worlds, EmptyOrHiddenGivesTheBackground) {
     }
     const auto image = renderer.render(world, view.camera, truthful(64), log);
     ASSERT_TRUE(image);
-    EXPECT_TRUE(log.contains(Code::W5006));
+    EXPECT_TRUE(log.contains(Code("W5006")));
     EXPECT_EQ(log.entries().back().message, step == 0
                                                 ? "nothing is in view: the world has no targets"
                                                 : "nothing is in view: no target is visible");

@@ -86,7 +86,7 @@ TEST(Grammar, PresenceRules) {
     const Reading r = check(c.kind, c.members, box(c.attributes, c.inside));
     EXPECT_EQ(r.summary().empty(), c.good) << c.attributes << c.inside << r.summary();
     if (!c.good) {
-      EXPECT_TRUE(r.log.contains(Code::E1108));
+      EXPECT_TRUE(r.log.contains(Code("E1108")));
     }
   }
 }

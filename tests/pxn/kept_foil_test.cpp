@@ -352,7 +352,7 @@ TEST(FoilBytes, UnsoundSheetsAreRefused) {
   good.meshes.parts[0] = {shared(triangle()), {{shared(triangle()), 0.1, 0.01}}};
   good.meshes.parts[2].finest = shared(triangle());
   good.meshes.vertices = 9;
-  good.said = {{Code::W7002, places.recipe, "too high", {}, "lower"}};
+  good.said = {{Code("W7002"), places.recipe, "too high", {}, "lower"}};
   ByteWriter to;
   ASSERT_TRUE(write(good, places, to));
   ByteReader whole(to.bytes());

@@ -142,7 +142,7 @@ TEST(Mesh, NothingToSee) {
                                     list("positions", "vec3", kQuad) + strips({"0 0 1 1 1"}),
                                     std::string("<positions/>") + strips({""})}) {
     const Reading r = read_mesh(inside);
-    EXPECT_TRUE(r.log.contains(Code::E2004)) << r.summary();
+    EXPECT_TRUE(r.log.contains(Code("E2004"))) << r.summary();
     EXPECT_TRUE(r.scene->shapes.empty());
     EXPECT_EQ(r.log.errors(), 1u) << r.summary();
   }

@@ -165,7 +165,7 @@ TEST(Upgrade, PathsBeginAtTheFile) {
   EXPECT_THAT((*both.files)[1].text, HasSubstr("<include file=\"c.pxn\"/>"));
   EXPECT_EQ((*both.files)[0].paths, 0u);
   EXPECT_EQ((*both.files)[1].paths, 1u);
-  EXPECT_EQ(both.count(Code::N1318), 1u);
+  EXPECT_EQ(both.count(Code("N1318")), 1u);
   // by itself the part finds nothing
   EXPECT_FALSE(upgrade_of({a}).files);
   // once written, nothing is left to do
@@ -185,14 +185,14 @@ TEST(Upgrade, WhatWouldChangeIsRefused) {
   // braces are expressions in level 1
   const Upgrading braces = upgrading(frame_s("a{1}", "0 0 1", "0 -1 0", "1 0 0"));
   EXPECT_FALSE(braces.files);
-  EXPECT_EQ(braces.count(Code::E1317), 1u) << to_text(braces.log);
+  EXPECT_EQ(braces.count(Code("E1317")), 1u) << to_text(braces.log);
   const Upgrading unknown = upgrading(frame_s("a{x", "0 0 1", "0 -1 0", "1 0 0"));
   EXPECT_FALSE(unknown.files);
-  EXPECT_EQ(unknown.count(Code::E1317), 1u) << to_text(unknown.log);
+  EXPECT_EQ(unknown.count(Code("E1317")), 1u) << to_text(unknown.log);
   // errors come first
   const Upgrading wrong = upgrading("<spere/>");
   EXPECT_FALSE(wrong.files);
-  EXPECT_EQ(wrong.count(Code::E1101), 1u);
+  EXPECT_EQ(wrong.count(Code("E1101")), 1u);
   EXPECT_FALSE(upgrade_of({folder / "none.pxn"}).files);
 }
 

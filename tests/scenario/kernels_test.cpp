@@ -69,7 +69,7 @@ TEST(KernelSource, PositionsInMetres) {
   }
   Frame frame;
   EXPECT_FALSE(source->at(600.1, frame, log));
-  EXPECT_TRUE(log.contains(Code::E8003));
+  EXPECT_TRUE(log.contains(Code("E8003")));
 }
 
 TEST(KernelSource, DatesOfTheScenario) {
@@ -114,7 +114,7 @@ TEST(KernelSource, AttitudeAndSun) {
   other.observer = "EARTH";
   const SourcePtr orbit = source_of(other, log);
   EXPECT_FALSE(Sequence::of({{orbit}, {source}}, {}, log));
-  EXPECT_TRUE(log.contains(Code::E8009));
+  EXPECT_TRUE(log.contains(Code("E8009")));
 }
 
 TEST(KernelSource, NamesThatNoKernelHas) {
@@ -127,15 +127,15 @@ TEST(KernelSource, NamesThatNoKernelHas) {
     EXPECT_FALSE(source_of(options, log));
     EXPECT_TRUE(log.contains(expected)) << to_text(log);
   };
-  code([](KernelOptions& o) { o.body = "nobody"; }, Code::E8013);
-  code([](KernelOptions& o) { o.observer = ""; }, Code::E8013);
-  code([](KernelOptions& o) { o.frame = "NO_FRAME"; }, Code::E8013);
-  code([](KernelOptions& o) { o.aberration = "XLT"; }, Code::E8013);
-  code([](KernelOptions& o) { o.body = ""; }, Code::E8013);
-  code([](KernelOptions& o) { o.observer = "MARS"; }, Code::E8003);
-  code([](KernelOptions& o) { o.frame = "IAU_EARTH"; }, Code::E8003);
+  code([](KernelOptions& o) { o.body = "nobody"; }, Code("E8013"));
+  code([](KernelOptions& o) { o.observer = ""; }, Code("E8013"));
+  code([](KernelOptions& o) { o.frame = "NO_FRAME"; }, Code("E8013"));
+  code([](KernelOptions& o) { o.aberration = "XLT"; }, Code("E8013"));
+  code([](KernelOptions& o) { o.body = ""; }, Code("E8013"));
+  code([](KernelOptions& o) { o.observer = "MARS"; }, Code("E8003"));
+  code([](KernelOptions& o) { o.frame = "IAU_EARTH"; }, Code("E8003"));
   // light time needs the root
-  code([](KernelOptions& o) { o.aberration = "LT"; }, Code::E8003);
+  code([](KernelOptions& o) { o.aberration = "LT"; }, Code("E8003"));
 }
 
 }  // namespace

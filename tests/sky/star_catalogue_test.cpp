@@ -80,7 +80,7 @@ TEST(ParseStars, NamesBrokenLinesAndKeepsTheOthers) {
   EXPECT_EQ(stars->stars.size(), 1u);
   ASSERT_EQ(log.entries().size(), 7u);
   for (std::uint32_t i = 0; i < 7; ++i) {
-    EXPECT_EQ(log.entries()[i].code, Code::W5041);
+    EXPECT_EQ(log.entries()[i].code, Code("W5041"));
     EXPECT_EQ(log.sources().position(0, log.entries()[i].where.begin).line, 3 + i);
   }
 }

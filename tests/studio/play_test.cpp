@@ -73,7 +73,7 @@ TEST(Play, ModelsBesideIt) {
   ASSERT_TRUE(play);
   EXPECT_EQ(play->targets, (std::vector<std::string>{"box=other.pxn", "more=more.pxn"}));
   EXPECT_FALSE(open_play(folder / "way.csv", "", {}, "", log));
-  EXPECT_TRUE(log.contains(Code::E8013));
+  EXPECT_TRUE(log.contains(Code("E8013")));
 }
 
 struct Scene {

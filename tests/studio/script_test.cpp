@@ -78,7 +78,7 @@ TEST(Script, ErrorsNameTheStep) {
     DiagnosticLog log;
     EXPECT_FALSE(read_script(folder.write("s.json", text), log)) << text;
     ASSERT_EQ(log.errors(), 1u) << text;
-    EXPECT_EQ(log.entries()[0].code, Code::E0203);
+    EXPECT_EQ(log.entries()[0].code, Code("E0203"));
     EXPECT_THAT(log.entries()[0].message, ::testing::HasSubstr(what)) << text;
   }
 }

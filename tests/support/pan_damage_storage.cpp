@@ -48,7 +48,7 @@ std::vector<std::byte> frame_of_zeros(std::uint32_t count, std::uint32_t block) 
 
 void record_sizes(Collection& add) {
   const auto sized = [&](const char* what, SectionKind kind, std::uint32_t stride) {
-    add.changed(Code::E4008, what, [&](OpenPan& f) { f.restride_section(kind, stride); });
+    add.changed(Code("E4008"), what, [&](OpenPan& f) { f.restride_section(kind, stride); });
   };
   sized("records shorter than in format 1.0", SectionKind::instances, 12);
   sized("records of an odd size", SectionKind::instances, 17);
@@ -56,24 +56,24 @@ void record_sizes(Collection& add) {
   sized("records over the limit", SectionKind::frames, 4160);
   sized("elements of an array with a tail", SectionKind::positions, 16);
   sized("bytes with a tail", SectionKind::texels, 2);
-  add.changed(Code::E4008, "longer records that the header does not speak of", [](OpenPan& f) {
+  add.changed(Code("E4008"), "longer records that the header does not speak of", [](OpenPan& f) {
     f.restride_section(SectionKind::instances, 32);
     f.header().required_features = 0;
   });
-  add.changed(Code::E4008, "records of no size", [](OpenPan& f) {
+  add.changed(Code("E4008"), "records of no size", [](OpenPan& f) {
     f.restride_section(SectionKind::instances, 32);
     f.entry(SectionKind::instances).stride = 0;
   });
-  add.changed(Code::E4008, "records of 2^32 - 64 bytes, none of them", [](OpenPan& f) {
+  add.changed(Code("E4008"), "records of 2^32 - 64 bytes, none of them", [](OpenPan& f) {
     f.restride_section(SectionKind::keypoints, 64);
     f.resize_section(SectionKind::keypoints, 0);
     f.entry(SectionKind::keypoints).stride = 0xffffffc0u;
   });
-  add.changed(Code::E4010, "longer records with a node that is not there", [](OpenPan& f) {
+  add.changed(Code("E4010"), "longer records with a node that is not there", [](OpenPan& f) {
     f.at<Instance>(SectionKind::instances, 1).node = 99;
     f.restride_section(SectionKind::instances, 32);
   });
-  add.changed(Code::E4004, "tiles that may not be ignored", [](OpenPan& f) {
+  add.changed(Code("E4004"), "tiles that may not be ignored", [](OpenPan& f) {
     f.add_section(pan::layout::kReservedKinds[0].value, false, 64, std::vector<std::byte>(64));
   });
 }
@@ -85,30 +85,31 @@ void compression(Collection& add) {
   };
   const std::vector<std::byte> plain(24), frame = frame_of_zeros(24, 24);
   const auto length = static_cast<std::uint32_t>(frame.size());
-  packing(Code::E4015, "a chunk of an unknown form", {plain, {kUnknown | 24}});
-  packing(Code::E4015, "a plain chunk that is too short", {{plain.begin(), plain.end() - 1}, {23}});
-  packing(Code::E4015, "a plain chunk that is too long", {std::vector<std::byte>(25), {25}});
-  packing(Code::E4015, "a chunk that begins past the end", {plain, {0x3fffffff}});
-  packing(Code::E4015, "chunks that leave bytes over", {std::vector<std::byte>(40), {24}});
-  packing(Code::E4015, "an empty frame", {{}, {kZstd}});
-  packing(Code::E4015, "bytes that are no frame", {plain, {kZstd | 24}});
-  packing(Code::E4015, "planes that are no frame", {plain, {kPlanes | 24}});
-  packing(Code::E4015, "a frame that says more than it has",
+  packing(Code("E4015"), "a chunk of an unknown form", {plain, {kUnknown | 24}});
+  packing(Code("E4015"), "a plain chunk that is too short",
+          {{plain.begin(), plain.end() - 1}, {23}});
+  packing(Code("E4015"), "a plain chunk that is too long", {std::vector<std::byte>(25), {25}});
+  packing(Code("E4015"), "a chunk that begins past the end", {plain, {0x3fffffff}});
+  packing(Code("E4015"), "chunks that leave bytes over", {std::vector<std::byte>(40), {24}});
+  packing(Code("E4015"), "an empty frame", {{}, {kZstd}});
+  packing(Code("E4015"), "bytes that are no frame", {plain, {kZstd | 24}});
+  packing(Code("E4015"), "planes that are no frame", {plain, {kPlanes | 24}});
+  packing(Code("E4015"), "a frame that says more than it has",
           {frame_of_zeros(24, 23), {kZstd | length}});
-  packing(Code::E4015, "a frame that has more than it says",
+  packing(Code("E4015"), "a frame that has more than it says",
           {frame_of_zeros(24, 25), {kZstd | length}});
-  packing(Code::E4015, "a frame of another length", {frame_of_zeros(23, 23), {kZstd | length}});
-  packing(Code::E4015, "a frame of 4 GB in 13 bytes",
+  packing(Code("E4015"), "a frame of another length", {frame_of_zeros(23, 23), {kZstd | length}});
+  packing(Code("E4015"), "a frame of 4 GB in 13 bytes",
           {frame_of_zeros(0xffffffffu, 131072), {kZstd | length}});
-  packing(Code::E4015, "a frame with bytes behind it", [&] {
+  packing(Code("E4015"), "a frame with bytes behind it", [&] {
     std::vector<std::byte> two = frame;
     two.insert(two.end(), frame.begin(), frame.end());
     return Packing{two, {kZstd | 2 * length}};
   }());
-  packing(Code::E4010, "texels that are too many, compressed",
+  packing(Code("E4010"), "texels that are too many, compressed",
           {frame_of_zeros(28, 28), {kZstd | length}, 28});
   const auto entry = [&](const char* what, const std::function<void(DirectoryEntry&)>& change) {
-    add.changed(Code::E4008, what, [&](OpenPan& f) {
+    add.changed(Code("E4008"), what, [&](OpenPan& f) {
       set_packing(f, {frame, {kZstd | length}});
       change(f.entry(SectionKind::texels));
     });
@@ -122,22 +123,22 @@ void compression(Collection& add) {
   entry("a packed length near 2^64", [](DirectoryEntry& e) { e.packed_length = kHugeStorage; });
   entry("no room for the words of chunks", [](DirectoryEntry& e) { e.packed_length = 3; });
   entry("a compressed section of nothing", [](DirectoryEntry& e) { e.raw_length = e.count = 0; });
-  add.changed(Code::E4008, "compressed bytes with too much padding", [&](OpenPan& f) {
+  add.changed(Code("E4008"), "compressed bytes with too much padding", [&](OpenPan& f) {
     set_packing(f, {frame, {kZstd | length}});
     std::vector<std::byte> stored(128);
     std::memcpy(stored.data(), &f.at<std::byte>(SectionKind::texels, 0), 64);
     f.replace_section(SectionKind::texels, stored);
   });
-  add.changed(Code::E4008, "compressed bytes with padding that is not zero", [&](OpenPan& f) {
+  add.changed(Code("E4008"), "compressed bytes with padding that is not zero", [&](OpenPan& f) {
     set_packing(f, {frame, {kZstd | length}});
     f.at<std::uint8_t>(SectionKind::texels, 63) = 1;
   });
-  add.changed(Code::E4004, "a codec of a later format", [&](OpenPan& f) {
+  add.changed(Code("E4004"), "a codec of a later format", [&](OpenPan& f) {
     set_packing(f, {frame, {kZstd | length}});
     f.entry(SectionKind::texels).codec = 3;
   });
   add.changed(
-      Code::E4009, "a changed chunk",
+      Code("E4009"), "a changed chunk",
       [&](OpenPan& f) {
         set_packing(f, {frame, {kZstd | length}});
         f.seal();

@@ -370,7 +370,7 @@ TEST_F(TerrainCorpus, Shapes) {
   EXPECT_NEAR(survey_shape(*eros).volume, 2535e9, 0.02 * 2535e9);
   DiagnosticLog doubt;
   EXPECT_FALSE(read_shape(folder() / "small-bodies/bennu.obj", {}, doubt));
-  EXPECT_TRUE(doubt.contains(Code::E9602));
+  EXPECT_TRUE(doubt.contains(Code("E9602")));
   ShapeOptions metres;
   metres.unit = 1;
   const auto bennu = read_shape(folder() / "small-bodies/bennu.obj", metres, log);

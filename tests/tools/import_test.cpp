@@ -286,7 +286,7 @@ TEST(Import, a_report_stops_when_it_is_asked_to) {
     const auto text =
         tools::mesh_report_page(*report.mesh_report, imported->scene, bad, {}, said, job);
     EXPECT_EQ(static_cast<bool>(text), !job.cancelled());
-    EXPECT_EQ(said.contains(Code::E0001), job.cancelled());
+    EXPECT_EQ(said.contains(Code("E0001")), job.cancelled());
   };
   std::size_t told = 0;
   page(Job({0, [&](const Progress&) { ++told; }}));

@@ -58,7 +58,7 @@ TEST(BudgetText, WrongOnesAreNamed) {
     DiagnosticLog log;
     EXPECT_FALSE(budget_of_text(text, log)) << text;
     ASSERT_EQ(log.entries().size(), 1u) << text;
-    EXPECT_EQ(log.entries()[0].code, Code::E0201);
+    EXPECT_EQ(log.entries()[0].code, Code("E0201"));
     EXPECT_THAT(log.entries()[0].message, HasSubstr(problem)) << text;
   }
   DiagnosticLog log;

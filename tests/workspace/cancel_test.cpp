@@ -42,7 +42,7 @@ void cancel_everywhere(const Work& work, const std::function<void()>& look, std:
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
   const auto check = [&](bool done, const DiagnosticLog& log, const Job& job) {
     // what was asked to stop may have come to its end just then
-    EXPECT_NE(done, log.contains(Code::E0001)) << to_text(log);
+    EXPECT_NE(done, log.contains(Code("E0001"))) << to_text(log);
     if (!job.cancelled()) {
       EXPECT_TRUE(done);
     }

@@ -174,7 +174,7 @@ TEST(SceneSettings, TheFirstTargetThatHasOneGivesIt) {
     EXPECT_EQ(frame->sky, nullptr);
   }
   ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
-  EXPECT_EQ(log.entries()[0].code, Code::N1314);
+  EXPECT_EQ(log.entries()[0].code, Code("N1314"));
   EXPECT_THAT(log.entries()[0].message, HasSubstr("scene of 'port' is not used; that of 'other'"));
 }
 
@@ -193,7 +193,7 @@ TEST(SceneSettings, TextsAreCheckedAtTheirPlace) {
         "m.pxn", "<pangu_model ver='1'>\n" + std::string(scene) + "<sphere/></pangu_model>");
     (void)open(file, {}, log);
     ASSERT_EQ(log.errors(), 1u) << scene << to_text(log);
-    EXPECT_EQ(log.entries()[0].code, Code::E0203);
+    EXPECT_EQ(log.entries()[0].code, Code("E0203"));
     EXPECT_THAT(log.entries()[0].message, HasSubstr(says));
   }
 }

@@ -235,7 +235,7 @@ TEST(SkyByDate, SaysWhatIsMissing) {
   EXPECT_TRUE(maker.frame(view, log));
   EXPECT_TRUE(maker.frame(view, log));
   ASSERT_EQ(log.entries().size(), 1u) << "once";
-  EXPECT_EQ(log.entries()[0].code, Code::W5041);
+  EXPECT_EQ(log.entries()[0].code, Code("W5041"));
 }
 
 class ScenarioByDate : public testing::Test {

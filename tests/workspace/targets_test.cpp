@@ -65,11 +65,11 @@ TEST(OpenWorld, RefusesTwoTargetsOfOneNameAndNone) {
   const TargetFile twice[] = {{"a", folder / "none.pan"}, {"a", folder / "neither.pan"}};
   EXPECT_FALSE(open_world(twice, {}, log));
   ASSERT_EQ(log.entries().size(), 1u) << "nothing is opened first";
-  EXPECT_EQ(log.entries()[0].code, Code::E5009);
+  EXPECT_EQ(log.entries()[0].code, Code("E5009"));
   EXPECT_THAT(log.entries()[0].message, testing::HasSubstr("neither.pan"));
   DiagnosticLog none;
   EXPECT_FALSE(open_world({}, {}, none));
-  EXPECT_TRUE(none.contains(Code::E5030));
+  EXPECT_TRUE(none.contains(Code("E5030")));
 }
 
 TEST(BoundingSpheres, HoldEachTargetAndAllOfThem) {

@@ -119,7 +119,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
     // values are reported too, each where its view stands: here that "a" names no format
     EXPECT_TRUE(std::any_of(log.entries().begin(), log.entries().end(),
                             [part = words](const Diagnostic& entry) {
-                              return entry.code == Code::E0203 &&
+                              return entry.code == Code("E0203") &&
                                      entry.message.find(part) != std::string::npos;
                             }))
         << words << "\n"
@@ -130,7 +130,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
   EXPECT_EQ(log.entries()[0].hint, "did you mean 'fov'?");
   DiagnosticLog missing;
   EXPECT_FALSE(read_views("/nonexistent.json", {}, missing));
-  EXPECT_TRUE(missing.contains(Code::E0101));
+  EXPECT_TRUE(missing.contains(Code("E0101")));
 }
 
 // A quality fills in what is not given, and nothing else.
@@ -248,7 +248,7 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
         log))
         << members;
     ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
-    EXPECT_EQ(log.entries()[0].code, Code::E0203);
+    EXPECT_EQ(log.entries()[0].code, Code("E0203"));
     EXPECT_THAT(log.entries()[0].message, testing::HasSubstr(words));
   }
 }

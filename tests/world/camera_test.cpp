@@ -15,7 +15,7 @@ Quat looks(const Vec3& from, const Vec3& at, const std::optional<Vec3>& up = {})
   DiagnosticLog log;
   const auto quat = looking_at(from, at, up, log);
   EXPECT_TRUE(quat);
-  EXPECT_FALSE(log.contains(Code::N5004));
+  EXPECT_FALSE(log.contains(Code("N5004")));
   return quat ? *quat : Quat(1, 0, 0, 0);
 }
 
@@ -46,19 +46,19 @@ TEST(LookingAt, ReplacesUpAlongTheLineOfSight) {
     const auto q = looking_at({offset, 0, 10}, {0, 0, 0}, {}, log);
     ASSERT_TRUE(q);
     // the angle between boresight and -z is offset/10
-    EXPECT_TRUE(log.contains(Code::N5004));
+    EXPECT_TRUE(log.contains(Code("N5004")));
     EXPECT_LT(glm::dot(*q * Vec3(0, 1, 0), Vec3(0, 1, 0)), -0.999999);
   }
   DiagnosticLog log;
   ASSERT_TRUE(looking_at({1.1e-5, 0, 10}, {0, 0, 0}, {}, log));
-  EXPECT_FALSE(log.contains(Code::N5004));
+  EXPECT_FALSE(log.contains(Code("N5004")));
 }
 
 TEST(LookingAt, ReplacesEvenPlusY) {
   DiagnosticLog log;
   const auto q = looking_at({0, -7, 0}, {0, 0, 0}, Vec3(0, 2, 0), log);
   ASSERT_TRUE(q);
-  EXPECT_TRUE(log.contains(Code::N5004));
+  EXPECT_TRUE(log.contains(Code("N5004")));
   expect_near(*q * Vec3(0, 1, 0), {0, 0, -1}, 1e-15);
 }
 
@@ -67,7 +67,7 @@ TEST(LookingAt, RefusesNoDirection) {
   EXPECT_FALSE(looking_at({1, 2, 3}, {1, 2, 3}, {}, log));
   EXPECT_FALSE(looking_at({1, 2, 3}, {0, 0, 0}, Vec3(0), log));
   EXPECT_EQ(log.errors(), 2u);
-  EXPECT_TRUE(log.contains(Code::E0201));
+  EXPECT_TRUE(log.contains(Code("E0201")));
 }
 
 TEST(Camera, FieldOfViewIsHorizontalAndFull) {

@@ -140,7 +140,7 @@ TEST(Evaluation, ACameraRidesOnAFrameOfAMovedNode) {
   EXPECT_LE(glm::length(after.position - (moved.rotation * before.position + moved.translation)),
             1e-14);  // measured 1e-15
   EXPECT_FALSE(place_in_frame(after, world, 0, "no such frame", log));
-  EXPECT_TRUE(log.contains(Code::E5005));
+  EXPECT_TRUE(log.contains(Code("E5005")));
 }
 
 }  // namespace

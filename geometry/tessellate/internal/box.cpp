@@ -354,7 +354,7 @@ Problem problem(const Box& shape) {
   const double most = 0.5 * std::min({shape.size.x, shape.size.y, shape.size.z});
   if (shape.bevel > most * (1 + kSlack))
     return ShapeProblem{
-        Code::E2011,
+        Code("E2011"),
         fmt::format("a bevel of {} m, expected at most half of the smallest side, {} m",
                     format_double(shape.bevel), format_double(most)),
         "bevel"};
@@ -366,7 +366,7 @@ Result<Mesh> make(const Box& shape, const TessellationOptions& options, SourceSp
   const Plan plan = box_plan(shape, options);
   if (plan.too_fine) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on a box "
                     "of {} by {} by {} m",
                     format_double(options.max_error), format_double(shape.size.x),

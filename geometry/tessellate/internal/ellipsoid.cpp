@@ -338,7 +338,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
   const Room room(s, options);
   if (room.half_range <= 0 && !has_counts(s)) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on an "
                     "ellipsoid of this size, expected at least {} m",
                     format_double(options.max_error), format_double(room.least_error)));
@@ -346,7 +346,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
   }
   std::optional<Mesh> mesh = made_ellipsoid(s, options);
   if (mesh) return std::move(*mesh);
-  log.report(Code::E2003, where,
+  log.report(Code("E2003"), where,
              fmt::format("an ellipsoid with an error of {} m needs more than {} triangles",
                          format_double(options.max_error), options.max_triangles));
   return failed;

@@ -34,7 +34,7 @@ double cap_count(const Extrude& shape) {
 }
 
 Problem too_few(std::size_t count, std::string_view part, std::size_t item) {
-  return ShapeProblem{Code::E2015, fmt::format("a loop of {} points, expected at least 3", count),
+  return ShapeProblem{Code("E2015"), fmt::format("a loop of {} points, expected at least 3", count),
                       part, item};
 }
 
@@ -194,7 +194,7 @@ Problem problem_of_loops(const Extrude& shape) {
 Problem problem(const Extrude& shape) {
   if (auto bad = size_problem(shape.height, "height", "a height")) return bad;
   if (!(shape.smooth >= 0 && shape.smooth <= 2 * kPi))
-    return ShapeProblem{Code::E2011,
+    return ShapeProblem{Code("E2011"),
                         fmt::format("a smoothing angle of {:.12g} deg, expected 0 to 360 deg",
                                     shape.smooth / kDegree),
                         "smooth"};

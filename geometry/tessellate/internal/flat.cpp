@@ -18,7 +18,7 @@ Problem first_problem(std::span<const V> points, std::string_view part) {
       const double x = points[i][axis];
       if (std::fabs(x) <= kMaxCoordinate) continue;
       return ShapeProblem{
-          Code::E2010,
+          Code("E2010"),
           fmt::format("point {} has a coordinate of {} m, expected a magnitude of at most {} m",
                       i + 1, format_double(x), format_double(kMaxCoordinate)),
           part, i};
@@ -41,7 +41,7 @@ bool within_counts(double triangles, double vertices, std::string_view what,
                    const TessellationOptions& options, SourceSpan where, DiagnosticLog& log) {
   const double limit = std::fmin(static_cast<double>(options.max_triangles), kMostVertices);
   if (triangles <= limit && vertices <= kMostVertices) return true;
-  log.report(Code::E2003, where,
+  log.report(Code("E2003"), where,
              fmt::format("{} of {} triangles and {} vertices, expected at most {} triangles", what,
                          format_double(triangles), format_double(vertices), format_double(limit)));
   return false;
@@ -58,11 +58,11 @@ Problem coordinate_problem(std::span<const Vec3> points, std::string_view part) 
 Code code_of(const RegionFault& fault, const Region& region) {
   switch (fault.kind) {
     case RegionFault::Kind::coincident:
-      return Code::E2015;
+      return Code("E2015");
     case RegionFault::Kind::crossing:
-      return region.loop[fault.edge] == region.loop[fault.other] ? Code::E2012 : Code::E2013;
+      return region.loop[fault.edge] == region.loop[fault.other] ? Code("E2012") : Code("E2013");
     default:
-      return Code::E2013;
+      return Code("E2013");
   }
 }
 

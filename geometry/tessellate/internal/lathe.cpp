@@ -127,7 +127,7 @@ ShapeProblem at_point(Code code, std::string message, std::size_t i) {
 Problem points_problem(const std::vector<Vec2>& profile) {
   if (profile.size() < 2)
     return ShapeProblem{
-        Code::E2015,
+        Code("E2015"),
         fmt::format("a profile of {}, expected at least 2", counted(profile.size(), "point")),
         "profile"};
   double size = 0, radius = 0;
@@ -135,13 +135,13 @@ Problem points_problem(const std::vector<Vec2>& profile) {
     const Vec2& p = profile[i];
     if (!(std::fabs(p.x) <= kMaxCoordinate && std::fabs(p.y) <= kMaxCoordinate))
       return at_point(
-          Code::E2010,
+          Code("E2010"),
           fmt::format("point {} of the profile is ({}, {}), expected magnitudes of at most {} m",
                       i + 1, format_double(p.x), format_double(p.y), format_double(kMaxCoordinate)),
           i);
     if (p.x < 0)
       return at_point(
-          Code::E2011,
+          Code("E2011"),
           fmt::format("point {} of the profile has a radius of {} m, expected at least 0", i + 1,
                       format_double(p.x)),
           i);
@@ -150,16 +150,16 @@ Problem points_problem(const std::vector<Vec2>& profile) {
   }
   if (radius == 0)
     return ShapeProblem{
-        Code::E2011,
+        Code("E2011"),
         "a profile that lies on the axis has no surface, expected a point off the axis", "profile"};
   if (radius < kMinRadius)
-    return ShapeProblem{Code::E2010,
+    return ShapeProblem{Code("E2010"),
                         fmt::format("a profile of radius {} m, expected at least {} m",
                                     format_double(radius), format_double(kMinRadius)),
                         "profile"};
   for (std::size_t i = 1; i < profile.size(); ++i)
     if (!(glm::length(profile[i] - profile[i - 1]) > kCoincident * size))
-      return at_point(Code::E2015,
+      return at_point(Code("E2015"),
                       fmt::format("points {} and {} of the profile coincide", i, i + 1), i);
   return std::nullopt;
 }
@@ -198,14 +198,14 @@ Problem problem(const Lathe& s) {
     for (const Run& run : runs(s)) {
       const bool loop = is_loop(run);
       if (loop && run.points.size() < 4)
-        return ShapeProblem{Code::E2015, "a closed spline needs at least 3 different points",
+        return ShapeProblem{Code("E2015"), "a closed spline needs at least 3 different points",
                             "profile"};
       const bool poles = run.points.front().x == 0 && run.points.back().x == 0;
       least = std::max<std::uint32_t>(least, loop ? 3 : poles ? 2 : 1);
       const std::vector<Cubic> pieces = cubics(run.points, loop);
       for (std::size_t i = 0; i < pieces.size(); ++i)
         if (!off_axis(pieces[i]))
-          return at_point(Code::E2011,
+          return at_point(Code("E2011"),
                           fmt::format("the spline crosses the axis between points {} and {} of the "
                                       "profile; add points there",
                                       run.first + i + 1, run.first + i + 2),

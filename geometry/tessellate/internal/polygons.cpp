@@ -133,12 +133,12 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
   const Face& face = shape.faces[index];
   const auto loop_problem = [&](const std::vector<std::uint32_t>& loop) -> Problem {
     if (loop.size() < 3)
-      return polygon_problem(Code::E2015, index,
+      return polygon_problem(Code("E2015"), index,
                              fmt::format("a loop of {} points, expected at least 3", loop.size()));
     for (const std::uint32_t v : loop)
       if (v >= shape.positions.size())
         return polygon_problem(
-            Code::E2001, index,
+            Code("E2001"), index,
             fmt::format("vertex index {}, expected below {}", v, shape.positions.size()));
     return std::nullopt;
   };
@@ -152,11 +152,12 @@ Problem problem_of_face(const Polygons& shape, std::size_t index) {
   if (auto bad = index_problem(shape, index)) return bad;
   const Face& face = shape.faces[index];
   const FlatFace flat(shape.positions, face);
-  if (!flat.has_area()) return polygon_problem(Code::E2012, index, "its outline encloses no area");
+  if (!flat.has_area())
+    return polygon_problem(Code("E2012"), index, "its outline encloses no area");
   const auto [vertex, distance] = furthest_corner(shape.positions, face, flat);
   if (distance > kFlatness * flat.size)
     return polygon_problem(
-        Code::E2016, index,
+        Code("E2016"), index,
         fmt::format("vertex {} lies {} m from its plane, expected at most {} m", vertex,
                     format_double(distance), format_double(kFlatness * flat.size)));
   if (is_simple(shape.positions, face, flat)) return std::nullopt;
@@ -402,12 +403,12 @@ class PolygonBuilder {
 Problem problem(const Polygons& shape) {
   if (auto bad = coordinate_problem(shape.positions, "positions")) return bad;
   if (!(shape.smooth >= 0 && shape.smooth <= 2 * kPi))
-    return ShapeProblem{Code::E2011,
+    return ShapeProblem{Code("E2011"),
                         fmt::format("a smoothing angle of {:.12g} deg, expected 0 to 360 deg",
                                     shape.smooth / kDegree),
                         "smooth"};
   if (shape.faces.empty())
-    return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};
+    return ShapeProblem{Code("E2015"), "no faces, expected at least 1", "faces"};
   for (std::size_t i = 0; i < shape.faces.size(); ++i)
     if (auto bad = problem_of_face(shape, i)) return bad;
   return std::nullopt;

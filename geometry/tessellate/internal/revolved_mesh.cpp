@@ -263,7 +263,7 @@ Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& o
   const Layout layout = laid_out(revolution, options);
   if (layout.state == Layout::State::too_fine) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on a {} of "
                     "this size, expected at least {} m",
                     format_double(options.max_error), revolution.kind,
@@ -272,7 +272,7 @@ Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& o
   }
   if (layout.state == Layout::State::too_many) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("a {} with an error of {} m needs more than {} triangles", revolution.kind,
                     format_double(options.max_error), options.max_triangles));
     return failed;

@@ -40,7 +40,7 @@ struct Length {
 void thin(const Length& small, const Length& large, double ratio, std::string_view part,
           ShapeWarnings& out) {
   if (!(small.metres > 0 && small.metres < ratio * large.metres)) return;
-  out.push_back({Code::W2006,
+  out.push_back({Code("W2006"),
                  fmt::format("{} of {:.4g} m with {} of {:.4g} m makes triangles without area",
                              small.name, small.metres, large.name, large.metres),
                  part});
@@ -48,7 +48,7 @@ void thin(const Length& small, const Length& large, double ratio, std::string_vi
 
 void narrow_sector(const Sector& sector, ShapeWarnings& out) {
   if (sector.end - sector.begin < kNarrowAngle)
-    out.push_back({Code::W2006,
+    out.push_back({Code("W2006"),
                    fmt::format("a sector of {:.4g} deg makes triangles without area",
                                (sector.end - sector.begin) / kDegree),
                    "sector"});
@@ -166,7 +166,7 @@ void look_at(const Lathe& s, ShapeWarnings& out) {
   if (const auto edges = crossing(profile)) {
     const std::size_t a = edges->first / step, b = edges->second / step;
     out.push_back(
-        {Code::W2019,
+        {Code("W2019"),
          a == b
              ? fmt::format("the profile crosses itself after point {}", a + 1)
              : fmt::format("the profile after point {} crosses or touches its part after point {}",
@@ -176,7 +176,7 @@ void look_at(const Lathe& s, ShapeWarnings& out) {
   }
   if (!is_closed(s)) return;
   if (const double volume = turned_volume(profile); volume < 0)
-    out.push_back({Code::W2009,
+    out.push_back({Code("W2009"),
                    fmt::format("the lathe is closed and inside out: it encloses {:.4g} m³; the "
                                "outside must be on the right of the profile",
                                volume),
@@ -200,13 +200,13 @@ class PolygonsReader {
     origin_ = shape_.positions[shape_.faces[0].outline[0]];
     for (std::size_t i = 0; i < shape_.faces.size(); ++i) read(i);
     if (thin_ > 0)
-      out.push_back({Code::W2006,
+      out.push_back({Code("W2006"),
                      fmt::format("face {}{} too thin to have an area", thin_face_ + 1,
                                  thin_ > 1 ? fmt::format(" and {} more are", thin_ - 1) : " is"),
                      "faces", thin_face_});
     const Sides sides = count();
     if (sides.misoriented > 0)
-      out.push_back({Code::W2007,
+      out.push_back({Code("W2007"),
                      fmt::format("at {} neighbouring faces have opposite winding, expected "
                                  "outlines counter-clockwise from outside",
                                  counted(sides.misoriented, "edge")),
@@ -214,7 +214,7 @@ class PolygonsReader {
     // sheets of two faces enclose nothing, but for rounding
     if (sides.closed && volume_ < -1e-12 * extent_)
       out.push_back(
-          {Code::W2009,
+          {Code("W2009"),
            fmt::format("the polygons are closed and inside out: they enclose {:.4g} m³", volume_),
            "polygons"});
   }
@@ -304,7 +304,7 @@ class PolygonsReader {
 
 void look_at(const Sphere& s, ShapeWarnings& out) {
   if (s.latitude_max - s.latitude_min < kNarrowAngle)
-    out.push_back({Code::W2006,
+    out.push_back({Code("W2006"),
                    fmt::format("latitudes over {:.4g} deg make triangles without area",
                                (s.latitude_max - s.latitude_min) / kDegree),
                    "latitude_min"});

@@ -144,7 +144,7 @@ class SphereBuilder {
 bool size_is_held(const Sphere& sphere, SourceSpan where, DiagnosticLog& log) {
   if (sphere.radius >= kMinRadius && sphere.radius <= kMaxCoordinate) return true;
   log.report(
-      Code::E2010, where,
+      Code("E2010"), where,
       fmt::format("a sphere of radius {} m, expected {} to {} m", format_double(sphere.radius),
                   format_double(kMinRadius), format_double(kMaxCoordinate)));
   return false;
@@ -158,14 +158,14 @@ Result<Mesh> counted_sphere(const Sphere& sphere, const TessellationOptions& opt
   const std::uint64_t half = std::uint64_t{counts.quads} * (counts.rings - 1);
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   if (half > limit / 2) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("a sphere of {} rings and {} quads needs more than {} triangles",
                            counts.rings, counts.quads, limit));
     return failed;
   }
   const SphereBuilder builder(sphere.radius, counts, options.texcoords);
   if (builder.vertices() > kMaxVertices) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("a sphere of {} rings and {} quads with texture coordinates needs more "
                            "than {} vertices",
                            counts.rings, counts.quads, kMaxVertices));
@@ -181,7 +181,7 @@ Result<Mesh> staggered_sphere(const Sphere& sphere, const TessellationOptions& o
   assert(options.max_error > 0);
   const double relative = relative_error(sphere, options);
   if (relative <= 0) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("an error of {} m cannot be achieved with single-precision vertices on "
                            "a sphere of radius {} m, expected at least {} m",
                            format_double(options.max_error), format_double(sphere.radius),
@@ -191,7 +191,7 @@ Result<Mesh> staggered_sphere(const Sphere& sphere, const TessellationOptions& o
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   const std::optional<Staggered> rings = plan(relative, options.texcoords, limit);
   if (!rings || rings->vertices > static_cast<double>(kMaxVertices)) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("a sphere of radius {} m with an error of {} m needs more than {} "
                            "triangles",
                            format_double(sphere.radius), format_double(options.max_error), limit));
@@ -235,7 +235,7 @@ Problem problem(const Sphere& s) {
   if (!(s.latitude_min >= -most && s.latitude_max <= most &&
         s.latitude_max - s.latitude_min > 1e-12))
     return ShapeProblem{
-        Code::E2017,
+        Code("E2017"),
         fmt::format(
             "latitudes from {:.12g} to {:.12g} deg, expected -90 to 90 deg, the lowest first",
             s.latitude_min / kDegree, s.latitude_max / kDegree),
@@ -246,7 +246,7 @@ Problem problem(const Sphere& s) {
   const std::uint32_t least = poles ? 2 : 1;
   if (s.counts->rings < least || s.counts->quads < 1)
     return ShapeProblem{
-        Code::E2018,
+        Code("E2018"),
         fmt::format("{} and {}, expected at least {} and {}", counted(s.counts->rings, "ring"),
                     counted(s.counts->quads, "quad"), least, fewest_segments(s.sector)),
         s.counts->rings < least ? "rings" : "segments"};

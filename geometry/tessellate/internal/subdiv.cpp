@@ -189,7 +189,7 @@ class Fitter {
 };
 
 void report_too_fine(const TessellationOptions& options, SourceSpan where, DiagnosticLog& log) {
-  log.report(Code::E2003, where,
+  log.report(Code("E2003"), where,
              fmt::format("an error of {} m cannot be achieved on a subdivision surface with "
                          "single-precision vertices and {} segments along a side of its cage",
                          format_double(options.max_error), kMostSegments));
@@ -201,7 +201,7 @@ Result<Mesh> make(const Subdiv& shape, const TessellationOptions& options, Sourc
                   DiagnosticLog& log) {
   const Prepared cage(shape);
   if (const double faces = cage.sharp_faces(); faces > kMostSharpFaces) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("semi-sharp creases of {} refined faces, expected at most {}; sharpness "
                            "{} keeps them sharp without refinement",
                            format_double(faces), format_double(kMostSharpFaces),

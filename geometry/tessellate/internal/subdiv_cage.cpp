@@ -27,14 +27,14 @@ Problem vertex_problem(const Subdiv& shape, const std::vector<std::uint32_t>& li
   for (std::size_t i = 0; i < list.size(); ++i)
     if (list[i] >= shape.positions.size())
       return cage_problem(
-          Code::E2001, part, item,
+          Code("E2001"), part, item,
           fmt::format("vertex index {}, expected below {}", list[i], shape.positions.size()), i);
   return std::nullopt;
 }
 
 Problem sharpness_problem(double sharpness, std::string_view part, std::size_t item) {
   if (sharpness >= 0 && sharpness <= kInfinitelySharp) return std::nullopt;
-  return cage_problem(Code::E2011, part, item,
+  return cage_problem(Code("E2011"), part, item,
                       fmt::format("a sharpness of {}, expected 0 to {}", format_double(sharpness),
                                   format_double(kInfinitelySharp)));
 }
@@ -42,7 +42,7 @@ Problem sharpness_problem(double sharpness, std::string_view part, std::size_t i
 Problem face_problem(const Subdiv& shape, std::size_t index) {
   const Subdiv::Face& face = shape.faces[index];
   if (face.outline.size() < 3 || face.outline.size() > kMostSides)
-    return cage_problem(Code::E2015, "faces", index,
+    return cage_problem(Code("E2015"), "faces", index,
                         fmt::format("an outline of {} vertices, expected 3 to {}",
                                     face.outline.size(), kMostSides));
   if (auto bad = vertex_problem(shape, face.outline, "faces", index)) return bad;
@@ -50,16 +50,16 @@ Problem face_problem(const Subdiv& shape, std::size_t index) {
   std::sort(sorted.begin(), sorted.end());
   if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
     return cage_problem(
-        Code::E2015, "faces", index,
+        Code("E2015"), "faces", index,
         fmt::format("its outline has vertex {} twice, expected each vertex once", *twice));
   if (!face.texcoords.empty() && face.texcoords.size() != face.outline.size())
-    return cage_problem(Code::E2002, "faces", index,
+    return cage_problem(Code("E2002"), "faces", index,
                         fmt::format("{} texture coordinates for {} corners, expected one for each",
                                     face.texcoords.size(), face.outline.size()));
   for (const std::uint32_t t : face.texcoords)
     if (t >= shape.texcoords.size())
       return cage_problem(
-          Code::E2001, "faces", index,
+          Code("E2001"), "faces", index,
           fmt::format("texture coordinate index {}, expected below {}", t, shape.texcoords.size()));
   return std::nullopt;
 }
@@ -98,11 +98,11 @@ Problem add_edges(Cage& cage) {
     const Side& one = sides[i];
     if (end - i > 2)
       return cage_problem(
-          Code::E2026, "faces", sides[i + 2].face,
+          Code("E2026"), "faces", sides[i + 2].face,
           fmt::format("{} faces meet at its edge from vertex {} to {}, expected at most 2", end - i,
                       one.low, one.high));
     if (end - i == 2 && one.forward == sides[i + 1].forward)
-      return cage_problem(Code::E2026, "faces", sides[i + 1].face,
+      return cage_problem(Code("E2026"), "faces", sides[i + 1].face,
                           fmt::format("it runs along its edge from vertex {} to {} the same way as "
                                       "face {}, expected outlines counter-clockwise from outside",
                                       one.low, one.high, one.face + 1));
@@ -145,11 +145,11 @@ Problem fan_problem(const Cage& cage, std::size_t vertices) {
     if (c == kNoCorner)
       for (c = begin; (c = across(c)) != kNoCorner; ++met) c = cage.next(face_of[c], c);
     if (count[v] > kMostSides)
-      return cage_problem(Code::E2026, "faces", face_of[begin],
+      return cage_problem(Code("E2026"), "faces", face_of[begin],
                           fmt::format("{} faces meet at its vertex {}, expected at most {}",
                                       count[v], v, kMostSides));
     if (met != count[v])
-      return cage_problem(Code::E2026, "faces", face_of[begin],
+      return cage_problem(Code("E2026"), "faces", face_of[begin],
                           fmt::format("at its vertex {} faces meet that share no edge there, "
                                       "expected a vertex of its own for each part",
                                       v));
@@ -161,7 +161,7 @@ Problem add_creases(const Subdiv& shape, Cage& cage) {
   for (std::size_t i = 0; i < shape.creases.size(); ++i) {
     const Subdiv::Crease& crease = shape.creases[i];
     if (crease.path.size() < 2)
-      return cage_problem(Code::E2015, "creases", i,
+      return cage_problem(Code("E2015"), "creases", i,
                           fmt::format("{} vertices, expected at least 2", crease.path.size()));
     if (auto bad = vertex_problem(shape, crease.path, "creases", i)) return bad;
     if (auto bad = sharpness_problem(crease.sharpness, "creases", i)) return bad;
@@ -174,7 +174,7 @@ Problem add_creases(const Subdiv& shape, Cage& cage) {
           });
       if (found == cage.edges.end() || std::min(found->a, found->b) != low ||
           std::max(found->a, found->b) != high)
-        return cage_problem(Code::E2027, "creases", i,
+        return cage_problem(Code("E2027"), "creases", i,
                             fmt::format("no face has an edge from vertex {} to {}", crease.path[k],
                                         crease.path[k + 1]),
                             k + 1);
@@ -203,7 +203,7 @@ Problem extent_problem(const Subdiv& shape, const Cage& cage) {
   for (const std::uint32_t v : cage.vertex) box.add(shape.positions[v]);
   const double largest = box.longest();
   if (largest >= kMinRadius) return std::nullopt;
-  return ShapeProblem{largest > 0 ? Code::E2010 : Code::E2011,
+  return ShapeProblem{largest > 0 ? Code("E2010") : Code("E2011"),
                       fmt::format("a cage with an extent of {} m, expected at least {} m",
                                   format_double(largest), format_double(kMinRadius)),
                       "positions"};
@@ -221,7 +221,7 @@ Problem read_cage(const Subdiv& shape, Cage& cage) {
     cage.first.push_back(static_cast<std::uint32_t>(cage.vertex.size()));
     cage.all_quads &= outline.size() == 4;
     if (shape.faces[i].texcoords.empty() != shape.faces[0].texcoords.empty())
-      return cage_problem(Code::E2002, "faces", i,
+      return cage_problem(Code("E2002"), "faces", i,
                           fmt::format("it has {}texture coordinates, and face 1 has {}",
                                       shape.faces[i].texcoords.empty() ? "no " : "",
                                       shape.faces[i].texcoords.empty() ? "some" : "none"));
@@ -248,10 +248,10 @@ Problem problem(const Subdiv& shape) {
   if (auto bad = coordinate_problem(shape.texcoords, "texcoords")) return bad;
   if (shape.levels > Subdiv::kMaxLevels)
     return ShapeProblem{
-        Code::E2011,
+        Code("E2011"),
         fmt::format("{} levels, expected at most {}", shape.levels, Subdiv::kMaxLevels), "levels"};
   if (shape.faces.empty())
-    return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};
+    return ShapeProblem{Code("E2015"), "no faces, expected at least 1", "faces"};
   Cage cage;
   if (auto bad = read_cage(shape, cage)) return bad;
   return extent_problem(shape, cage);

@@ -46,13 +46,13 @@ void look_at_faces(const Subdiv& shape, bool closed, std::vector<ShapeProblem>& 
     extent += area * (glm::length(to_face) + face.longest);
   }
   if (thin > 0)
-    out.push_back({Code::W2006,
+    out.push_back({Code("W2006"),
                    fmt::format("face {}{} no area", first + 1,
                                thin > 1 ? fmt::format(" and {} more have", thin - 1) : " has"),
                    "faces", first});
   // sheets of two faces enclose nothing, but for rounding
   if (closed && volume < -1e-12 * extent)
-    out.push_back({Code::W2009,
+    out.push_back({Code("W2009"),
                    fmt::format("the cage is closed and inside out: it encloses {:.4g} m³", volume),
                    "subdiv"});
 }
@@ -89,7 +89,7 @@ void look_at_borders(const Subdiv& shape, const Cage& cage, std::vector<ShapePro
       std::upper_bound(cage.first.begin(), cage.first.end(), (found + 1)->corner) -
       cage.first.begin() - 1);
   out.push_back(
-      {Code::W2028,
+      {Code("W2028"),
        fmt::format("the surface is open at {} of its cage where two borders coincide: vertices {} "
                    "and {} equal {} and {}",
                    counted(count, "edge"), found->a, found->b, (found + 1)->a, (found + 1)->b),

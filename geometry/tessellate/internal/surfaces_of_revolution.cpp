@@ -100,7 +100,7 @@ Problem problem(const Cone& s) {
   if (auto p = zero_or_size_problem(s.bottom_radius, "bottom_radius", "a radius")) return p;
   if (auto p = zero_or_size_problem(s.top_radius, "top_radius", "a radius")) return p;
   if (s.bottom_radius == 0 && s.top_radius == 0)
-    return ShapeProblem{Code::E2011, "a cone of two zero radii, expected at most one",
+    return ShapeProblem{Code("E2011"), "a cone of two zero radii, expected at most one",
                         "bottom_radius"};
   if (auto p = size_problem(s.height, "height", "a height")) return p;
   if (auto p = sector_problem(s.sector)) return p;
@@ -112,7 +112,7 @@ Problem problem(const Disc& s) {
   if (auto p = zero_or_size_problem(s.inner_radius, "inner_radius", "an inner radius")) return p;
   if (s.inner_radius >= s.radius)
     return ShapeProblem{
-        Code::E2011,
+        Code("E2011"),
         fmt::format("an inner radius of {} m in a disc of radius {} m, expected a smaller one",
                     format_double(s.inner_radius), format_double(s.radius)),
         "inner_radius"};
@@ -124,7 +124,7 @@ Problem problem(const Torus& s) {
   if (auto p = size_problem(s.radius, "radius", "a radius")) return p;
   if (auto p = size_problem(s.tube_radius, "tube_radius", "a tube radius")) return p;
   if (s.tube_radius >= s.radius)
-    return ShapeProblem{Code::E2011,
+    return ShapeProblem{Code("E2011"),
                         fmt::format("a tube radius of {} m reaches the axis of a torus of radius "
                                     "{} m, expected a smaller one",
                                     format_double(s.tube_radius), format_double(s.radius)),
@@ -139,7 +139,7 @@ Problem problem(const Dish& s) {
   if (auto p = size_problem(s.focal_length, "focal_length", "a focal length")) return p;
   if (auto p = zero_or_size_problem(s.thickness, "thickness", "a thickness")) return p;
   if (!(rim_height(s) + s.thickness <= kMaxCoordinate))
-    return ShapeProblem{Code::E2010,
+    return ShapeProblem{Code("E2010"),
                         fmt::format("a diameter of {} m with a focal length of {} m makes a dish "
                                     "{} m deep, expected at most {} m",
                                     format_double(s.diameter), format_double(s.focal_length),

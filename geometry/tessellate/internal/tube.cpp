@@ -145,7 +145,7 @@ Problem path_problem(const Tube& tube) {
   const std::size_t least = tube.closed ? 3 : 2;
   if (tube.path.size() < least)
     return ShapeProblem{
-        Code::E2015,
+        Code("E2015"),
         fmt::format("{} of {}, expected at least {}", tube.closed ? "a closed path" : "a path",
                     counted(tube.path.size(), "point"), least),
         "path"};
@@ -159,7 +159,7 @@ Problem path_problem(const Tube& tube) {
     const std::size_t j = (i + 1) % tube.path.size();
     if (glm::length(tube.path[j] - tube.path[i]) > kCoincident * whole) continue;
     return ShapeProblem{
-        Code::E2015,
+        Code("E2015"),
         fmt::format(
             "points {} and {} coincide, expected neighbours more than 1e-9 of the whole apart",
             i + 1, j + 1),
@@ -182,7 +182,7 @@ Problem mitre_problem(const Tube& tube) {
     const Vec3& tangent = straights.frame[i].tangent;
     if (has_end && back_to_back(i, after))
       return ShapeProblem{
-          Code::E2014,
+          Code("E2014"),
           fmt::format("the path doubles back at point {}", straights.corner[after] + 1), "path",
           straights.corner[after]};
     const Vec3 zero(0);
@@ -195,7 +195,7 @@ Problem mitre_problem(const Tube& tube) {
     const bool at_begin = glm::dot(begin, begin) >= 0.999 * glm::dot(end, end);
     const std::size_t point = straights.corner[at_begin ? i : after];
     return ShapeProblem{
-        Code::E2014,
+        Code("E2014"),
         fmt::format("the mitre at point {} needs {} m of a straight part that is {} m long",
                     point + 1, format_double(kWider * taken), format_double(straights.length[i])),
         "path", point};
@@ -207,7 +207,7 @@ Problem bend_problem(const Tube& tube) {
   const SplinePath::Bend bend = SplinePath(tube.path, tube.closed).sharpest();
   if (kWider * bend.curvature * tube.radius <= 1) return std::nullopt;
   return ShapeProblem{
-      Code::E2014,
+      Code("E2014"),
       fmt::format(
           "near point {} the path bends with a radius of {} m, expected more than the tube's, {} m",
           bend.point + 1, format_double(1 / bend.curvature), format_double(tube.radius)),
@@ -221,7 +221,7 @@ Problem problem(const Tube& shape) {
   if (auto bad = zero_or_size_problem(shape.inner_radius, "inner_radius", "an inner radius"))
     return bad;
   if (shape.inner_radius >= shape.radius)
-    return ShapeProblem{Code::E2011,
+    return ShapeProblem{Code("E2011"),
                         fmt::format("an inner radius of {} m, expected below the outer one, {} m",
                                     format_double(shape.inner_radius), format_double(shape.radius)),
                         "inner_radius"};
@@ -236,7 +236,7 @@ Result<Mesh> make(const Tube& shape, const TessellationOptions& options, SourceS
   const TubePlan plan = plan_of(shape, options);
   if (plan.state == TubePlan::State::too_fine) {
     log.report(
-        Code::E2003, where,
+        Code("E2003"), where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on a tube "
                     "of radius {} m",
                     format_double(options.max_error), format_double(shape.radius)));
@@ -244,7 +244,7 @@ Result<Mesh> make(const Tube& shape, const TessellationOptions& options, SourceS
   }
   const double vertices = 2.0 * (static_cast<double>(plan.rows.size()) + 2) * (plan.segments + 1.0);
   if (plan.state == TubePlan::State::too_many) {
-    log.report(Code::E2003, where,
+    log.report(Code("E2003"), where,
                fmt::format("a tube with an error of {} m needs more than {} triangles",
                            format_double(options.max_error), options.max_triangles));
     return failed;

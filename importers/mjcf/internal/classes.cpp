@@ -25,7 +25,7 @@ void Classes::add(const xml_node& element, std::size_t its_class, std::uint32_t 
       return c_.limit(fmt::format("classes are nested more than {} deep", c_.options.limits.depth),
                       text_.at(child));
     if (name.empty()) {
-      c_.log.report(Code::E6220, text_.at(child),
+      c_.log.report(Code("E6220"), text_.at(child),
                     "a <default> inside another one has no class; it is left out");
       continue;
     }
@@ -33,7 +33,7 @@ void Classes::add(const xml_node& element, std::size_t its_class, std::uint32_t 
     if (is_new) {
       classes_.push_back({its_class, {}});
     } else if (classes_[known->second].outer != its_class || known->second == kTop) {
-      c_.log.report(Code::E6220, text_.at(child),
+      c_.log.report(Code("E6220"), text_.at(child),
                     fmt::format("duplicate class {}; the second one is left out", in_quotes(name)));
       continue;
     }
@@ -50,7 +50,7 @@ std::size_t Classes::of(const xml_node& element, std::size_t around, const char*
   for (const auto& [name, index] : by_name_) names.push_back(name);
   std::ranges::sort(names);
   const auto near = nearest_name(given.value(), names);
-  c_.log.report(Code::E6220, text_.at(given),
+  c_.log.report(Code("E6220"), text_.at(given),
                 fmt::format("there is no class {}; the enclosing defaults are used",
                             in_quotes(given.value())),
                 near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());

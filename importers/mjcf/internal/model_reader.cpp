@@ -64,7 +64,7 @@ class ModelReader {
     const std::string_view name = element.name();
     for (const std::string_view macro : {"attach", "composite", "flexcomp", "model"})
       if (name == macro)
-        return c_.trouble(Code::E6220, macro, text_.at(element), [&] {
+        return c_.trouble(Code("E6220"), macro, text_.at(element), [&] {
           return fmt::format(
               "<{}> is not supported and is left out; expand the model with MuJoCo first: "
               "mj_saveLastXML()",
@@ -173,7 +173,7 @@ class ModelReader {
     if (const xml_attribute texture = a_.classes().find(element, "texture", its_class)) {
       const auto known = textures_.find(texture.value());
       if (known == textures_.end()) {
-        c_.log.report(Code::E6220, text_.at(texture),
+        c_.log.report(Code("E6220"), text_.at(texture),
                       fmt::format("there is no texture {}; the material has none",
                                   in_quotes(texture.value())),
                       near_of(texture.value(), textures_));
@@ -361,7 +361,7 @@ class ModelReader {
     }
     if (joint.type == JointType::ball) {
       if ((*range)[1] != 0)
-        c_.trouble(Code::W6221, "ball", where, [] {
+        c_.trouble(Code("W6221"), "ball", where, [] {
           return std::string("the largest angle of a ball joint is left out: it moves freely");
         });
       return;
@@ -416,7 +416,7 @@ class ModelReader {
       return c_.skipped(type == kHeightField ? "height field" : "signed distance field");
     if (type == kMesh || mesh) {
       if (type != kMesh && mesh)
-        c_.trouble(Code::W6221, "fitted", geom.where, [] {
+        c_.trouble(Code("W6221"), "fitted", geom.where, [] {
           return std::string("a shape that is to be fitted to a mesh is shown as the mesh itself");
         });
       if (!find_mesh(element, its_class, geom)) return;
@@ -435,7 +435,7 @@ class ModelReader {
       geom.mesh = static_cast<std::int32_t>(known->second);
       return true;
     }
-    c_.log.report(Code::E6220, a_.at(element, "mesh", its_class),
+    c_.log.report(Code("E6220"), a_.at(element, "mesh", its_class),
                   name.empty()
                       ? std::string("a geom has no mesh; it is left out")
                       : fmt::format("there is no mesh {}; the geom is left out", in_quotes(name)),
@@ -529,7 +529,7 @@ class ModelReader {
         paint = static_cast<std::int32_t>(known->second);
       else
         c_.log.report(
-            Code::E6220, text_.at(material),
+            Code("E6220"), text_.at(material),
             fmt::format("there is no material {}; the part is grey", in_quotes(material.value())),
             near_of(material.value(), materials_));
     }

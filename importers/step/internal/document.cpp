@@ -171,7 +171,7 @@ class Reading {
 
  private:
   Failed refused(std::string message) {
-    log_.report_file(Code::E6601, name_, std::move(message));
+    log_.report_file(Code("E6601"), name_, std::move(message));
     return failed;
   }
 
@@ -182,9 +182,9 @@ class Reading {
   void report_lost(std::uint64_t number, std::string message) {
     const SourceSpan where = place_of(text_, number);
     if (where.file == kNoFile)
-      log_.report_file(Code::W6602, name_, std::move(message));
+      log_.report_file(Code("W6602"), name_, std::move(message));
     else
-      log_.report(Code::W6602, where, std::move(message));
+      log_.report(Code("W6602"), where, std::move(message));
   }
 
   // Entities that became nothing, and which shape came from where.
@@ -248,7 +248,7 @@ class Reading {
       std::string list;
       for (const auto& [what, count] : skipped_)
         list += fmt::format("{}{}", list.empty() ? "" : ", ", counted(count, what));
-      log_.report_file(Code::N6007, name_, fmt::format("skipped: {}", list));
+      log_.report_file(Code("N6007"), name_, fmt::format("skipped: {}", list));
     }
     return std::move(out_);
   }
@@ -394,7 +394,7 @@ class Reading {
     std::optional<scene::Decomposed> parts = scene::Decomposed{};
     if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
     if (!parts) {
-      log_.report(Code::W6009, place_of(text_, number),
+      log_.report(Code("W6009"), place_of(text_, number),
                   fmt::format("the transform of {} flattens it", in_quotes(name)));
       return scene::kNone;
     }
@@ -570,7 +570,7 @@ Result<Imported> read_document(const Text& text, std::string_view bytes, const s
   } catch (const Standard_OutOfMemory&) {
     throw OverLimit{"memory"};
   } catch (const Standard_Failure& failure) {
-    log.report_file(Code::E6601, name,
+    log.report_file(Code("E6601"), name,
                     fmt::format("OpenCASCADE failed: {}", failure.GetMessageString()));
     return failed;
   }

@@ -149,7 +149,7 @@ bool check_assembly(const Handle(StepData_StepModel) & model, const Text& text,
         path.push_back({child});
         if (path.size() > limits.depth) throw OverLimit{"depth"};
       } else if (known->second.first == 0) {
-        log.report(Code::E6601, place_of(text, child),
+        log.report(Code("E6601"), place_of(text, child),
                    fmt::format("product #{} is a part of itself", child));
         return false;
       } else {

@@ -36,17 +36,17 @@ Result<Imported> read_in_process(const InputFile& file, const Options& options, 
       } catch (const Torn& torn) {
         // what they stand in may be torn by it in turn
         for (const std::uint64_t number : torn.numbers)
-          log.report(Code::W6602, place_of(text, number),
+          log.report(Code("W6602"), place_of(text, number),
                      fmt::format("#{} has invalid contents; it is left out", number));
         without.insert(without.end(), torn.numbers.begin(), torn.numbers.end());
       }
       DiagnosticLog said;  // at the first reading
       text = checked(*file.bytes, id, depth, said, without);
     }
-    if (!without.empty()) log.report_file(Code::E6601, file.name, "it has no valid part");
+    if (!without.empty()) log.report_file(Code("E6601"), file.name, "it has no valid part");
     return failed;
   } catch (const OverLimit& over) {
-    log.report_file(Code::E6002, file.name,
+    log.report_file(Code("E6002"), file.name,
                     fmt::format("the model needs more {} than the limit allows", over.what),
                     over.what == "triangles" ? "a larger --deflection makes fewer" : "");
     return failed;

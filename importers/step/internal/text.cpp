@@ -165,7 +165,8 @@ class Checker {
     while (section()) {
     }
     if (!ended_) {
-      report(Code::E6601, bytes_.size(), bytes_.size(), "the file ends before its end is written");
+      report(Code("E6601"), bytes_.size(), bytes_.size(),
+             "the file ends before its end is written");
       repair();
       out_.repaired += in_data_ ? "\nENDSEC;\nEND-ISO-10303-21;\n" : "\nEND-ISO-10303-21;\n";
     }
@@ -174,11 +175,11 @@ class Checker {
       blank(begin, end);
     }
     if (!other_files_.empty())
-      report(Code::W6004, other_files_[0].first, other_files_[0].second,
+      report(Code("W6004"), other_files_[0].first, other_files_[0].second,
              fmt::format("parts of it lie in other files ({}), which are not read",
                          other_files_.size()));
     if (out_.entities.empty()) {
-      if (!log_.contains(Code::E6601)) report(Code::E6601, 0, 0, "it has no entity");
+      if (!log_.contains(Code("E6601"))) report(Code("E6601"), 0, 0, "it has no entity");
       return std::move(out_);
     }
     sort();
@@ -214,7 +215,7 @@ class Checker {
     if (scanner_.next() == Scanner::word && scanner_.token == "ISO-10303-21" &&
         scanner_.next() == ';')
       return true;
-    report(Code::E6601, 0, std::min<std::size_t>(bytes_.size(), 40),
+    report(Code("E6601"), 0, std::min<std::size_t>(bytes_.size(), 40),
            bytes_.empty() ? "the file is empty" : "it does not begin with 'ISO-10303-21;'",
            "a STEP file is a text by ISO 10303-21");
     return false;
@@ -336,7 +337,7 @@ class Checker {
     // behind the last entity only the end may follow
     if (section_end_ <= begin) section_end_ = bytes_.find("ENDSEC", begin + 1);
     const std::size_t end = std::min({from, section_end_, bytes_.size()});
-    report(Code::E6601, begin, std::min(end, begin + 60),
+    report(Code("E6601"), begin, std::min(end, begin + 60),
            fmt::format("this statement cannot be read (at {}); it is left out",
                        in_quotes(bytes_.substr(failed_at > 0 ? failed_at - 1 : 0, 12))));
     repair();
@@ -359,7 +360,7 @@ class Checker {
     from_.reserve(count);
     for (const std::uint32_t i : order) {
       if (!entities.empty() && entities.back().number == all[i].number) {
-        report(Code::E6601, all[i].begin, std::min(all[i].end, all[i].begin + 60),
+        report(Code("E6601"), all[i].begin, std::min(all[i].end, all[i].begin + 60),
                fmt::format("#{} is repeated; the first is used", all[i].number));
         repair();
         blank(all[i].begin, all[i].end);
@@ -407,12 +408,12 @@ class Checker {
         if (target == kNowhere) continue;
         const Entity& entity = out_.entities[target];
         if (height[target] == kOpen) {
-          report(Code::E6601, entity.begin, std::min(entity.end, entity.begin + 60),
+          report(Code("E6601"), entity.begin, std::min(entity.end, entity.begin + 60),
                  fmt::format("#{} contains itself", entity.number));
           return false;
         }
         if (path.size() >= max_depth_) {
-          report(Code::E6002, entity.begin, std::min(entity.end, entity.begin + 60),
+          report(Code("E6002"), entity.begin, std::min(entity.end, entity.begin + 60),
                  fmt::format("the model needs more depth than the limit allows: entities within "
                              "entities to more than {} levels",
                              max_depth_));
@@ -421,7 +422,7 @@ class Checker {
         if (height[target] != 0) {
           step.below = std::max(step.below, height[target]);
           if (path.size() + height[target] > max_depth_) {
-            report(Code::E6002, entity.begin, std::min(entity.end, entity.begin + 60),
+            report(Code("E6002"), entity.begin, std::min(entity.end, entity.begin + 60),
                    fmt::format("the model needs more depth than the limit allows: entities within "
                                "entities to more than {} levels",
                                max_depth_));
@@ -466,7 +467,7 @@ class Checker {
     }
     if (missing > 0) {
       const Entity& entity = out_.entities[missing_in];
-      report(Code::E6601, entity.begin, std::min(entity.end, entity.begin + 60),
+      report(Code("E6601"), entity.begin, std::min(entity.end, entity.begin + 60),
              fmt::format("{} to entities that do not exist, the first in #{}",
                          counted(missing, "reference"), entity.number));
     }

@@ -27,8 +27,8 @@ enum Kind : std::uint32_t {
 enum ShapeKind : std::uint32_t { kMesh = 1, kSphere, kTorus, kCylinder, kCone, kBox, kTube };
 
 // What the reader may report.
-constexpr Code kCodes[] = {Code::E6002, Code::E6601, Code::W6004, Code::N6007,
-                           Code::W6008, Code::W6009, Code::W6602};
+constexpr Code kCodes[] = {Code("E6002"), Code("E6601"), Code("W6004"), Code("N6007"),
+                           Code("W6008"), Code("W6009"), Code("W6602")};
 
 constexpr std::size_t kRecordHead = 12;
 constexpr std::size_t kAtOnce = 4096;             // nodes or instances of a record

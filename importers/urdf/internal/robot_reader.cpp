@@ -53,7 +53,7 @@ class RobotReader {
   void skip(const xml_node& element) {
     const std::string_view name = element.name();
     if (name.starts_with("xacro:") || name == "xacro")
-      return c_.trouble(Code::E6220, "xacro", text_.at(element), [&] {
+      return c_.trouble(Code("E6220"), "xacro", text_.at(element), [&] {
         return fmt::format("{} is a macro and is left out; expand them first: xacro IN > OUT.urdf",
                            in_quotes(name));
       });
@@ -268,7 +268,7 @@ class RobotReader {
     std::vector<std::string_view> names;
     for (const Link& each : out_.links) names.push_back(each.name);
     c_.log.report(
-        Code::E6220, text_.at(link),
+        Code("E6220"), text_.at(link),
         fmt::format("there is no link {}; the joint is left out", in_quotes(link.value())),
         near_hint(link.value(), names));
     return kNone;

@@ -22,7 +22,7 @@ void cut_rings(const Robot& robot, std::vector<std::int32_t>& hangs_on,
     }
     if (seen[link] == walk && hangs_on[link] != kNone) {
       const RobotJoint& joint = robot.joints[static_cast<std::size_t>(hangs_on[link])];
-      context.log.report(Code::E6220, joint.where,
+      context.log.report(Code("E6220"), joint.where,
                          fmt::format("the joint {} makes the link {} its own ancestor, expected a "
                                      "tree; the joint is left out",
                                      in_quotes(joint.name), in_quotes(robot.links[link].name)));
@@ -40,7 +40,7 @@ std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& con
     std::int32_t& place = hangs_on[static_cast<std::size_t>(joint.child)];
     if (place != kNone) {
       context.log.report(
-          Code::E6220, joint.where,
+          Code("E6220"), joint.where,
           fmt::format("the link {} is the child of joint {} already, expected one joint for each "
                       "link; the joint {} is left out",
                       in_quotes(robot.links[static_cast<std::size_t>(joint.child)].name),
@@ -55,7 +55,7 @@ std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& con
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     if (hangs_on[i] != kNone) continue;
     if (root != kNone) {
-      context.log.report(Code::E6220, robot.links[i].where,
+      context.log.report(Code("E6220"), robot.links[i].where,
                          fmt::format("the link {} has no parent joint, like {}, expected one root "
                                      "link; both are at the origin",
                                      in_quotes(robot.links[i].name),

@@ -61,7 +61,7 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
   std::optional<scene::Decomposed> parts = scene::Decomposed{};
   if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
   if (!parts) {
-    context.log.report(Code::W6009, where, "its transform flattens its contents");
+    context.log.report(Code("W6009"), where, "its transform flattens its contents");
     return scene::kNone;
   }
   auto& nodes = out_.scene.nodes;
@@ -148,7 +148,7 @@ bool Builder::is_grey(std::int32_t texture) const {
 
 std::int32_t Builder::kept_texture(scene::Texture texture, SourceSpan where) {
   if (texture.rgba.size() > context.options.limits.texture_bytes - texture_bytes_) {
-    context.log.report(Code::W6004, where, "the textures are larger than the limit");
+    context.log.report(Code("W6004"), where, "the textures are larger than the limit");
     return scene::kNone;
   }
   texture_bytes_ += texture.rgba.size();
@@ -174,7 +174,7 @@ std::int32_t Builder::add_texture(std::span<const std::string_view> urls, Source
                                             : image::decode_image(packed, left, image);
     if (problem.code)
       context.log.report(
-          Code::W6004, where,
+          Code("W6004"), where,
           fmt::format("{}: {}", in_quotes(context.files.display_name(path)), problem.message));
     else
       texture->second =
@@ -190,7 +190,7 @@ std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan 
   const auto height = static_cast<std::uint32_t>(image[1]);
   const std::int32_t components = image[2];
   if (width > image::kMaxTextureSide || height > image::kMaxTextureSide || components == 0) {
-    context.log.report(Code::W6004, where, "an image of a size that is not used");
+    context.log.report(Code("W6004"), where, "an image of a size that is not used");
     return scene::kNone;
   }
   scene::Texture texture{"SFImage", width, height, {}};
@@ -244,7 +244,7 @@ void Builder::lost(std::string_view property) {
 
 bool Builder::enter(const Node& node) {
   if (std::find(open_nodes_.begin(), open_nodes_.end(), &node) != open_nodes_.end()) {
-    context.log.report(Code::E6109, node.where,
+    context.log.report(Code("E6109"), node.where,
                        fmt::format("this {} contains itself", in_quotes(node.type)));
     return false;
   }
@@ -260,7 +260,7 @@ bool Builder::enter(const Document& document, SourceSpan where) {
   if (std::find(open_documents_.begin(), open_documents_.end(), &document) !=
       open_documents_.end()) {
     context.log.report(
-        Code::E6109, where,
+        Code("E6109"), where,
         fmt::format("{} contains itself", in_quotes(context.files.display_name(document.path))));
     return false;
   }
@@ -284,9 +284,9 @@ Imported Builder::finished(Format format, std::string_view file_name) {
   out_.format = format;
   out_.scene.inputs = context.further_inputs;
   if (!skipped_.empty())
-    context.log.report_file(Code::N6007, file_name, fmt::format("skipped: {}", listed(skipped_)));
+    context.log.report_file(Code("N6007"), file_name, fmt::format("skipped: {}", listed(skipped_)));
   if (!lost_.empty())
-    context.log.report_file(Code::W6008, file_name,
+    context.log.report_file(Code("W6008"), file_name,
                             fmt::format("unsupported properties ignored: {}", listed(lost_)));
   return std::move(out_);
 }

@@ -207,7 +207,7 @@ class ExtrusionMesher {
 
   bool is_sound() {
     if (around_ < 2 || along_ < 2) {
-      report(Code::W6114, around_ < 2 ? List::cross_section : List::spine, 0,
+      report(Code("W6114"), around_ < 2 ? List::cross_section : List::spine, 0,
              fmt::format("a cross-section of {} points along a spine of {} has no surface", around_,
                          along_));
       return false;
@@ -216,13 +216,13 @@ class ExtrusionMesher {
         2.0 * static_cast<double>(around_ - 1) * static_cast<double>(along_ - 1);
     if (triangles + 2.0 * static_cast<double>(around_) >
         static_cast<double>(std::min<std::uint64_t>(options_.max_triangles, 0x7fffffff / 5))) {
-      report(Code::E6002, List::none, 0,
+      report(Code("E6002"), List::none, 0,
              fmt::format("about {:.0f} triangles are needed, and the limit is {}", triangles,
                          options_.max_triangles));
       return false;
     }
     if (triangles * kBytesPerTriangle > static_cast<double>(options_.max_memory)) {
-      report(Code::E6002, List::none, 0,
+      report(Code("E6002"), List::none, 0,
              fmt::format("about {:.0f} triangles are needed, which take {:.0f} MB, and the limit "
                          "leaves {:.0f}",
                          triangles, triangles * kBytesPerTriangle * 1e-6,
@@ -236,7 +236,7 @@ class ExtrusionMesher {
 
   void check_count(std::size_t count, std::string_view what, List list) {
     if (count <= 1 || count >= along_) return;
-    report(Code::W6114, list, count,
+    report(Code("W6114"), list, count,
            fmt::format("{} has {} items for a spine of {} points; the last is used for the others",
                        what, count, along_));
   }

@@ -128,19 +128,19 @@ class FaceMesher {
       triangles_ += end - begin < 3 ? 0 : end - begin - 2;
     });
     if (past_end > 0)
-      report(Code::E6113, List::coord_index, first_past_end,
+      report(Code("E6113"), List::coord_index, first_past_end,
              fmt::format("the face names point {} of {}, and is left out{}",
                          in_.coord_index[first_past_end], points_, others(past_end - 1, "faces")));
     if (beyond > 0)
-      report(Code::E6107, List::points, static_cast<std::size_t>(in_.coord_index[first_beyond]),
+      report(Code("E6107"), List::points, static_cast<std::size_t>(in_.coord_index[first_beyond]),
              fmt::format("a face names this point, which lies beyond {:g} m, and is left out{}",
                          geometry::kMaxCoordinate, others(beyond - 1, "faces")));
     if (short_faces > 0)
-      report(Code::W6114, List::coord_index, first_short,
+      report(Code("W6114"), List::coord_index, first_short,
              fmt::format("the face has fewer than three corners, and is left out{}",
                          others(short_faces - 1, "faces")));
     if (triangles_ <= options_.max_triangles) return true;
-    report(Code::E6002, List::coord_index, 0,
+    report(Code("E6002"), List::coord_index, 0,
            fmt::format("{} triangles are needed, and the limit is {}", triangles_,
                        options_.max_triangles));
     return false;
@@ -159,7 +159,7 @@ class FaceMesher {
       a.by = index.empty() || is_coord_index(index) ? By::point : By::corner;
     const auto bad_value = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
     if (bad_value != values.end()) {
-      report(Code::E6107, list, static_cast<std::size_t>(bad_value - values.begin()) / width,
+      report(Code("E6107"), list, static_cast<std::size_t>(bad_value - values.begin()) / width,
              "a number that is not finite; the whole list is not used");
       return {};
     }
@@ -178,7 +178,7 @@ class FaceMesher {
     const auto outside = [](double v) { return v < 0 || v > 1; };
     const auto first = std::ranges::find_if(colors, outside);
     if (first == colors.end()) return;
-    report(Code::W6114, List::colors, static_cast<std::size_t>(first - colors.begin()) / 3,
+    report(Code("W6114"), List::colors, static_cast<std::size_t>(first - colors.begin()) / 3,
            fmt::format("{} numbers of the list are outside 0 to 1 and are clamped",
                        std::ranges::count_if(colors, outside)));
   }
@@ -194,7 +194,7 @@ class FaceMesher {
     const std::size_t item = a.by == By::corner ? corner : face;
     if (indexed && (item >= a.index.size() || a.index[item] < 0)) {
       const bool ended = item >= a.index.size();
-      report(Code::W6114, index_list, ended ? a.index.size() - 1 : item,
+      report(Code("W6114"), index_list, ended ? a.index.size() - 1 : item,
              fmt::format("{} it does not follow the faces of coordIndex, and is not used",
                          ended ? "the list ends too early:" : "a face ends here too early:"));
       return false;
@@ -203,11 +203,11 @@ class FaceMesher {
         a.at(static_cast<std::uint32_t>(in_.coord_index[corner]), corner, face);
     if (wanted < a.size()) return true;
     if (indexed)
-      report(Code::E6113, index_list, item,
+      report(Code("E6113"), index_list, item,
              fmt::format("the index names item {} of {}; the whole list is not used", wanted,
                          a.size()));
     else
-      report(Code::W6114, list, a.size() - 1,
+      report(Code("W6114"), list, a.size() - 1,
              fmt::format("the list has {} items where {} are needed, and is not used", a.size(),
                          wanted + 1));
     return false;
@@ -323,7 +323,7 @@ class FaceMesher {
     if (without == 0) return;
     std::size_t first = 0;
     while (first + 1 < normals_.size() && point_at(normals_.values, first) != Vec3(0)) ++first;
-    report(Code::W6114, List::normals, first,
+    report(Code("W6114"), List::normals, first,
            fmt::format("{} vertices have a normal without length, and take that of their faces",
                        without));
     take_normals_of_faces();

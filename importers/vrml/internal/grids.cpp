@@ -27,13 +27,13 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
   const std::int64_t columns = grid.x_dimension;
   std::int64_t rows = grid.z_dimension;
   if (columns < 2 || rows < 2) {
-    problems.push_back({Code::W6114, List::none, 0,
+    problems.push_back({Code("W6114"), List::none, 0,
                         fmt::format("a grid of {} by {} heights has no surface", columns, rows)});
     return {};
   }
   const auto given = static_cast<std::int64_t>(grid.heights.size());
   if (given < columns * rows) {
-    problems.push_back({Code::W6114, List::heights, grid.heights.size(),
+    problems.push_back({Code("W6114"), List::heights, grid.heights.size(),
                         fmt::format("{} heights are given and {} are needed; whole rows are read",
                                     given, columns * rows)});
     rows = given / columns;
@@ -41,7 +41,7 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
   }
   const std::int64_t triangles = 2 * (columns - 1) * (rows - 1);
   if (static_cast<std::uint64_t>(triangles) > options.max_triangles) {
-    problems.push_back({Code::E6002, List::none, 0,
+    problems.push_back({Code("E6002"), List::none, 0,
                         fmt::format("{} triangles are needed, and the limit is {}", triangles,
                                     options.max_triangles)});
     return {};

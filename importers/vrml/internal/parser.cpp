@@ -35,7 +35,7 @@ void Parser::run() {
   if (bad != std::string::npos) {
     latin1_ = true;
     context_.log.sources().set_encoding(document_.file, Encoding::latin1);
-    report(Code::W6116, span(begin_ + bad, begin_ + bad + 1),
+    report(Code("W6116"), span(begin_ + bad, begin_ + bad + 1),
            "the text is not UTF-8 from here on, and is read as Latin-1");
   }
   if (document_.text->starts_with("\xef\xbb\xbf")) p_ += 3;
@@ -53,7 +53,7 @@ void Parser::drop_padding() {
   for (const char* c = end_; c > p_ && (padding(c[-1]) || is_blank(c[-1])); --c)
     if (padding(c[-1])) first = c - 1;
   if (first == end_) return;
-  report(Code::W6118, span(first, first + 1),
+  report(Code("W6118"), span(first, first + 1),
          fmt::format("{} from here to the end are not text",
                      counted(static_cast<std::size_t>(end_ - first), "byte")));
   end_ = first;
@@ -99,7 +99,7 @@ std::string_view Parser::given_name() {
   if (*p_ == '"') {
     std::string_view text;
     if (!string(text)) return {};
-    report(Code::W6118, span(at, p_), "a name without quotes");
+    report(Code("W6118"), span(at, p_), "a name without quotes");
     return text;
   }
   word();
@@ -109,7 +109,7 @@ std::string_view Parser::given_name() {
     if (*end == ']') {
       p_ = end + 1;
       word();
-      report(Code::W6118, span(at, p_), "a name has no brackets");
+      report(Code("W6118"), span(at, p_), "a name has no brackets");
     }
   }
   return as_utf8({at, static_cast<std::size_t>(p_ - at)});
@@ -183,7 +183,7 @@ void Parser::report(Code code, SourceSpan where, std::string message, std::strin
 // Says once, of the innermost, what the end of the text cuts off.
 void Parser::text_ends(SourceSpan where, std::string_view what) {
   if (!std::exchange(end_reported_, true))
-    report(Code::E6112, where, fmt::format("the text ends inside this {}", what));
+    report(Code("E6112"), where, fmt::format("the text ends inside this {}", what));
 }
 
 // ---- nodes
@@ -228,7 +228,7 @@ Node* Parser::node_value(bool* there) {
   word();
   skip_blanks();
   if (!is_word(*p_) && *p_ != '"') {
-    report(Code::E6103, here(), "a name is missing after DEF");
+    report(Code("E6103"), here(), "a name is missing after DEF");
     return typed_node({});
   }
   const std::string_view def = given_name();
@@ -239,7 +239,7 @@ Node* Parser::use() {
   word();
   skip_blanks();
   if (!is_word(*p_) && *p_ != '"') {
-    report(Code::E6103, here(), "a name is missing after USE");
+    report(Code("E6103"), here(), "a name is missing after USE");
     return nullptr;
   }
   const char* const at = p_;
@@ -256,8 +256,8 @@ Node* Parser::use() {
     if (const auto near = nearest_name(text, names))
       hint = fmt::format("did you mean {}?", in_quotes(*near));
   }
-  report(Code::E6108, span(at, p_), fmt::format("nothing before it is called {}", in_quotes(text)),
-         std::move(hint));
+  report(Code("E6108"), span(at, p_),
+         fmt::format("nothing before it is called {}", in_quotes(text)), std::move(hint));
   return nullptr;
 }
 
@@ -265,7 +265,7 @@ Node* Parser::typed_node(std::string_view def) {
   context_.job.poll();
   skip_blanks();
   if (!at_word()) {
-    report(Code::E6103, here(), "the type of a node is missing");
+    report(Code("E6103"), here(), "the type of a node is missing");
     if (*p_ == '{') skip_braces();
     return nullptr;
   }
@@ -275,7 +275,7 @@ Node* Parser::typed_node(std::string_view def) {
   skip_blanks();
   if (*p_ != '{') {
     if (vrml97_ && (type == "ROUTE" || type == "PROTO" || type == "EXTERNPROTO")) p_ = at;
-    report(Code::E6103, where,
+    report(Code("E6103"), where,
            fmt::format("{} is not a node: '{{' does not follow", in_quotes(type)));
     return nullptr;
   }
@@ -326,7 +326,7 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
   if (spec != nullptr) return spec;
   if (unknown_depth_ > 0) return nullptr;  // what is around it is skipped, and has been reported
   if (vrml97_ && is_transform10(name)) {
-    report(Code::W6118, where,
+    report(Code("W6118"), where,
            fmt::format("{} is a node of VRML 1.0; it transforms the nodes after it in its group",
                        in_quotes(name)));
     return spec10(name);
@@ -340,7 +340,7 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
       terse() || names.size() > kMostCandidates ? std::nullopt : nearest_name(name, names);
   spec = near ? (vrml97_ ? spec97(*near) : spec10(*near)) : nullptr;
   if (spec != nullptr && same_but_for_case(name, *near)) {
-    report(Code::W6118, where,
+    report(Code("W6118"), where,
            fmt::format("{} is read as '{}': case matters", in_quotes(name), *near));
     name = *near;
     return spec;
@@ -349,7 +349,7 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
     hint = fmt::format("did you mean {}?", in_quotes(*near));
   else if (vrml97_ ? spec10(name) != nullptr : spec97(name) != nullptr)
     hint = vrml97_ ? "it is a node of VRML 1.0" : "it is a node of VRML 97";
-  report(Code::W6105, where, fmt::format("unknown node {}; it is skipped", in_quotes(name)),
+  report(Code("W6105"), where, fmt::format("unknown node {}; it is skipped", in_quotes(name)),
          std::move(hint));
   return nullptr;
 }

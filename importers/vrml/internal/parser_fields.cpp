@@ -190,7 +190,7 @@ void Parser::known_field(Body& body, const FieldSpec& spec) {
     return;
   }
   if (spec.access == Access::event_in || spec.access == Access::event_out) {
-    report(Code::E6104, span(name_end - spec.name.size(), name_end),
+    report(Code("E6104"), span(name_end - spec.name.size(), name_end),
            fmt::format("{} is an event, which has no value", in_quotes(spec.name)));
     skip_value();
     return;
@@ -216,7 +216,7 @@ void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) 
     const FieldSpec* spec =
         vrml97_ && type == body.node->type && other == text ? spec_of(body, meant) : nullptr;
     if (spec == nullptr) continue;
-    report(Code::W6118, where, fmt::format("{} is read as '{}'", in_quotes(text), meant));
+    report(Code("W6118"), where, fmt::format("{} is read as '{}'", in_quotes(text), meant));
     return known_field(body, *spec);
   }
   std::string hint;
@@ -229,7 +229,7 @@ void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) 
     }
     if (const auto near = nearest_name(text, names)) {
       if (same_but_for_case(text, *near)) {
-        report(Code::W6118, where,
+        report(Code("W6118"), where,
                fmt::format("{} is read as '{}': case matters", in_quotes(text), *near));
         known_field(body, *spec_of(body, *near));
         return;
@@ -240,7 +240,7 @@ void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) 
       if (text == fmt::format("set_{}", spec.name) || text == fmt::format("{}_changed", spec.name))
         hint = fmt::format("events have no value; the field is '{}'", spec.name);
   }
-  report(Code::E6104, where,
+  report(Code("E6104"), where,
          fmt::format("{} has no field {}", in_quotes(body.node->type), in_quotes(text)),
          std::move(hint));
   skip_value();
@@ -249,7 +249,7 @@ void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) 
 void Parser::misplaced_node(Body& body) {
   const SourceSpan where = here();
   bool there = false;
-  report(Code::E6103, where,
+  report(Code("E6103"), where,
          fmt::format("a node, expected the name of a field of {}", in_quotes(body.node->type)));
   Node* child = node_value(&there);
   if (child != nullptr) node_stack_.push_back(child);

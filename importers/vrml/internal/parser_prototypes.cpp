@@ -44,7 +44,7 @@ void Parser::prototype() {
   Prototype* prototype = arena_.make<Prototype>();
   prototype->name = name();
   prototype->where = span(at, p_);
-  if (prototype->name.empty()) report(Code::E6103, here(), "a name is missing after PROTO");
+  if (prototype->name.empty()) report(Code("E6103"), here(), "a name is missing after PROTO");
   if (++depth_ > limits_.depth) throw OverLimit{"depth", prototype->where};
   const Body* const outer = std::exchange(field_names_, nullptr);
   prototype->fields = interface(false);
@@ -66,7 +66,7 @@ void Parser::prototype() {
     scope_ = inner.around;
     prototype->body = arena_.copied(std::span<Node* const>(body));
   } else {
-    report(Code::E6103, here(), "expected '{' and the body of the prototype");
+    report(Code("E6103"), here(), "expected '{' and the body of the prototype");
   }
   field_names_ = outer;
   --depth_;
@@ -83,7 +83,7 @@ void Parser::external_prototype() {
   prototype->external = true;
   prototype->name = name();
   prototype->where = span(at, p_);
-  if (prototype->name.empty()) report(Code::E6103, here(), "a name is missing after EXTERNPROTO");
+  if (prototype->name.empty()) report(Code("E6103"), here(), "a name is missing after EXTERNPROTO");
   const Body* const outer = std::exchange(field_names_, nullptr);
   prototype->fields = interface(true);
   Field urls;
@@ -99,7 +99,7 @@ void Parser::external_prototype() {
 std::span<FieldSpec> Parser::interface(bool external) {
   std::vector<FieldSpec> specs;
   if (!accept('[')) {
-    report(Code::E6103, here(), "expected '[' and an interface");
+    report(Code("E6103"), here(), "expected '[' and an interface");
     return {};
   }
   const char* const open = p_ - 1;
@@ -111,13 +111,13 @@ std::span<FieldSpec> Parser::interface(bool external) {
     }
     if (accept(']')) break;
     if (*p_ == '{' || *p_ == '}') {
-      report(Code::E6103, here(), "']' is missing before this");
+      report(Code("E6103"), here(), "']' is missing before this");
       break;
     }
     const SourceSpan where = here();
     const auto access = access_named(peek_word());
     if (!access) {
-      report(Code::E6103, where,
+      report(Code("E6103"), where,
              fmt::format("expected eventIn, eventOut, field or exposedField, found {}",
                          in_quotes(token_here())));
       while (!at_end() && !access_named(peek_word()) && *p_ != ']' && *p_ != '{' && *p_ != '}') {
@@ -135,7 +135,7 @@ std::span<FieldSpec> Parser::interface(bool external) {
 void Parser::add_declared(const FieldSpec& spec, SourceSpan where, std::vector<FieldSpec>& specs) {
   for (const FieldSpec& other : specs) {
     if (!in_conflict(spec, other)) continue;
-    report(Code::E6110, where,
+    report(Code("E6110"), where,
            spec.name == other.name ? fmt::format("{} is declared twice", in_quotes(spec.name))
                                    : fmt::format("{} and {} name the same event",
                                                  in_quotes(spec.name), in_quotes(other.name)));
@@ -155,7 +155,7 @@ bool Parser::declared(FieldSpec::Access access, FieldSpec& spec, bool with_value
   const auto type = field_type(type_word);
   skip_blanks();
   if (!type) {
-    report(Code::E6110, type_at,
+    report(Code("E6110"), type_at,
            fmt::format("{} is not a type of field",
                        in_quotes(type_word.empty() ? token_here() : type_word)));
     if (at_word() && !access_named(peek_word())) word();
@@ -163,7 +163,7 @@ bool Parser::declared(FieldSpec::Access access, FieldSpec& spec, bool with_value
     return false;
   }
   if (!is_word(*p_)) {
-    report(Code::E6103, here(), "the name of a field is missing");
+    report(Code("E6103"), here(), "the name of a field is missing");
     return false;
   }
   spec.access = access;
@@ -212,7 +212,8 @@ Value Parser::zero_of(FieldType type) {
 void Parser::script_field(Body& body) {
   const SourceSpan where = here();
   const Access access = *access_named(peek_word());
-  if (access == Access::exposed_field) report(Code::E6110, where, "a Script has no exposed fields");
+  if (access == Access::exposed_field)
+    report(Code("E6110"), where, "a Script has no exposed fields");
   FieldSpec spec;
   if (!declared(access, spec, false)) {
     skip_value();
@@ -241,19 +242,19 @@ bool Parser::is_value(const FieldSpec& spec, Field& field) {
   const SourceSpan where = here();
   const std::string_view text = is_word(*p_) ? name() : std::string_view();
   if (text.empty()) {
-    report(Code::E6103, where, "a name is missing after IS");
+    report(Code("E6103"), where, "a name is missing after IS");
     return false;
   }
   const Prototype* prototype = scope_->prototype;
   if (prototype == nullptr) {
-    report(Code::E6110, where, "IS outside of a prototype");
+    report(Code("E6110"), where, "IS outside of a prototype");
     return false;
   }
   for (std::size_t i = 0; i < prototype->fields.size(); ++i) {
     const FieldSpec& outer = prototype->fields[i];
     if (outer.name != text) continue;
     if (outer.type != spec.type) {
-      report(Code::E6110, where,
+      report(Code("E6110"), where,
              fmt::format("{} is of type {}, and {} of type {}", in_quotes(spec.name),
                          type_name(spec.type), in_quotes(text), type_name(outer.type)));
       return false;
@@ -261,7 +262,7 @@ bool Parser::is_value(const FieldSpec& spec, Field& field) {
     const bool both = has_value(outer.access) && has_value(spec.access);
     if (has_value(outer.access) != has_value(spec.access) &&
         outer.access != Access::exposed_field && spec.access != Access::exposed_field) {
-      report(Code::E6110, where,
+      report(Code("E6110"), where,
              fmt::format("of {} and {} one is an event and the other a field", in_quotes(spec.name),
                          in_quotes(text)));
       return false;
@@ -275,7 +276,7 @@ bool Parser::is_value(const FieldSpec& spec, Field& field) {
   for (const FieldSpec& outer : prototype->fields) names.push_back(outer.name);
   const auto near = nearest_name(text, names);
   report(
-      Code::E6110, where,
+      Code("E6110"), where,
       fmt::format("the prototype {} has no field {}", in_quotes(prototype->name), in_quotes(text)),
       near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
   return false;
@@ -288,20 +289,20 @@ void Parser::route() {
   const SourceSpan from_at = here();
   const std::string_view from = is_word(*p_) ? name() : std::string_view();
   if (from.empty() || !accept_word("TO")) {
-    report(Code::E6103, here(), "expected ROUTE node.event TO node.event");
+    report(Code("E6103"), here(), "expected ROUTE node.event TO node.event");
     return;
   }
   skip_blanks();
   const SourceSpan to_at = here();
   const std::string_view to = is_word(*p_) ? name() : std::string_view();
   if (to.empty()) {
-    report(Code::E6103, here(), "a node and its event are missing after TO");
+    report(Code("E6103"), here(), "a node and its event are missing after TO");
     return;
   }
   const FieldSpec* source = route_end(from, from_at, true);
   const FieldSpec* sink = route_end(to, to_at, false);
   if (source != nullptr && sink != nullptr && source->type != sink->type)
-    report(Code::E6117, to_at,
+    report(Code("E6117"), to_at,
            fmt::format("{} is of type {}, and {} of type {}", in_quotes(from),
                        type_name(source->type), in_quotes(to), type_name(sink->type)));
 }
@@ -310,14 +311,15 @@ void Parser::route() {
 const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool source) {
   const std::size_t point = text.rfind('.');
   if (point == text.npos || point == 0 || point + 1 == text.size()) {
-    report(Code::E6103, where, fmt::format("{} is not a node and an event", in_quotes(text)));
+    report(Code("E6103"), where, fmt::format("{} is not a node and an event", in_quotes(text)));
     return nullptr;
   }
   const std::string_view node_name = text.substr(0, point);
   const std::string_view event = text.substr(point + 1);
   const auto it = scope_->nodes.find(node_name);
   if (it == scope_->nodes.end()) {
-    report(Code::E6117, where, fmt::format("nothing before it is called {}", in_quotes(node_name)));
+    report(Code("E6117"), where,
+           fmt::format("nothing before it is called {}", in_quotes(node_name)));
     return nullptr;
   }
   const Node& node = *it->second;
@@ -343,12 +345,12 @@ const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool
     other_way = &spec;
   }
   if (other_way != nullptr) {
-    report(Code::W6118, where,
+    report(Code("W6118"), where,
            fmt::format("{} of {} is not an event that can be routed {}", in_quotes(event),
                        in_quotes(node.type), source ? "from" : "to"));
     return other_way;
   }
-  report(Code::E6117, where,
+  report(Code("E6117"), where,
          fmt::format("{} has no event {} that can be routed {}", in_quotes(node.type),
                      in_quotes(event), source ? "from" : "to"));
   return nullptr;

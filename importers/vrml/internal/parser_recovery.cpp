@@ -86,7 +86,7 @@ void Parser::skip_stray(char close) {
   skip_blanks();
   if (at_end()) return;
   const std::string_view text = token_here();
-  report(Code::E6103, here(),
+  report(Code("E6103"), here(),
          *p_ == '\0' ? std::string("a NUL byte") : fmt::format("unexpected {}", in_quotes(text)));
   for (bool first = true;; first = false) {
     skip_blanks();

@@ -81,7 +81,7 @@ bool Parser::in_list(const char* open, bool* zero) {
     return false;
   }
   if (c == '}') {
-    report(Code::E6103, here(), "']' is missing before this", "the list began earlier");
+    report(Code("E6103"), here(), "']' is missing before this", "the list began earlier");
     return false;
   }
   if (c == ']' || may_begin_number(c)) return true;
@@ -95,11 +95,11 @@ bool Parser::in_list(const char* open, bool* zero) {
     const bool keyword = text == "DEF" || text == "USE" || text == "ROUTE" || text == "PROTO";
     const bool field = field_names_ != nullptr && spec_of(*field_names_, text) != nullptr;
     if (keyword || field || brace_follows()) {
-      report(Code::E6103, here(), fmt::format("']' is missing before {}", in_quotes(text)));
+      report(Code("E6103"), here(), fmt::format("']' is missing before {}", in_quotes(text)));
       return false;
     }
   }
-  report(Code::E6103, here(), fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
+  report(Code("E6103"), here(), fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
   if (c == '"')
     skip_string();
   else if (c == '{')
@@ -120,7 +120,7 @@ void Parser::report_not_finite() {
   if (count == 0) return;
   const std::string_view text(begin_ + nonfinite_at_.begin,
                               nonfinite_at_.end - nonfinite_at_.begin);
-  report(Code::E6107, nonfinite_at_,
+  report(Code("E6107"), nonfinite_at_,
          count == 1 ? fmt::format("{} is not a finite number; 0 is used instead", in_quotes(text))
                     : fmt::format("{} is not a finite number; 0 is used instead, and for {} more",
                                   in_quotes(text), count - 1));
@@ -139,11 +139,11 @@ double Parser::odd_number(bool whole) {
                            rest.starts_with("#S");  // 1.#IND, 1.#QNAN…
     if (!microsoft && (apart || touches || *p_ == '"')) {
       if (whole && std::fabs(out) > 4294967295.0) {
-        report(Code::E6107, span(at, p_), "the number is too large for 32 bits");
+        report(Code("E6107"), span(at, p_), "the number is too large for 32 bits");
         return 0;
       }
       if (whole && !terse() && !whole_reported_) {
-        report(Code::W6118, span(at, p_),
+        report(Code("W6118"), span(at, p_),
                fmt::format("{} is read as a whole number",
                            in_quotes({at, static_cast<std::size_t>(p_ - at)})));
         whole_reported_ = true;
@@ -155,7 +155,7 @@ double Parser::odd_number(bool whole) {
   while (is_word(*p_)) ++p_;
   if (p_ == at) ++p_;
   const std::string_view text(at, static_cast<std::size_t>(p_ - at));
-  report(Code::E6107, span(at, p_),
+  report(Code("E6107"), span(at, p_),
          kind == NumberKind::too_large
              ? fmt::format("{} is too large for a number", in_quotes(text))
              : fmt::format("{} is not a {}number", in_quotes(text), whole ? "whole " : ""));
@@ -208,7 +208,7 @@ void Parser::read_list(Growing<T>& out, const char* open) {
         continue;
       }
       const std::string_view text = token_here();
-      report(Code::E6103, here(),
+      report(Code("E6103"), here(),
              fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
       p_ += text.size();
       continue;
@@ -244,7 +244,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     ++p_;
     read_list(out, at);
     if (!list && out.size() == width) {
-      report(Code::W6118, span(at, at + 1), fmt::format("{} without brackets", type_name(type)));
+      report(Code("W6118"), span(at, at + 1), fmt::format("{} without brackets", type_name(type)));
       report_not_finite();
       return true;
     }
@@ -253,7 +253,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     const std::size_t first = out.size();
     if (first == width) read_some(out, ~std::size_t{0});
     if (list && out.size() > width)
-      report(Code::W6118, span(at, at + 1), "a list of more than one item requires brackets");
+      report(Code("W6118"), span(at, at + 1), "a list of more than one item requires brackets");
   }
   report_not_finite();
   const char* end = p_;
@@ -262,20 +262,20 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
   if (list ? count % width == 0 && (count > 0 || *at == '[') : count == width) return true;
   if (count == 0) {
     const std::string_view text = token_here();
-    report(Code::E6103, here(),
+    report(Code("E6103"), here(),
            fmt::format(
                "a {} is expected{}", type_name(type),
                at_end() ? std::string(" where the text ends") : ", and not " + in_quotes(text)));
     return false;
   }
   if (list) {
-    report(Code::E6106, span(std::max(at, end - 1), end),
+    report(Code("E6106"), span(std::max(at, end - 1), end),
            fmt::format("the list has {}, which is not a multiple of {}", counted(count, "number"),
                        width));
     out.resize_down(count - count % width);
     return true;
   }
-  report(Code::E6106, span(at, end),
+  report(Code("E6106"), span(at, end),
          fmt::format("{} needs {}, got {}", type_name(type), counted(width, "number"), count));
   if (count < width) return false;
   out.resize_down(width);
@@ -305,7 +305,7 @@ bool Parser::image(Value& value) {
   read_some(integers_, ~std::size_t{0});
   report_not_finite();
   if (integers_.size() < 3) {
-    report(Code::E6106, span(at, std::max(p_, at + 1)),
+    report(Code("E6106"), span(at, std::max(p_, at + 1)),
            fmt::format("SFImage needs width, height and components, got {}",
                        counted(integers_.size(), "number")));
     return false;
@@ -315,13 +315,13 @@ bool Parser::image(Value& value) {
   const std::int64_t components = integers_[2];
   const auto pixels = static_cast<std::int64_t>(integers_.size()) - 3;
   if (width < 0 || height < 0 || components < 0 || components > 4) {
-    report(Code::E6107, span(at, at + 1),
+    report(Code("E6107"), span(at, at + 1),
            fmt::format("an image of {}x{} pixels with {} components cannot be", width, height,
                        components));
     return false;
   }
   if (width * height != pixels) {
-    report(Code::E6106, span(at, at + 1),
+    report(Code("E6106"), span(at, at + 1),
            fmt::format("an image of {}x{} has {}", width, height, counted(pixels, "pixel")));
     if (width * height > pixels) return false;
     integers_.resize_down(static_cast<std::size_t>(3 + width * height));
@@ -355,14 +355,14 @@ bool Parser::booleans(FieldType type, Value& value) {
       break;
     }
     if (text != "TRUE" && text != "FALSE" && vrml97_)
-      report(Code::W6118, here(),
+      report(Code("W6118"), here(),
              fmt::format("{} is read as {}", in_quotes(text), yes ? "TRUE" : "FALSE"));
     p_ += text.size();
     integers_.push(yes ? 1 : 0);
     if (!bracket) break;
   }
   if (integers_.size() == 0 && !(bracket && is_list(type))) {
-    report(Code::E6107, here(),
+    report(Code("E6107"), here(),
            fmt::format("expected TRUE or FALSE, found {}", in_quotes(token_here())));
     const bool skipped =
         at_word() && !brace_follows() &&
@@ -391,7 +391,7 @@ bool Parser::string(std::string_view& out) {
     ++at;
   }
   if (at >= end_) {
-    report(Code::E6112, span(open, open + 1), "the text ends inside this string");
+    report(Code("E6112"), span(open, open + 1), "the text ends inside this string");
     // the rest of the line is taken for the string, so that what follows is not lost
     at = open + 1;
     while (at < end_ && *at != '\n' && *at != '\r') ++at;
@@ -434,7 +434,7 @@ bool Parser::strings(FieldType type, Value& value) {
         at_word() && field_names_ != nullptr && spec_of(*field_names_, peek_word()) != nullptr;
     if (is_word(*p_) && !field && !brace_follows()) {
       if (vrml97_)
-        report(Code::W6118, here(),
+        report(Code("W6118"), here(),
                fmt::format("{} is read as a string: quotes are missing", in_quotes(peek_word())));
       strings_.push_back(name());
       if (!bracket) break;
@@ -444,13 +444,14 @@ bool Parser::strings(FieldType type, Value& value) {
     if (at_end()) {
       text_ends(span(open, open + 1), "list");
     } else {
-      report(Code::E6103, here(), fmt::format("']' is missing before {}", in_quotes(token_here())));
+      report(Code("E6103"), here(),
+             fmt::format("']' is missing before {}", in_quotes(token_here())));
     }
     break;
   }
   if (strings_.empty() && !(bracket && is_list(type))) {
     if (*p_ != '\n' && *p_ != '\r')
-      report(Code::E6103, here(),
+      report(Code("E6103"), here(),
              fmt::format("expected a string, found {}", in_quotes(token_here())));
     return false;
   }
@@ -486,12 +487,13 @@ bool Parser::words10(FieldType type, Value& value) {
     if (*p_ == '|') {
       ++p_;
     } else if (text.empty()) {
-      report(Code::E6103, here(), "')' is missing before this");
+      report(Code("E6103"), here(), "')' is missing before this");
       break;
     }
   }
   if (strings_.empty()) {
-    report(Code::E6103, here(), fmt::format("expected a word, found {}", in_quotes(token_here())));
+    report(Code("E6103"), here(),
+           fmt::format("expected a word, found {}", in_quotes(token_here())));
     return false;
   }
   if (type == FieldType::sf_enum) strings_.resize(1);
@@ -521,7 +523,7 @@ bool Parser::nodes(FieldType type, Value& value) {
         break;
       }
       if (*p_ == '}') {
-        report(Code::E6103, here(), "']' is missing before this");
+        report(Code("E6103"), here(), "']' is missing before this");
         break;
       }
       if (at_word() && vrml97_ && declaration()) continue;
@@ -533,7 +535,7 @@ bool Parser::nodes(FieldType type, Value& value) {
     const bool field =
         text != "USE" && text != "DEF" && text != "NULL" && !text.empty() && !brace_follows();
     if (field || !at_word()) {
-      report(Code::E6103, here(),
+      report(Code("E6103"), here(),
              at_end() ? "expected a node, found the end of the text"
                       : fmt::format("expected a node, found {}", in_quotes(token_here())));
       return false;
@@ -542,7 +544,7 @@ bool Parser::nodes(FieldType type, Value& value) {
   }
   std::span<Node* const> list = std::span<Node* const>(node_stack_).subspan(first);
   if (type == FieldType::sf_node && list.size() > 1) {
-    report(Code::E6106, span(open, open + 1),
+    report(Code("E6106"), span(open, open + 1),
            fmt::format("SFNode holds one node, found {}", list.size()));
     list = list.first(1);
   }

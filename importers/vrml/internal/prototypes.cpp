@@ -20,7 +20,7 @@ Prototype* ReaderContext::target_of(Prototype& prototype) {
   if (prototype.looked_for) return prototype.target;
   prototype.looked_for = true;
   std::string problem = "no file is named";
-  Code code = Code::W6004;
+  Code code = Code("W6004");
   for (const std::string_view url : prototype.urls.strings()) {
     const SourceSpan where = prototype.urls_where;
     const Document* document = document_at(url, where, problem, code);
@@ -98,7 +98,7 @@ void ReaderContext::expand(Node& instance) {
   }
   for (const Node* outer = instance.owner; outer != nullptr; outer = outer->owner) {
     if (outer->prototype != prototype) continue;
-    log.report(Code::E6109, instance.where,
+    log.report(Code("E6109"), instance.where,
                fmt::format("the prototype {} contains itself", in_quotes(prototype->name)));
     return;
   }
@@ -110,7 +110,7 @@ void ReaderContext::expand(Node& instance) {
 Node* ReaderContext::actual(Node* node) {
   for (std::uint32_t step = 0; node != nullptr && node->prototype != nullptr; ++step) {
     if (step > kMostSteps) {
-      log.report(Code::E6109, node->where,
+      log.report(Code("E6109"), node->where,
                  fmt::format("the prototype {} contains itself", in_quotes(node->type)));
       return nullptr;
     }

@@ -147,7 +147,7 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
   if (!header.format) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
       log.sources().set_encoding(id, Encoding::binary);
-      log.report_file(top ? Code::E6101 : Code::W6004, file.name,
+      log.report_file(top ? Code("E6101") : Code("W6004"), file.name,
                       "the text is UTF-16; VRML is UTF-8", "convert it, as with iconv");
       return nullptr;
     }
@@ -156,7 +156,7 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
     if (header.format && *header.format != Format::vrml97 && *header.format != Format::vrml1)
       header.format.reset();
     if (!header.format) {
-      log.report(top ? Code::E6101 : Code::W6004, where,
+      log.report(top ? Code("E6101") : Code("W6004"), where,
                  text.empty()
                      ? "the file is empty"
                      : fmt::format("the first line is {}, and no header of VRML", in_quotes(line)),
@@ -170,15 +170,15 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
   if (told && told != header.format) {
     header.format = told;
     log.report(
-        Code::W6102, where,
+        Code("W6102"), where,
         fmt::format(
             "the header is {}, but the first node exists only in {}; the file is read as that",
             in_quotes(line), *told == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
   } else if (header.standard && line_begin > mark) {
-    log.report(Code::W6102, where, "the header is not the first line");
+    log.report(Code("W6102"), where, "the header is not the first line");
   }
   if (!header.standard)
-    log.report(Code::W6102, where,
+    log.report(Code("W6102"), where,
                fmt::format("{}; the file is read as {}",
                            same_letters(line.substr(0, 5), "#VRML")
                                ? fmt::format("the header is {}", in_quotes(line))
@@ -197,7 +197,7 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
 
 SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool texture,
                                std::string& path, std::string& problem, Code& code) {
-  code = Code::W6004;
+  code = Code("W6004");
   const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
   if (plain.empty()) {
     problem = "an empty name";
@@ -210,11 +210,11 @@ SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool text
                                       .part = !texture});
   if (found.outcome == Files::Outcome::too_large) throw OverLimit{"bytes", where};
   if (found.outcome != Files::Outcome::found) {
-    if (found.outside) code = Code::W6005;
+    if (found.outside) code = Code("W6005");
     problem = found.problem;
     return nullptr;
   }
-  if (!found.deviation.empty()) log.report(Code::W6118, where, found.deviation);
+  if (!found.deviation.empty()) log.report(Code("W6118"), where, found.deviation);
   path = found.path;
   SharedText bytes = std::move(found.bytes);
   const bool known = std::any_of(further_inputs.begin(), further_inputs.end(),
@@ -226,7 +226,7 @@ SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool text
 SharedText ReaderContext::bytes_of(std::span<const std::string_view> urls, SourceSpan where,
                                    std::string* path) {
   std::string problem = "no file is named";
-  Code code = Code::W6004;
+  Code code = Code("W6004");
   for (const std::string_view url : urls)
     if (auto bytes = read(url, where, true, *path, problem, code)) return bytes;
   log.report(code, where, problem);
@@ -254,7 +254,7 @@ Document* ReaderContext::document_at(std::string_view url, SourceSpan where, std
     return known->second.document.get();
   const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
   const std::string name = files.display_name(path);
-  if (!unpacked.problem.empty()) log.report(Code::E6003, where, unpacked.problem);
+  if (!unpacked.problem.empty()) log.report(Code("E6003"), where, unpacked.problem);
   documents_[path];
   problem = fmt::format("{} is not a VRML file", in_quotes(name));
   if (!unpacked.bytes) return nullptr;
@@ -263,7 +263,7 @@ Document* ReaderContext::document_at(std::string_view url, SourceSpan where, std
 
 Document* ReaderContext::inlined(std::span<const std::string_view> urls, SourceSpan where) {
   std::string problem = "no file is named";
-  Code code = Code::W6004;
+  Code code = Code("W6004");
   for (const std::string_view url : urls)
     if (Document* document = document_at(url, where, problem, code)) return document;
   report_missing_part(where, problem, code);
@@ -272,8 +272,8 @@ Document* ReaderContext::inlined(std::span<const std::string_view> urls, SourceS
 
 // A part whose file cannot be used, for the reason that `code` would give a texture.
 void ReaderContext::report_missing_part(SourceSpan where, const std::string& problem, Code code) {
-  log.report(Code::E6010, where, fmt::format("part not found: {}", problem),
-             code == Code::W6005 ? kRootHint : "");
+  log.report(Code("E6010"), where, fmt::format("part not found: {}", problem),
+             code == Code("W6005") ? kRootHint : "");
 }
 
 }  // namespace panwright::importers::vrml

@@ -197,7 +197,7 @@ Binding Scene10::binding(Node& node) {
   const auto found = words.find(text);
   if (found != words.end()) return found->second;
   const Field* field = node.find("value");
-  builder_.context.log.report(Code::E6107, field != nullptr ? field->where : node.where,
+  builder_.context.log.report(Code("E6107"), field != nullptr ? field->where : node.where,
                               fmt::format("{} is not a binding", in_quotes(text)));
   return Binding::standard;
 }
@@ -273,7 +273,7 @@ void Scene10::cube(Node& node) {
     const auto sheet = sheet_of(size);
     if (sheet)
       builder_.context.log.report(
-          Code::W6009, node.where,
+          Code("W6009"), node.where,
           "the Cube has a side of 0 m; it is a sheet, visible from both sides");
     return add_primitive(node, sheet ? *sheet : box_of(size, texture_index() != scene::kNone), 0);
   }
@@ -343,7 +343,7 @@ void Scene10::cone(Node& node) {
 // A shape with the material of one of the node's parts.
 void Scene10::add_primitive(Node& node, const Primitive& primitive, std::size_t part) {
   if (const auto problem = geometry::problem_of(primitive.shape)) {
-    builder_.context.log.report(Code::W6009, node.where,
+    builder_.context.log.report(Code("W6009"), node.where,
                                 fmt::format("{}; it is left out", problem->message));
     return;
   }

@@ -225,7 +225,7 @@ void Scene10::face_set(Node& node) {
   const Field* coord_index = node.find("coordIndex");
   if (coord_index == nullptr || coord_index->value.integers().empty()) return;
   if (state_.coordinates == nullptr) {
-    builder_.context.log.report(Code::W6009, node.where, "no Coordinate3 before it");
+    builder_.context.log.report(Code("W6009"), node.where, "no Coordinate3 before it");
     return;
   }
   Faces10 faces;
@@ -274,7 +274,7 @@ FaceSet Scene10::set_of(Node& node, const Faces10& faces, const Bound10& normals
       normals.owned.empty() ? 0 : 1 + static_cast<std::size_t>(std::ranges::max(normals.owned));
   if (!set.normals.empty() && set.normals.size() < 3 * needed) {
     const auto has = set.normals.size() / 3;
-    report(node, {{Code::W6114, List::normals, has - 1,
+    report(node, {{Code("W6114"), List::normals, has - 1,
                    fmt::format("the list has {} items where the NormalBinding needs {}, and is not "
                                "used",
                                has, needed)}});
@@ -312,7 +312,7 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
   });
   report(node, problems);
   for (const ListProblem& problem : problems)
-    if (problem.code == Code::E6002) throw OverLimit{};
+    if (problem.code == Code("E6002")) throw OverLimit{};
   if (mesh.triangles.empty()) return;
   builder_.triangles_made += mesh.triangles.size();
   if (builder_.triangles_made > options.max_triangles) throw OverLimit{"triangles", node.where};

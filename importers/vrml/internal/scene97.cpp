@@ -61,7 +61,7 @@ std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log) {
   Mat4 m;
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
   if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
-    log.report(Code::W6118, node.find("matrix")->where,
+    log.report(Code("W6118"), node.find("matrix")->where,
                "the last column of a matrix is 0 0 0 1; it is taken for that");
     for (int i = 0; i < 4; ++i) m[i][3] = i == 3 ? 1 : 0;
   }
@@ -132,13 +132,13 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
                        "Normal",
                        "TextureCoordinate",
                        "FontStyle"})) {
-    context_.log.report(Code::W6115, node.where,
+    context_.log.report(Code("W6115"), node.where,
                         fmt::format("{} is outside of a Shape", in_quotes(node.type)));
     return scene::kNone;
   }
   if (is_transform10(type)) {
     context_.log.report(
-        Code::W6115, node.where,
+        Code("W6115"), node.where,
         fmt::format("{} is not in a group: it moves nothing", in_quotes(node.type)));
     return scene::kNone;
   }

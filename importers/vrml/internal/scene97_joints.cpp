@@ -100,7 +100,7 @@ void Scene97::add_joint(const Node& instance, std::int32_t node) {
     count = 0;
   }
   const auto tolerated = [&](const std::string& message) {
-    builder_.context.log.report(Code::W6118, instance.where,
+    builder_.context.log.report(Code("W6118"), instance.where,
                                 fmt::format("the joint {}: {}", in_quotes(joint.name), message));
   };
   const auto axis = axis_of(instance);

@@ -98,7 +98,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
   std::int32_t made = scene::kNone;
   if (add_primitive(*geometry, look, parent, name, &made)) return made;
   if (type != "IndexedFaceSet" && type != "ElevationGrid" && type != "Extrusion") {
-    context_.log.report(Code::W6115, geometry->where,
+    context_.log.report(Code("W6115"), geometry->where,
                         fmt::format("{} is not a geometry", in_quotes(geometry->type)));
     return scene::kNone;
   }
@@ -115,7 +115,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
 bool Scene97::sound(const geometry::Shape& shape, const Node& geometry) {
   const auto problem = geometry::problem_of(shape);
   if (!problem) return true;
-  context_.log.report(Code::W6009, geometry.where,
+  context_.log.report(Code("W6009"), geometry.where,
                       fmt::format("the {} is left out: {}", geometry.type, problem->message));
   return false;
 }
@@ -142,7 +142,7 @@ bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t
     const Vec3 size = geometry.vec3("size");
     const auto sheet = sheet_of(size);
     if (sheet)
-      context_.log.report(Code::W6009, geometry.where,
+      context_.log.report(Code("W6009"), geometry.where,
                           "the Box has a side of 0 m; it is a sheet, visible from both sides");
     *made = place(sheet ? *sheet : box_of(size, look.texture != scene::kNone), look, parent, name,
                   geometry);
@@ -299,9 +299,9 @@ Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
                                                   : extrusion(geometry, look, problems);
   report(problems, geometry);
   for (const ListProblem& problem : problems)
-    if (problem.code == Code::E6002) throw OverLimit{};
+    if (problem.code == Code("E6002")) throw OverLimit{};
   if (mesh.triangles.empty()) {
-    context_.log.report(Code::W6009, geometry.where,
+    context_.log.report(Code("W6009"), geometry.where,
                         fmt::format("this {} has no faces", geometry.type));
     return meshed;
   }

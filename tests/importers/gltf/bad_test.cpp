@@ -109,30 +109,30 @@ void expect_code(const char* list, std::size_t index, const json& change, Code c
 TEST(GltfBad, OffsetsCountsAndStrides) {
   for (const std::uint64_t offset :
        {std::uint64_t{4}, ~std::uint64_t{0} - 15, std::uint64_t{1} << 63, std::uint64_t{1} << 32}) {
-    expect_code("bufferViews", 0, {{"byteOffset", offset + 1000}}, Code::E6206);
-    expect_code("accessors", 0, {{"byteOffset", offset * 4 + 1000}}, Code::E6206);
-    expect_code("accessors", 0, {{"count", offset + 1000}}, Code::E6206);
-    expect_code("bufferViews", 0, {{"byteLength", offset + 1000}}, Code::E6206);
+    expect_code("bufferViews", 0, {{"byteOffset", offset + 1000}}, Code("E6206"));
+    expect_code("accessors", 0, {{"byteOffset", offset * 4 + 1000}}, Code("E6206"));
+    expect_code("accessors", 0, {{"count", offset + 1000}}, Code("E6206"));
+    expect_code("bufferViews", 0, {{"byteLength", offset + 1000}}, Code("E6206"));
   }
-  expect_code("accessors", 0, {{"count", 0}}, Code::E6204);
-  expect_code("accessors", 0, {{"count", -3}}, Code::E6204);
-  expect_code("accessors", 0, {{"count", 1.5}}, Code::E6204);
-  expect_code("accessors", 0, {{"byteOffset", 2}}, Code::E6206);
-  expect_code("bufferViews", 0, {{"byteStride", 8}}, Code::E6206);
-  expect_code("bufferViews", 0, {{"byteStride", 300}}, Code::E6204);
-  expect_code("bufferViews", 0, {{"byteStride", 26}}, Code::E6204);
-  expect_code("bufferViews", 0, {{"buffer", 7}}, Code::E6205);
-  expect_code("accessors", 2, {{"componentType", kFloat}}, Code::E6211);
-  expect_code("accessors", 1, {{"count", 3}}, Code::E6211);
-  expect_code("nodes", 0, {{"mesh", 4}}, Code::E6205);
-  expect_code("nodes", 1, {{"children", {0, 1}}}, Code::E6208);
-  expect_code("nodes", 0, {{"children", {1}}}, Code::E6208);
-  expect_code("nodes", 1, {{"rotation", {0, 0, 0, 0.5}}}, Code::E6204);
-  expect_code({{"scene", 3}}, Code::E6205);
-  expect_code({{"asset", {{"version", "1.0"}}}}, Code::E6202);
-  expect_code({{"asset", nullptr}}, Code::E6204);
-  expect_code({{"extensionsRequired", {"VENDOR_shapes"}}}, Code::E6209);
-  expect_code({{"nodes", 5}}, Code::E6204);
+  expect_code("accessors", 0, {{"count", 0}}, Code("E6204"));
+  expect_code("accessors", 0, {{"count", -3}}, Code("E6204"));
+  expect_code("accessors", 0, {{"count", 1.5}}, Code("E6204"));
+  expect_code("accessors", 0, {{"byteOffset", 2}}, Code("E6206"));
+  expect_code("bufferViews", 0, {{"byteStride", 8}}, Code("E6206"));
+  expect_code("bufferViews", 0, {{"byteStride", 300}}, Code("E6204"));
+  expect_code("bufferViews", 0, {{"byteStride", 26}}, Code("E6204"));
+  expect_code("bufferViews", 0, {{"buffer", 7}}, Code("E6205"));
+  expect_code("accessors", 2, {{"componentType", kFloat}}, Code("E6211"));
+  expect_code("accessors", 1, {{"count", 3}}, Code("E6211"));
+  expect_code("nodes", 0, {{"mesh", 4}}, Code("E6205"));
+  expect_code("nodes", 1, {{"children", {0, 1}}}, Code("E6208"));
+  expect_code("nodes", 0, {{"children", {1}}}, Code("E6208"));
+  expect_code("nodes", 1, {{"rotation", {0, 0, 0, 0.5}}}, Code("E6204"));
+  expect_code({{"scene", 3}}, Code("E6205"));
+  expect_code({{"asset", {{"version", "1.0"}}}}, Code("E6202"));
+  expect_code({{"asset", nullptr}}, Code("E6204"));
+  expect_code({{"extensionsRequired", {"VENDOR_shapes"}}}, Code("E6209"));
+  expect_code({{"nodes", 5}}, Code("E6204"));
 }
 
 // A triangle on two joints, with half of its weight on each.
@@ -287,15 +287,15 @@ TEST(GltfBad, VerdictsOfTheValidatorOnNumbers) {
     return load(sample.glb());
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_TRUE(changed(0, 0, kNan).log.contains(Code::E6207));   // ACCESSOR_INVALID_FLOAT
-  EXPECT_TRUE(changed(2, 0, -0.5f).log.contains(Code::E6207));  // ACCESSOR_WEIGHTS_NEGATIVE
-  EXPECT_TRUE(changed(3, 15, 2).log.contains(Code::E6207));     // ACCESSOR_INVALID_IBM
+  EXPECT_TRUE(changed(0, 0, kNan).log.contains(Code("E6207")));   // ACCESSOR_INVALID_FLOAT
+  EXPECT_TRUE(changed(2, 0, -0.5f).log.contains(Code("E6207")));  // ACCESSOR_WEIGHTS_NEGATIVE
+  EXPECT_TRUE(changed(3, 15, 2).log.contains(Code("E6207")));     // ACCESSOR_INVALID_IBM
   EXPECT_FALSE(changed(3, 12, 2).log.has_errors());
   Sample twice = base;
   const auto joints = twice.json["bufferViews"][1]["byteOffset"].get<std::size_t>();
   twice.bytes[joints] = 1;  // ACCESSOR_JOINTS_INDEX_DUPLICATE
   const Loaded out = load(twice.glb());
-  EXPECT_TRUE(out.log.contains(Code::W6212) && !out.log.has_errors()) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("W6212")) && !out.log.has_errors()) << out.text();
 }
 
 // A custom attribute is not read, and still a number of it that is not finite is said; what sparse
@@ -305,7 +305,7 @@ TEST(GltfBad, NumbersThatNobodyReads) {
   Sample sample = triangle();
   const int extra = sample.numbers(std::vector<float>{0, kNan, 0}, kFloat, "SCALAR", 1);
   sample.json["meshes"][0]["primitives"][0]["attributes"]["_EXTRA"] = extra;
-  EXPECT_TRUE(load(sample.glb()).log.contains(Code::E6207));
+  EXPECT_TRUE(load(sample.glb()).log.contains(Code("E6207")));
   const int places = sample.view(std::vector<std::uint8_t>{1});
   const int values = sample.view(std::vector<float>{5});
   sample.json["accessors"][1]["sparse"] = {
@@ -319,7 +319,7 @@ TEST(GltfBad, NumbersThatNobodyReads) {
 TEST(GltfBad, ZeroBytesAfterTheJson) {
   const std::string text = triangle().gltf();
   Loaded out = load(text + std::string(3, '\0'));
-  EXPECT_TRUE(out.log.contains(Code::E6203)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6203"))) << out.text();
   ASSERT_TRUE(out.imported);
   EXPECT_EQ(mesh_of(*out.imported).triangles.size(), 1u);
 }
@@ -348,15 +348,15 @@ TEST(GltfBad, ContainersAndText) {
   };
   std::string glb = rich().glb();
   glb[4] = 1;
-  code_of(glb, Code::E6202);
+  code_of(glb, Code("E6202"));
   glb[4] = 3;
-  code_of(glb, Code::E6201);
-  code_of(R"({"asset":{"version":"2.0"},"meshes":{"a":{}}})", Code::E6204);
-  code_of(R"({"meshes":{"a":{}}})", Code::E6202);
-  code_of(R"({"asset":{"version":"2.0"},})", Code::E6203);
-  code_of(R"({"asset":{"version":"2.0"},"scene":1e999})", Code::E6203);
-  code_of(R"({"asset":{"version":"2.0"},"asset":{"version":"2.0"}})", Code::W6215);
-  code_of("{\"a\":" + std::string(100000, '[') + std::string(100000, ']') + "}", Code::E6203);
+  code_of(glb, Code("E6201"));
+  code_of(R"({"asset":{"version":"2.0"},"meshes":{"a":{}}})", Code("E6204"));
+  code_of(R"({"meshes":{"a":{}}})", Code("E6202"));
+  code_of(R"({"asset":{"version":"2.0"},})", Code("E6203"));
+  code_of(R"({"asset":{"version":"2.0"},"scene":1e999})", Code("E6203"));
+  code_of(R"({"asset":{"version":"2.0"},"asset":{"version":"2.0"}})", Code("W6215"));
+  code_of("{\"a\":" + std::string(100000, '[') + std::string(100000, ']') + "}", Code("E6203"));
 }
 
 TEST(GltfBad, MessagesNameTheProperty) {
@@ -382,7 +382,7 @@ TEST(GltfBad, LargeClaimsOfSmallFiles) {
   zeros.json["accessors"][0].erase("bufferView");
   zeros.json["accessors"][0]["count"] = 2'000'000'000;
   Loaded out = load(zeros.glb());
-  EXPECT_TRUE(out.log.contains(Code::E6002)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6002"))) << out.text();
   // meshopt and Draco streams of a few bytes
   Sample packed = triangle();
   packed.json["extensionsUsed"] = {"EXT_meshopt_compression"};
@@ -392,7 +392,7 @@ TEST(GltfBad, LargeClaimsOfSmallFiles) {
                                                                             {"count", 100'000'000},
                                                                             {"mode", "ATTRIBUTES"}};
   out = load(packed.glb());
-  EXPECT_TRUE(out.log.contains(Code::E6210)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6210"))) << out.text();
   Sample draco = triangle();
   std::vector<std::uint8_t> head = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0};
   for (int i = 0; i < 2; ++i) head.insert(head.end(), {0xff, 0xff, 0xff, 0xff, 0x0f});
@@ -401,20 +401,20 @@ TEST(GltfBad, LargeClaimsOfSmallFiles) {
   draco.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
       {"bufferView", view}, {"attributes", {{"POSITION", 0}}}};
   out = load(draco.glb());
-  EXPECT_TRUE(out.log.contains(Code::E6210)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6210"))) << out.text();
   // limits of the caller
   Options options;
   options.limits.nodes = 2;
   out = load(rich().glb(), options);
-  EXPECT_TRUE(out.log.contains(Code::E6002)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6002"))) << out.text();
   options = {};
   options.limits.triangles = 1;
   out = load(rich().glb(), options);
-  EXPECT_TRUE(out.log.contains(Code::E6002)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6002"))) << out.text();
   options = {};
   options.limits.depth = 1;
   out = load(rich().glb(), options);
-  EXPECT_TRUE(out.log.contains(Code::E6002)) << out.text();
+  EXPECT_TRUE(out.log.contains(Code("E6002"))) << out.text();
 }
 
 TEST(GltfBad, AMeshoptStreamDamagedAtEveryByte) {
@@ -453,7 +453,7 @@ TEST(GltfBad, AMeshoptStreamDamagedAtEveryByte) {
   }
   for (std::size_t size = 1; size < stream.size(); ++size)
     EXPECT_TRUE(file({stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(size)})
-                    .log.contains(Code::E6210))
+                    .log.contains(Code("E6210")))
         << size;
   for (std::size_t at = 0; at < stream.size(); ++at) {
     std::vector<unsigned char> bytes = stream;

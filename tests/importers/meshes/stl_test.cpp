@@ -82,7 +82,7 @@ TEST(Stl, WrongNumbersOfTrianglesAreTold) {
   }
   const auto header = read_meshes({{"m.stl", whole.substr(0, 50)}});
   EXPECT_FALSE(header->out);
-  EXPECT_TRUE(header->log.contains(Code::E6501));
+  EXPECT_TRUE(header->log.contains(Code("E6501")));
 }
 
 TEST(Stl, CornersThatAreNoPlaceAreLeftOut) {

@@ -21,7 +21,8 @@ TEST(MjcfParts, ShapesAreExact) {
 <geom size="9" group="3"/><geom type="hfield" hfield="h"/></body>)"));
   ASSERT_TRUE(reading->out) << reading->text();
   EXPECT_THAT(reading->places(), IsEmpty()) << reading->text();
-  EXPECT_TRUE(reading->log.contains(Code::N6007));  // the endless plane, the hidden geom, the field
+  EXPECT_TRUE(
+      reading->log.contains(Code("N6007")));  // the endless plane, the hidden geom, the field
   const scene::Scene& scene = reading->scene();
   ASSERT_EQ(scene.instances.size(), 8u);
   EXPECT_EQ(reading->path(0), "/world_geom");

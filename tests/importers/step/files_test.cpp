@@ -188,7 +188,7 @@ TEST(StepFiles, BodiesOfOnePartStandBelowIt) {
             scene.shapes[static_cast<std::size_t>(instance.shape)]))
       x += scene::world_from_nodes(scene)[static_cast<std::size_t>(instance.node)][3].x;
   EXPECT_NEAR(x, 0.5, 1e-15);
-  EXPECT_EQ(reading->count(Code::N6007), 1u) << to_text(reading->log);
+  EXPECT_EQ(reading->count(Code("N6007")), 1u) << to_text(reading->log);
 }
 
 TEST(StepFiles, TheSameTextGivesTheSameScene) {

@@ -89,7 +89,7 @@ TEST(StepProcess, AnswersWhatIsReadHere) {
   ASSERT_TRUE(there->out) << to_text(there->log);
   ASSERT_TRUE(here->out);
   EXPECT_EQ(to_text(there->log), to_text(here->log));
-  EXPECT_EQ(there->count(Code::N6007), 1u);
+  EXPECT_EQ(there->count(Code("N6007")), 1u);
   EXPECT_EQ(there->scene().shapes.size(), 6u);
   there->out->scene.inputs.clear();  // the importers' own
   EXPECT_EQ(pan_of(*there), pan_of(*here));
@@ -130,26 +130,26 @@ void expect_refused(Code code, const std::string& words, const Options& options 
 TEST(StepProcess, OneThatCrashesIsAnError) {
   for (const char* how : {"", "cat > /dev/null; ", "printf PWSTEPA1; "}) {
     const Stand stand(std::string(how) + "kill -SEGV $$\n");
-    expect_refused(Code::E6601, "crashed (signal 11");
+    expect_refused(Code("E6601"), "crashed (signal 11");
   }
   const Stand stand("kill -KILL $$\n");
-  expect_refused(Code::E6601, "crashed (signal 9");
+  expect_refused(Code("E6601"), "crashed (signal 9");
 }
 
 TEST(StepProcess, OneThatEndsWithoutAnAnswerIsAnError) {
   const Stand stand("exit 7\n");
-  expect_refused(Code::E6601, "without an answer (exit code 7)");
+  expect_refused(Code("E6601"), "without an answer (exit code 7)");
 }
 
 TEST(StepProcess, OneThatIsNotThereIsNamed) {
   {
     const Stand stand("");
     chmod((stand.folder() / "reader").c_str(), 0600);
-    expect_refused(Code::E6001, "cannot be started");
+    expect_refused(Code("E6001"), "cannot be started");
   }
   setenv(kVariable, "/nonexistent/panwright-step", 1);
   EXPECT_FALSE(reads_step());
-  expect_refused(Code::E6001, "PANWRIGHT_STEP_READER names '/nonexistent/panwright-step'");
+  expect_refused(Code("E6001"), "PANWRIGHT_STEP_READER names '/nonexistent/panwright-step'");
   unsetenv(kVariable);
   EXPECT_TRUE(reads_step());
 }
@@ -186,7 +186,7 @@ TEST(StepProcess, OneThatHangsIsEndedWithAllThatItStarted) {
     options.limits.seconds = 0.1;
     const auto reading = read("ISO-10303-21;", options);
     EXPECT_FALSE(reading->out);
-    EXPECT_EQ(reading->count(Code::E6002) + reading->count(Code::E6601), 1u)
+    EXPECT_EQ(reading->count(Code("E6002")) + reading->count(Code("E6601")), 1u)
         << to_text(reading->log);
     const auto processes = written_by(stand);
     ASSERT_FALSE(processes.empty());
@@ -199,7 +199,7 @@ TEST(StepProcess, ProcessorTimeIsLimited) {
   const Stand stand("while :; do :; done\n");
   Options options;
   options.limits.seconds = 0.9;  // 1 s of it, 3.6 s on the clock
-  expect_refused(Code::E6002, "more time than the limit allows", options);
+  expect_refused(Code("E6002"), "more time than the limit allows", options);
 }
 
 TEST(StepProcess, ItsLimitsAreSetBeforeItReads) {
@@ -207,7 +207,7 @@ TEST(StepProcess, ItsLimitsAreSetBeforeItReads) {
   Options options;
   options.limits.memory = 1ull << 30;
   options.limits.seconds = 30;
-  expect_refused(Code::E6601, "without an answer", options);
+  expect_refused(Code("E6601"), "without an answer", options);
   std::istringstream said(support::contents(stand.out()));
   std::string memory, seconds, core;
   said >> memory >> seconds >> core;
@@ -227,7 +227,7 @@ TEST(StepProcess, MemoryIsLimited) {
   const Stand stand("ulimit -v 500000; exec " PANWRIGHT_BIN_DIR "/panwright-step\n");
   const auto reading = read(text, options);
   EXPECT_FALSE(reading->out && !reading->scene().instances.empty());
-  EXPECT_EQ(reading->count(Code::E6002), 1u) << to_text(reading->log);
+  EXPECT_EQ(reading->count(Code("E6002")), 1u) << to_text(reading->log);
   EXPECT_THAT(to_text(reading->log), HasSubstr("more memory than the limit allows"));
 }
 #endif
@@ -237,7 +237,7 @@ TEST(StepProcess, NothingOfTheHostIsHandedOn) {
   constexpr int kNumber = 77;
   ASSERT_EQ(dup2(STDIN_FILENO, kNumber), kNumber);
   const Stand stand("ls /proc/$$/fd > $0.out\n");
-  expect_refused(Code::E6601, "without an answer");
+  expect_refused(Code("E6601"), "without an answer");
   close(kNumber);
   std::istringstream said(support::contents(stand.out()));
   std::vector<int> numbers;
@@ -256,7 +256,7 @@ TEST(StepProcess, ACancelledJobEndsIt) {
   });
   const MemoryFile file{"model.step", "ISO-10303-21;"};
   EXPECT_FALSE(import_memory({&file, 1}, {}, log, job));
-  EXPECT_TRUE(log.contains(Code::E0001));
+  EXPECT_TRUE(log.contains(Code("E0001")));
   EXPECT_EQ(log.errors(), 1u) << to_text(log);
   canceller.join();
   expect_gone(written_by(stand));
@@ -270,11 +270,11 @@ TEST(StepProcess, GarbageIsAnError) {
         "printf 'PWSTEPA1\\002\\000\\000\\000\\000\\000\\000\\000\\000\\000\\000\\100'"}) {
     SCOPED_TRACE(answer);
     const Stand stand("cat > /dev/null; " + std::string(answer) + "\n");
-    expect_refused(Code::E6601, "answer of the reader of STEP files is damaged");
+    expect_refused(Code("E6601"), "answer of the reader of STEP files is damaged");
   }
   // an answer that ends too early
   const Stand stand("cat > /dev/null; printf PWSTEPA1; printf 'PWSTEPA1' > $0.out\n");
-  expect_refused(Code::E6601, "without an answer (exit code 0)");
+  expect_refused(Code("E6601"), "without an answer (exit code 0)");
 }
 
 // ---- the form of answers

@@ -269,7 +269,7 @@ TEST(Extrusions, ListsThatAreTooShortHoldTheirLast) {
   e.scales = scales;
   const Made bar = made(e);
   ASSERT_EQ(bar.problems.size(), 1u);
-  EXPECT_EQ(bar.problems[0].code, Code::W6114);
+  EXPECT_EQ(bar.problems[0].code, Code("W6114"));
   EXPECT_EQ(bar.problems[0].list, List::scales);
   EXPECT_NEAR(bar.report.volume, (4 + 16 + 8) / 3.0 + 16, 1e-13);
 }
@@ -341,17 +341,17 @@ TEST(Extrusions, TooLittleAndTooMuch) {
   const Numbers stop{0, 0, 0};
   const Made none = made(extrusion(kSquare, stop));
   ASSERT_EQ(none.problems.size(), 1u);
-  EXPECT_EQ(none.problems[0].code, Code::W6114);
+  EXPECT_EQ(none.problems[0].code, Code("W6114"));
   EXPECT_EQ(none.problems[0].list, List::spine);
   EXPECT_TRUE(made(extrusion({}, {})).mesh.triangles.empty());
 
   const Made many = made(extrusion(kSquare, kUp), {.max_triangles = 11});
   ASSERT_EQ(many.problems.size(), 1u);
-  EXPECT_EQ(many.problems[0].code, Code::E6002);
+  EXPECT_EQ(many.problems[0].code, Code("E6002"));
   const Numbers wide(200'000, 0.5), far(300'000, 0.5);
   const Made bomb = made(extrusion(wide, far));
   ASSERT_EQ(bomb.problems.size(), 1u);
-  EXPECT_EQ(bomb.problems[0].code, Code::E6002);
+  EXPECT_EQ(bomb.problems[0].code, Code("E6002"));
 }
 
 }  // namespace

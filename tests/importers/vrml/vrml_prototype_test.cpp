@@ -97,14 +97,14 @@ TEST(VrmlPrototypes, OnesThatContainThemselves) {
                      "PROTO B [ field SFFloat x 1 ] { Group { children [ A { x IS x } Shape "
                      "{ geometry Box {} } ] } }"}});
   ASSERT_TRUE(values->out);
-  EXPECT_EQ(values->count(Code::E6109), 1u) << to_text(values->log);
+  EXPECT_EQ(values->count(Code("E6109")), 1u) << to_text(values->log);
   EXPECT_EQ(values->scene().instances.size(), 1u);
 
   const auto plain = read_files(
       {{"b.wrl", kHeader97 + "EXTERNPROTO A [ ] \"b.wrl#B\"\nPROTO B [ ] { A {} }\nB {}\nShape { "
                              "geometry Box {} }"}});
   ASSERT_TRUE(plain->out);
-  EXPECT_EQ(plain->count(Code::E6109), 1u) << to_text(plain->log);
+  EXPECT_EQ(plain->count(Code("E6109")), 1u) << to_text(plain->log);
   EXPECT_EQ(plain->scene().instances.size(), 1u);
 }
 
@@ -142,8 +142,8 @@ TEST(VrmlInline, WhatIsNoVrmlIsNotReadAsSuch) {
        {"b.txt", "some words"},
        {"c.wrl", "Separator { Cube { } }"}});
   EXPECT_EQ(reading->log.errors(), 1u) << to_text(reading->log);
-  EXPECT_EQ(reading->count(Code::E6010), 1u);
-  EXPECT_EQ(reading->count(Code::W6004), 2u);
+  EXPECT_EQ(reading->count(Code("E6010")), 1u);
+  EXPECT_EQ(reading->count(Code("W6004")), 2u);
   EXPECT_EQ(reading->scene().instances.size(), 1u);
 }
 
@@ -153,7 +153,7 @@ TEST(VrmlInline, Cycles) {
                   {"b.wrl", kHeader97 + "Inline { url \"a.wrl\" }\nInline { url \"b.wrl\" }\n"
                                         "Shape { geometry Sphere {} }"}});
   ASSERT_TRUE(reading->out);
-  EXPECT_EQ(reading->count(Code::E6109), 2u);
+  EXPECT_EQ(reading->count(Code("E6109")), 2u);
   EXPECT_EQ(reading->scene().instances.size(), 2u);
 }
 

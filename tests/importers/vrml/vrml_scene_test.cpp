@@ -269,7 +269,7 @@ TEST(VrmlScene, Materials) {
   EXPECT_EQ(gold.emissive, Vec3(0, 0, 0.1));
   EXPECT_EQ(gold.weights, Vec3(1, 1, 1));
   EXPECT_EQ(reading->out->materials[0].opacity, 0.75);
-  EXPECT_TRUE(reading->log.contains(Code::W6008));
+  EXPECT_TRUE(reading->log.contains(Code("W6008")));
   EXPECT_EQ(reading->scene().materials[1].diffuse, Vec3(0.8));
 }
 
