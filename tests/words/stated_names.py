@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that files named in comments and folder READMEs exist, and that each README states its folder's contract."""
+"""Checks that files named in comments and folder READMEs exist, that codes of diagnostics are in the registry, and that each README states its folder's
+contract."""
 
 import pathlib
 import re
@@ -47,6 +48,16 @@ def comment_problems(root, paths, known):
                         yield f"{path}:{comment['line'] + offset}: names {name}, which does not exist"
 
 
+def code_problems(root, paths):
+    registry = set(re.findall(r"^PANWRIGHT_CODE\((\w+)", (root / "base/diagnostic_codes.def").read_text(encoding="utf-8"), re.M))
+    for path in paths:
+        if pathlib.PurePath(path).suffix not in SOURCES:
+            continue
+        for name in re.findall(r'\bCode\("(\w+)"\)', (root / path).read_text(encoding="utf-8")):
+            if name not in registry:
+                yield f"{path}: Code(\"{name}\") is not in base/diagnostic_codes.def"
+
+
 def readme_problems(root, folder, known, tests):
     path = root / folder / "README.md"
     where = f"{folder}/README.md"
@@ -82,6 +93,7 @@ def problems(root):
     paths = tree(root)
     known = endings(paths)
     yield from comment_problems(root, paths, known)
+    yield from code_problems(root, paths)
     tests = set()
     for path in paths:
         if path.startswith("tests/") and path.endswith("CMakeLists.txt"):
