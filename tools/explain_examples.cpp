@@ -8,7 +8,7 @@ namespace panwright::tools {
 namespace {
 
 constexpr CodeExample kCodeExamples[] = {
-#define PANWRIGHT_EXAMPLE(code, example, cure) {Code::code, example, cure},
+#define PANWRIGHT_EXAMPLE(code, example, cure) {Code(#code), example, cure},
 #include "tools/explain_examples.def"
 #undef PANWRIGHT_EXAMPLE
 };

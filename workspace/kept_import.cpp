@@ -93,7 +93,7 @@ bool KeptImport::read_diagnostics(std::span<const std::byte> bytes) {
   for (std::uint64_t left = reader.number(); left > 0 && reader.good(); --left) {
     const auto code = code_from_name(reader.text());
     if (!code) return false;
-    Entry& entry = found_.emplace_back(Entry{.said = {*code, {}, {}, {}, {}}});
+    Entry& entry = found_.emplace_back(Entry{{*code, {}, {}, {}, {}}, kNoFile, {}, false});
     entry.said.message = reader.text();
     entry.said.object = reader.text();
     entry.said.hint = reader.text();
