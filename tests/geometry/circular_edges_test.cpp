@@ -283,9 +283,9 @@ TEST(Texcoords, AreNotMirrored) {
   }
 }
 
-Code problem_code(const Shape& shape) {
+std::optional<Code> problem_code(const Shape& shape) {
   const auto problem = problem_of(shape);
-  return problem ? problem->code : Code{};
+  return problem ? std::optional(problem->code) : std::nullopt;
 }
 
 TEST(Problems, AreFoundAndNamed) {
@@ -322,7 +322,7 @@ TEST(Problems, AreFoundAndNamed) {
   EXPECT_EQ(problem_code(Sphere{1, {}, nan, 1, {}}), Code("E2017"));
   EXPECT_EQ(problem_code(Sphere{1, SphereCounts{1, 8}}), Code("E2018"));
   EXPECT_EQ(problem_code(Cylinder{1, 1, Caps::both, {}, {2, 0}}), Code("E2018"));
-  EXPECT_EQ(problem_code(Cylinder{1, 1, Caps::both, {0, 1}, {1, 0}}), Code{});
+  EXPECT_EQ(problem_code(Cylinder{1, 1, Caps::both, {0, 1}, {1, 0}}), std::nullopt);
   EXPECT_EQ(problem_code(Ellipsoid{{1, 1, 1}, {8, 1}}), Code("E2018"));
   EXPECT_EQ(problem_code(Torus{1, 0.1, {}, {8, 2}}), Code("E2018"));
 }
@@ -343,12 +343,12 @@ TEST(Problems, OfProfiles) {
     EXPECT_EQ(code({{1, 0}, {-1e-9, 1}}, spline), Code("E2011"));
     EXPECT_EQ(code({{1, 0}, {std::nan(""), 1}}, spline), Code("E2010"));
     EXPECT_EQ(code({{1, 0}, {1, 1e300}}, spline), Code("E2010"));
-    EXPECT_EQ(code({{1, 0}, {1, 1}}, spline), Code{});
-    EXPECT_EQ(code({{0, 0}, {1, 1}, {0, 2}, {1, 3}, {0, 4}}, spline), Code{});
+    EXPECT_EQ(code({{1, 0}, {1, 1}}, spline), std::nullopt);
+    EXPECT_EQ(code({{0, 0}, {1, 1}, {0, 2}, {1, 3}, {0, 4}}, spline), std::nullopt);
   }
   // dips across the axis between two points
   EXPECT_EQ(code({{2, 0}, {0.01, 1}, {0.01, 1.1}, {2, 2.1}}, true), Code("E2011"));
-  EXPECT_EQ(code({{2, 0}, {0.01, 1}, {0.01, 1.1}, {2, 2.1}}, false), Code{});
+  EXPECT_EQ(code({{2, 0}, {0.01, 1}, {0.01, 1.1}, {2, 2.1}}, false), std::nullopt);
   EXPECT_EQ(code({{1, 0}, {2, 0}, {1, 0}}, true), Code("E2015"));
 }
 
