@@ -161,36 +161,46 @@ std::array<double, 2> radiosity(double albedo, double gap, std::uint32_t bounces
   return total;
 }
 
+// Largest relative error of what a camera in the gap between two squares gets from either.
+double off_between_squares(double gap, std::uint32_t bounces, double until_error) {
+  const double albedo = 0.8;
+  const pan::Model model =
+      model_of(plates({{-0.5, 0.5, -0.5, 0.5, 0}, {-0.5, 0.5, -0.5, 0.5, gap}}, lambert(albedo)));
+  const std::array<double, 2> exact = radiosity(albedo, gap, bounces);
+  double most = 0;
+  for (const bool upper : {false, true}) {
+    // one square fills the image
+    View view = slice(16, 16, 1, gap / 2, upper ? -1 : 1);
+    // low enough that the upper square's shadow falls beside the lower one
+    view.to_sun = {3, 0, gap};
+    const double cosine = gap / std::sqrt(9 + gap * gap);
+    view.sun_irradiance = Vec3(1 / cosine);
+    ReferenceOptions options;
+    options.sun_disc = false;
+    options.bounces = bounces;
+    options.samples = 64;
+    options.until_error = until_error;
+    const ReferenceImage result = traced(model, view, options);
+    const double off = kPi * result.flux.x / exact[upper] - 1;
+    printf("gap %.1f, %2u bounces, %s: %+.1e (error %.1e)\n", gap, bounces,
+           upper ? "upper" : "lower", off, result.flux_error.x / result.flux.x);
+    most = std::max(most, std::fabs(off));
+  }
+  return most;
+}
+
+// tolerances: three standard errors and a little
 TEST(ReferenceLight, InterreflectionOfParallelSquares) {
   // the quadrature itself: one bounce from an evenly lit square is the form factor 0.19982490
   EXPECT_NEAR(radiosity(1, 1, 1)[1], 0.19982490, 1e-7);
-  const double albedo = 0.8;
-  for (const double gap : {1.0, 0.5}) {
-    const pan::Model model =
-        model_of(plates({{-0.5, 0.5, -0.5, 0.5, 0}, {-0.5, 0.5, -0.5, 0.5, gap}}, lambert(albedo)));
-    for (const std::uint32_t bounces : {1u, 20u}) {
-      const std::array<double, 2> exact = radiosity(albedo, gap, bounces);
-      for (const bool upper : {false, true}) {
-        // a camera in the gap that sees one square, which fills the image
-        View view = slice(16, 16, 1, gap / 2, upper ? -1 : 1);
-        // low enough that the upper square's shadow falls beside the lower one
-        view.to_sun = {3, 0, gap};
-        const double cosine = gap / std::sqrt(9 + gap * gap);
-        view.sun_irradiance = Vec3(1 / cosine);
-        ReferenceOptions options;
-        options.sun_disc = false;
-        options.bounces = bounces;
-        options.samples = 64;
-        options.until_error = 4e-4;
-        const ReferenceImage result = traced(model, view, options);
-        const double off = kPi * result.flux.x / exact[upper] - 1;
-        printf("gap %.1f, %2u bounces, %s: %+.1e (error %.1e)\n", gap, bounces,
-               upper ? "upper" : "lower", off, result.flux_error.x / result.flux.x);
-        // three standard errors and a little
-        EXPECT_LE(std::fabs(off), 1e-3);
-      }
-    }
-  }
+  EXPECT_LE(off_between_squares(1, 1, 1e-3), 3.5e-3);
+  EXPECT_LE(off_between_squares(0.5, 20, 1e-3), 3.5e-3);
+}
+
+TEST(ReferenceLight, InterreflectionOfParallelSquaresExactly) {
+  for (const double gap : {1.0, 0.5})
+    for (const std::uint32_t bounces : {1u, 20u})
+      EXPECT_LE(off_between_squares(gap, bounces, 4e-4), 1e-3);
 }
 
 TEST(ReferenceLight, EmissionIsSeenAndLightsOthers) {
@@ -212,7 +222,7 @@ TEST(ReferenceLight, EmissionIsSeenAndLightsOthers) {
     view.sun_irradiance = irradiance;
     ReferenceOptions options;
     options.sun_disc = false;
-    options.until_error = 1e-3;
+    options.until_error = 2e-3;
     const ReferenceImage glow = traced(model, view, options);
     EXPECT_NEAR(glow.flux.x / white.x, 0.5 / kPi, 1e-9);
     EXPECT_NEAR(glow.flux.y / white.y, 0.25 / kPi, 1e-9);
@@ -221,7 +231,7 @@ TEST(ReferenceLight, EmissionIsSeenAndLightsOthers) {
     const ReferenceImage lit = traced(model, view, options);
     const double exact = 0.5 / kPi * 0.6 * 0.19982490 * white.x;
     printf("lit by what glows: %+.1e\n", lit.flux.x / exact - 1);
-    EXPECT_NEAR(lit.flux.x / exact, 1, 4e-3);  // four standard errors
+    EXPECT_NEAR(lit.flux.x / exact, 1, 8e-3);  // four standard errors
     view.white = Vec3(7);
     EXPECT_NEAR(traced(model, view, options).flux.x / lit.flux.x, 7 / white.x, 1e-12);
   }
