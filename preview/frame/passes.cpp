@@ -140,6 +140,18 @@ void TileScene::find(const FrameScene& scene, const Tile& whole) {
   targets.resize(count);
 }
 
+double triangles_on(const FrameScene& scene, const TileScene& tile) {
+  double triangles = 0;
+  for (const TileTarget& target : tile.targets) {
+    const TargetState& state = scene.state(target.visible);
+    for (const std::uint32_t k : target.drawn) {
+      const DrawItem& item = state.items()[scene.visible.targets[target.visible].items[k]];
+      triangles += state.model().model->meshes()[item.mesh].triangle_count;
+    }
+  }
+  return triangles;
+}
+
 TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
   TileScene out;
   out.find(scene, tile);

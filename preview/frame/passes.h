@@ -47,6 +47,8 @@ struct TileScene {
 };
 
 TileScene tile_scene(const FrameScene& scene, const Tile& tile);
+// Returns the number of triangles of what is on a tile.
+double triangles_on(const FrameScene& scene, const TileScene& tile);
 
 // Blocks of N×N samples, each of one pixel, shaded consecutively, in rows.
 struct Blocks {

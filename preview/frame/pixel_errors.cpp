@@ -158,6 +158,21 @@ void ErrorPredictor::look_at_corners(const image::Image& image, std::span<const 
   parallel_for(part.height, std::ref(look_at_row));
 }
 
+ImageSums sums_of(const image::Image& image) {
+  ImageSums sums;
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    if (image.coverage[i] == 0) continue;
+    double squares = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = image.radiance[3 * i + k];
+      sums.radiance += value;
+      squares += value * value;
+    }
+    sums.squares += squares / 3;
+  }
+  return sums;
+}
+
 float least_error_above(std::span<const float> errors, double budget) {
   std::vector<double> squares(kBins, 0.0);
   for (const float error : errors)

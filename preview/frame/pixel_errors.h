@@ -11,6 +11,14 @@
 
 namespace panwright::preview {
 
+// Sums over the pixels of an image that show a target.
+struct ImageSums {
+  double radiance = 0;  // of all channels
+  double squares = 0;   // the mean of the channels
+};
+
+ImageSums sums_of(const image::Image& image);
+
 // Predictor of the error of pixels with one sample each. The error of a pixel's mean follows the
 // largest second difference of radiance along rows, columns and both diagonals. It detects edges,
 // borders of shadows and highlights, and no linear slope. A share of the neighbours' differences is

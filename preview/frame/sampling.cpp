@@ -8,6 +8,7 @@
 
 #include "preview/frame/blocks.h"
 #include "preview/frame/outline.h"
+#include "preview/frame/sampling_frame.h"
 
 namespace panwright::preview {
 namespace {
@@ -47,6 +48,12 @@ constexpr double kThinPixels = 1.5;
 constexpr double kAcrossThin = 16;
 constexpr double kBesideThin = 0.75;  // pixels, from a pixel's centre to their outline
 
+// Radiance taken for thin parts that no sample shows, in parts of the Sun's irradiance: half of
+// what white has that faces it. And what of the flux they may be, in parts of the error asked for,
+// for nobody to mind.
+constexpr double kThinShare = 0.5 / kPi;
+constexpr double kThinLeast = 0.1;
+
 constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
 constexpr GLenum kColorFormats[] = {GL_RGBA32F};
 
@@ -58,33 +65,6 @@ Tile moved(Tile tile, const Tile& part) {
 }
 
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
-
-double triangles_on(const FrameScene& scene, const TileScene& tile) {
-  double triangles = 0;
-  for (const TileTarget& target : tile.targets) {
-    const TargetState& state = scene.state(target.visible);
-    for (const std::uint32_t k : target.drawn) {
-      const DrawItem& item = state.items()[scene.visible.targets[target.visible].items[k]];
-      triangles += state.model().model->meshes()[item.mesh].triangle_count;
-    }
-  }
-  return triangles;
-}
-
-ImageSums sums_of(const image::Image& image) {
-  ImageSums sums;
-  for (std::size_t i = 0; i < image.pixels(); ++i) {
-    if (image.coverage[i] == 0) continue;
-    double squares = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double value = image.radiance[3 * i + k];
-      sums.radiance += value;
-      squares += value * value;
-    }
-    sums.squares += squares / 3;
-  }
-  return sums;
-}
 
 }  // namespace
 
@@ -101,41 +81,6 @@ void Sampling::estimate(const ImageSums& sums) {
   // as if all errors had one sign: along an edge that lies like the samples they have
   report_.flux = total > 0 ? 3 * total / sums.radiance : 0;
 }
-
-struct Sampling::Frame {
-  const FrameScene& scene;
-  const RenderOptions& options;
-  std::span<const GLenum> formats;
-  image::Image& image;
-  const Job& job;
-  DiagnosticLog& log;
-  std::uint32_t width = 0;   // of the largest tile, samples
-  std::uint32_t height = 0;  // the same
-  Tile part;                 // of the image that anything may fall on
-  double triangles = 0;      // on it
-
-  bool cancelled() const {  // reports E0001 then
-    if (job.cancelled()) report_cancelled(log);
-    return job.cancelled();
-  }
-
-  std::uint64_t area() const { return std::uint64_t{width} * height; }
-
-  // Of pixels of the part, row by row.
-  std::size_t count() const { return std::size_t{part.width} * part.height; }
-  std::size_t index(const Pixel& pixel) const {
-    return std::size_t{pixel.y - part.y} * part.width + pixel.x - part.x;
-  }
-  Pixel pixel(std::size_t index) const {
-    return {part.x + static_cast<std::uint32_t>(index % part.width),
-            part.y + static_cast<std::uint32_t>(index / part.width)};
-  }
-
-  // The samples a pixel of the image that `pixels` of them with N×N add.
-  double added(std::size_t pixels, unsigned n) const {
-    return static_cast<double>(pixels) * n * n / static_cast<double>(image.pixels());
-  }
-};
 
 Sampling::Sampling(Device::Impl& device, Passes& passes, RenderTarget& seen, RenderTarget& color)
     : device_(device),
@@ -186,6 +131,7 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   if (!device_.programs_ready(log)) return false;
   if (!one_sample_each(frame, image, patternless_)) return false;
   report_.samples = 1;
+  unseen_.clear();
   const bool good = options.samples == 0 ? look_at_corners(frame) && until_error(frame)
                                          : some_in_full(frame, options.samples);
   // what light there may be is missing
@@ -198,6 +144,8 @@ bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
   levels_.assign(frame.count(), 0);
   surprises_.clear();
   predictor_.predict(frame.image, patternless_, frame.part, errors_);
+  look_for_thin_parts(frame);
+  for (std::size_t i = 0; i < errors_.size(); ++i) errors_[i] = std::max(errors_[i], unseen(i));
   // neighbours tell little of so few pixels
   if (std::max(frame.part.width, frame.part.height) <= kSmallPixels)
     std::fill(errors_.begin(), errors_.end(), INFINITY);
@@ -236,6 +184,7 @@ bool Sampling::until_error(const Frame& frame) {
   levels_.assign(frame.count(), 0);
   errors_.assign(frame.count(), 0.0f);
   std::vector<std::vector<Pixel>> wanted(sides.size());
+  look_for_thin_parts(frame);
   want_small_targets(frame, sides, wanted);
   surprises_.clear();
 
@@ -244,7 +193,7 @@ bool Sampling::until_error(const Frame& frame) {
     if (!measure(frame, sides, wanted)) return false;
     predictor_.predict(frame.image, patternless_, frame.part, predicted_);
     for (std::size_t i = 0; i < errors_.size(); ++i)
-      if (levels_[i] == 0) errors_[i] = std::max(predicted_[i], corner_errors_[i]);
+      if (levels_[i] == 0) errors_[i] = std::max({predicted_[i], corner_errors_[i], unseen(i)});
     raise_around_surprises(frame);
     const ImageSums sums = sums_of(frame.image);
     estimate(sums);
@@ -331,7 +280,7 @@ void Sampling::want_small_targets(const Frame& frame, std::span<const unsigned> 
 bool Sampling::measure(const Frame& frame, std::span<const unsigned> sides,
                        std::span<const std::vector<Pixel>> wanted) {
   const auto at = [&](const Pixel& pixel) {
-    return frame.image.radiance.data() + 3 * (std::size_t{pixel.y} * frame.image.width + pixel.x);
+    return frame.image.radiance.data() + 3 * frame.at(pixel);
   };
   for (std::size_t level = 1; level < sides.size(); ++level) {
     const std::vector<Pixel>& pixels = wanted[level];
@@ -354,6 +303,8 @@ bool Sampling::measure(const Frame& frame, std::span<const unsigned> sides,
           kChange * static_cast<float>(sides[levels_[i]]) / static_cast<float>(sides[level]);
       // what the small targets begin with has nothing before it
       errors_[i] = std::max(kGain * spreads_[k], levels_[i] == level ? 0 : gain * change);
+      if (frame.image.coverage[frame.at(pixels[k])] == 0)
+        errors_[i] = std::max(errors_[i], unseen(i));
       levels_[i] = static_cast<std::uint8_t>(level);
     }
   }
@@ -449,6 +400,32 @@ bool Sampling::look_at_corners(const Frame& frame) {
   predictor_.look_at_corners(frame.image, patternless_, corners_, corner_patternless_, frame.part,
                              corner_errors_);
   return true;
+}
+
+// What thin parts may add to pixels where no sample shows a target. A guess of their radiance, for
+// samples to be taken there; nothing where all of it is little beside the error asked for.
+void Sampling::look_for_thin_parts(const Frame& frame) {
+  const bool corners = frame.options.samples == 0;
+  find_empty(frame.image, corners ? &corners_ : nullptr, frame.part, empty_);
+  thin_.begin(frame.part, empty_);
+  for (std::size_t v = 0; v < frame.scene.visible.targets.size(); ++v) {
+    const VisibleTarget& target = frame.scene.visible.targets[v];
+    const TargetState& state = frame.scene.state(v);
+    for (std::size_t k = 0; k < target.items.size(); ++k) {
+      const DrawItem& item = state.items()[target.items[k]];
+      if (!item.variant.cutout)
+        thin_.add(frame.scene.camera,
+                  {state.model().model->mesh(item.mesh), target.boxes[k].camera_from_mesh,
+                   item.sides == Sides::front});
+    }
+  }
+  const auto radiance = static_cast<float>(kThinShare * told_irradiance(frame.scene.world));
+  double sum = 0;
+  unseen_.assign(thin_.areas().begin(), thin_.areas().end());
+  for (float& one : unseen_) sum += static_cast<double>(one *= radiance);
+  // of three channels, as in estimate()
+  if (3 * sum <= kThinLeast * frame.options.pixel_error * sums_of(frame.image).radiance)
+    unseen_.clear();
 }
 
 // N×N samples of pixels that ascend, and no others.
@@ -584,7 +561,7 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
     for (std::size_t i = 0; i < count; ++i) {
       const Pixel& pixel = pixels[which[first + i]];
-      const std::size_t at = std::size_t{pixel.y} * frame.image.width + pixel.x;
+      const std::size_t at = frame.at(pixel);
       const float* mean = floats_.data() + 4 * i;
       std::copy_n(mean, 3, frame.image.radiance.data() + 3 * at);
       frame.image.coverage[at] = mean[3];

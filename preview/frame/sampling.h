@@ -11,15 +11,10 @@
 #include "preview/frame/passes.h"
 #include "preview/frame/pixel_errors.h"
 #include "preview/frame/samples.h"
+#include "preview/frame/thin_parts.h"
 #include "preview/renderer.h"
 
 namespace panwright::preview {
-
-// Sums over the pixels of an image that show a target.
-struct ImageSums {
-  double radiance = 0;  // of all channels
-  double squares = 0;   // the mean of the channels
-};
 
 class Sampling {
  public:
@@ -49,6 +44,8 @@ class Sampling {
 
   bool one_sample_each(const Frame& frame, image::Image& image, std::vector<float>& patternless);
   bool look_at_corners(const Frame& frame);
+  void look_for_thin_parts(const Frame& frame);
+  float unseen(std::size_t pixel) const { return unseen_.empty() ? 0 : unseen_[pixel]; }
   void take_patternless(const Frame& frame, const Tile& tile, image::Image& image,
                         std::vector<float>& patternless) const;
   bool refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
@@ -89,6 +86,9 @@ class Sampling {
   std::vector<float> corner_patternless_;
   std::vector<float> corner_errors_;  // errors seen by the corners of pixels
   image::Image corners_;
+  ThinParts thin_;
+  std::vector<std::uint8_t> empty_;  // as in ThinParts
+  std::vector<float> unseen_;        // radiance that thin parts may have there; or empty
   std::vector<float> predicted_;
   std::vector<float> errors_;
   std::vector<float> spreads_;  // of the measured pixels
