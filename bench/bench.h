@@ -89,6 +89,11 @@ struct Timing {
   int runs = 0;
 };
 
+// Measures processor time of all threads from now on, for machines that others use: of this process
+// alone.
+void use_processor_time();
+bool uses_processor_time();
+
 // Times variants in turn (1 2 3, 1 2 3, …), so that whatever else the machine does falls on all
 // of them. Each runs once more before, untimed. One Timing for each variant.
 std::vector<Timing> interleaved(const std::vector<Variant>& variants, int runs);

@@ -1,9 +1,11 @@
 // Runs of the servicer and the client with and without labels: frames a second, and the error of
 // masks against the path tracer's coverage.
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <vector>
 
@@ -78,6 +80,13 @@ double area_error(const world::World& world, const world::Camera& camera, std::u
   return std::fabs(area / sum - 1);
 }
 
+double resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0;
+  file >> pages >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
 void run_labels(Context& context) {
   const int count = context.quick() ? 4 : 40;
   const std::uint32_t size = context.quick() ? 64 : 1024;
@@ -105,7 +114,13 @@ void run_labels(Context& context) {
     variants.push_back(
         {fmt::format("servicer and client, {}x{}, {} frames, {}", size, size, count, kWays[k].name),
          [&, k] { static_cast<void>(runner.run(*world, frames[k], options, log)); }});
-  const std::vector<Timing> timings = interleaved(variants, context.quick() ? 1 : 3);
+  for (const Variant& variant : variants) variant.work();
+  const double begin = resident_bytes();
+  const int runs = context.quick() ? 1 : 3;
+  const std::vector<Timing> timings = interleaved(variants, runs);
+  context.note(fmt::format("memory grew by {:.0f} bytes a frame over {} frames",
+                           (resident_bytes() - begin) / (3 * (runs + 1) * count),
+                           3 * (runs + 1) * count));
   const std::uint32_t rays = context.quick() ? 8 : 64;
   double error = 0;
   for (int k = 0; k < count; k += std::max(count / 4, 1))

@@ -24,6 +24,8 @@ constexpr const char* kHelp =
     "  -h, --help  Print this help\n"
     "  --list      List the cases and exit\n"
     "  --out DIR   Folder of one CSV file per case\n"
+    "  --processor-time\n"
+    "              Processor time of all threads in place of the time that passes\n"
     "  --quick     Small sizes and few runs, as a test of the cases\n"
     "  --strict    Exit with 1 if a row misses its bound\n";
 
@@ -43,6 +45,8 @@ struct Options {
         help = true;
       else if (word == "--list")
         list = true;
+      else if (word == "--processor-time")
+        use_processor_time();
       else if (word == "--quick")
         quick = true;
       else if (word == "--strict")

@@ -50,9 +50,10 @@ bool misses_error(const Row& row) { return row.must_error != 0 && !(row.error <=
 std::string machine_header(const Context& context) {
   return fmt::format(
       "# processor: {}\n# cores: {}\n# compiler: {}\n# build: {}\n# OpenGL renderer: {}\n"
-      "# size: {}\n",
+      "# size: {}\n{}",
       cpu_model(), std::thread::hardware_concurrency(), compiler(), PANWRIGHT_BUILD_TYPE,
-      context.renderer(), context.quick() ? "quick (a smoke test, not a measurement)" : "full");
+      context.renderer(), context.quick() ? "quick (a smoke test, not a measurement)" : "full",
+      uses_processor_time() ? "# time: of the processor, all threads\n" : "");
 }
 
 std::string to_csv(const Context& context, const Case& one) {

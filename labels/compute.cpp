@@ -101,11 +101,12 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
     AxisRectangle canvas{-size, 2.0 * size};
     Surfaces surfaces = placed_surfaces(scene, plane, things, job);
     if (context.rows) {
-      const auto [first, end] = *context.rows;
-      if (first > 0 || end == 0) canvas.low.y = first;
-      if (end < camera.height) canvas.high.y = end;
-      cut_boxes(surfaces, first > 0 ? first : -std::numeric_limits<double>::infinity(),
-                end < camera.height ? end : std::numeric_limits<double>::infinity());
+      const auto [first, end, beyond] = *context.rows;
+      const bool above = beyond && first == 0, below = beyond && end == camera.height;
+      if (!above || end == 0) canvas.low.y = first;
+      if (!below) canvas.high.y = end;
+      cut_boxes(surfaces, above ? -std::numeric_limits<double>::infinity() : first,
+                below ? std::numeric_limits<double>::infinity() : end);
     }
     coverage = covered({scene, plane, things, layers, canvas}, surfaces, job);
   }

@@ -33,6 +33,7 @@ struct LabelOptions {
 // Rows [first, end) of an image, from the top.
 struct ImageRows {
   std::uint32_t first = 0, end = 0;
+  bool beyond = true;  // the first and the last row of the image: what lies above and below it too
 };
 
 // Knowledge of a frame beside its world and camera.
@@ -41,8 +42,8 @@ struct FrameContext {
   const image::Image* layers = nullptr;
   const Moment* previous = nullptr;  // null: no backward flow
   const Moment* next = nullptr;      // null: no forward flow
-  // Rows that show this world, where others show other times: masks, boxes and areas are of these,
-  // those of the first and the last row also of what lies above and below the image. None: all.
+  // Rows that show this world, where others show other times: masks, boxes and areas are of these.
+  // None: all.
   std::optional<ImageRows> rows;
 };
 

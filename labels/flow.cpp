@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "labels/internal/image_plane.h"
-#include "trace/placement.h"
+#include "labels/internal/flow_parts.h"
 
 namespace panwright::labels {
 
@@ -22,39 +21,19 @@ struct Carriage {
   bool there = false;  // it is in the other frame
 };
 
-trace::Affine inverse_of(const trace::Affine& affine) {
-  const Mat3 linear = glm::inverse(affine.linear);
-  return {linear, -(linear * affine.offset)};
-}
-
-trace::RigidFrame camera_frame(const world::Camera& camera) {
-  return trace::frame_of({camera.position, camera.world_from_camera});
-}
-
 std::vector<std::vector<Carriage>> carriages(const Moment& now, const Moment& other) {
-  const trace::RigidFrame here = camera_frame(now.camera), there = camera_frame(other.camera);
-  std::vector<std::vector<Carriage>> result(now.world.size());
-  for (std::size_t t = 0; t < now.world.size(); ++t) {
-    const trace::PlacedNodes before = trace::placed_nodes(now.world[t]);
-    const trace::PlacedNodes after = trace::placed_nodes(other.world[t]);
-    const trace::Affine from = between(here, trace::frame_of(now.world[t].pose()));
-    const trace::Affine to = between(there, trace::frame_of(other.world[t].pose()));
-    result[t].resize(before.model_from_node.size());
+  const auto before = nodes_in_camera(now), after = nodes_in_camera(other);
+  std::vector<std::vector<Carriage>> result(before.size());
+  for (std::size_t t = 0; t < before.size(); ++t) {
+    result[t].resize(before[t].visible.size());
     for (std::size_t n = 0; n < result[t].size(); ++n) {
       Carriage& out = result[t][n];
-      out.there = after.visible[n] != 0;
-      out.map = (to * after.model_from_node[n]) * inverse_of(from * before.model_from_node[n]);
-      out.there = out.there && is_finite(out.map.offset);
+      out.map = after[t].camera_from_node[n] * inverse_of(before[t].camera_from_node[n]);
+      out.there = after[t].visible[n] != 0 && is_finite(out.map.offset);
     }
   }
   return result;
 }
-
-// Surface at a pixel's centre.
-struct SurfacePoint {
-  Vec3 point;  // metres, camera axes
-  std::uint32_t target = 0, node = 0;
-};
 
 std::optional<SurfacePoint> by_ray(const trace::Scene& scene, const trace::Ray& ray) {
   const trace::Hit hit = scene.nearest(ray);
@@ -63,24 +42,47 @@ std::optional<SurfacePoint> by_ray(const trace::Scene& scene, const trace::Ray& 
   return SurfacePoint{ray.origin + hit.distance * ray.direction, hit.target, part.node};
 }
 
-std::optional<SurfacePoint> by_layers(const image::Image& layers, const ImagePlane& plane,
-                                      std::size_t pixel, const trace::Ray& ray) {
+}  // namespace
+
+trace::Affine inverse_of(const trace::Affine& affine) {
+  const Mat3 linear = glm::inverse(affine.linear);
+  return {linear, -(linear * affine.offset)};
+}
+
+std::vector<NodesInCamera> nodes_in_camera(const Moment& moment) {
+  const trace::RigidFrame here =
+      trace::frame_of({moment.camera.position, moment.camera.world_from_camera});
+  std::vector<NodesInCamera> result;
+  for (const world::Instance& target : moment.world.instances()) {
+    const trace::PlacedNodes nodes = trace::placed_nodes(target);
+    const trace::Affine camera_from = between(here, trace::frame_of(target.pose()));
+    NodesInCamera& out = result.emplace_back();
+    out.visible = nodes.visible;
+    for (const trace::Affine& node : nodes.model_from_node)
+      out.camera_from_node.push_back(camera_from * node);
+  }
+  return result;
+}
+
+std::optional<SurfacePoint> surface_of_layers(const image::Image& layers, const ImagePlane& plane,
+                                              std::size_t pixel, const trace::Ray& ray) {
   if (layers.target_id[pixel] == 0 || layers.node_id[pixel] == 0) return std::nullopt;
-  const double away = plane.orthographic() ? layers.depth[pixel] : layers.range[pixel];
+  double away = plane.orthographic() ? layers.depth[pixel] : layers.range[pixel];
+  if (!plane.orthographic() && !plane.central()) {
+    // the range is to the camera's position, and the ray begins beside it
+    const double along = glm::dot(ray.origin, ray.direction);
+    away = std::sqrt(along * along + away * away - glm::dot(ray.origin, ray.origin)) - along;
+  }
   if (!std::isfinite(away)) return std::nullopt;
   return SurfacePoint{ray.origin + away * ray.direction, layers.target_id[pixel] - 1,
                       layers.node_id[pixel] - 1};
 }
-
-}  // namespace
 
 Flow flow_to(const Moment& now, const Moment& other, const trace::Scene& scene,
              const image::Image* layers, const Job& job) {
   assert(now.world.size() == other.world.size());
   const ImagePlane plane(now.camera), other_plane(other.camera);
   const std::size_t width = now.camera.width, height = now.camera.height;
-  // the range of layers is to the camera's position
-  if (layers != nullptr && !plane.central() && !plane.orthographic()) layers = nullptr;
   Flow flow;
   flow.width = now.camera.width;
   flow.height = now.camera.height;
@@ -95,8 +97,8 @@ Flow flow_to(const Moment& now, const Moment& other, const trace::Scene& scene,
         const Vec2 centre(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
         const auto ray = plane.view_ray(centre);
         if (!ray) continue;
-        const auto seen =
-            layers != nullptr ? by_layers(*layers, plane, pixel, *ray) : by_ray(scene, *ray);
+        const auto seen = layers != nullptr ? surface_of_layers(*layers, plane, pixel, *ray)
+                                            : by_ray(scene, *ray);
         if (!seen) continue;
         const Carriage& carriage = carried[seen->target][seen->node];
         if (!carriage.there) continue;

@@ -68,9 +68,21 @@ double RollingLabels::lateness(const Keypoint& keypoint, double seconds) const {
   return seconds - rows * std::fabs(line_time_);
 }
 
+Keypoint RollingLabels::between(const Keypoint& before, const Keypoint& now, double share) const {
+  Keypoint out = share < 0.5 ? before : now;
+  out.position = glm::mix(before.position, now.position, share);
+  out.in_camera = glm::mix(before.in_camera, now.in_camera, share);
+  out.pixel = glm::mix(*before.pixel, *now.pixel, share);
+  const Vec2& at = *out.pixel;
+  out.truncated =
+      !(at.x >= 0 && at.y >= 0 && at.x < frame_.camera.width && at.y < frame_.camera.height);
+  return out;
+}
+
 Keypoint RollingLabels::keypoint(const std::vector<std::vector<Keypoint>>& all,
                                  std::size_t number) const {
   const Keypoint* before = nullptr;
+  const Keypoint* over = nullptr;  // by the first time already
   double late = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Keypoint& now = all[k][number];
@@ -79,21 +91,16 @@ Keypoint RollingLabels::keypoint(const std::vector<std::vector<Keypoint>>& all,
       continue;
     }
     const double later = lateness(now, seconds_[k]);
-    if (later >= 0) {
-      if (before == nullptr) return now;
-      const double share = late / (late - later);
-      Keypoint out = share < 0.5 ? *before : now;
-      out.position = glm::mix(before->position, now.position, share);
-      out.in_camera = glm::mix(before->in_camera, now.in_camera, share);
-      out.pixel = glm::mix(*before->pixel, *now.pixel, share);
-      const Vec2& at = *out.pixel;
-      out.truncated =
-          !(at.x >= 0 && at.y >= 0 && at.x < frame_.camera.width && at.y < frame_.camera.height);
-      return out;
+    if (before != nullptr && (later >= 0) != (late >= 0))
+      return between(*before, now, late / (late - later));
+    if (before == nullptr && later >= 0) {
+      if (!now.truncated) return now;
+      over = over != nullptr ? over : &now;
     }
     before = &now;
     late = later;
   }
+  if (over != nullptr) return *over;
   return before != nullptr ? *before : all.back()[number];
 }
 

@@ -37,6 +37,7 @@ class RollingLabels {
   };
   // Seconds from the exposure of a place to the time that is shown there; positive: it is over.
   double lateness(const Keypoint& keypoint, double seconds) const;
+  Keypoint between(const Keypoint& before, const Keypoint& now, double share) const;
   Keypoint keypoint(const std::vector<std::vector<Keypoint>>& all, std::size_t number) const;
 
   FrameLabels frame_;

@@ -219,6 +219,9 @@ COMMANDS = {
         "mtf_nyquist?": ("of the camera's parts that have one, at 0.5 cycles per pixel", {
             "pixel": "number", "diffraction?": "number", "gaussian?": "number: aberrations, jitter, diffusion", "defocus?": "number", "system": "number"}),
         "encircled_energy?": ("without the pixel", [{"radius_px": "number", "share": "number"}]),
+        "focus?": ("of optics with one: distances whose discs are at most a pixel", {
+            "distance_m": "number: that is sharp", "infinity_px": "number: diameter of the disc of what is far", "nearest_m": "number",
+            "farthest_m?": "number: none where it is infinity"}),
         "full_well_e?": "number: electrons", "saturation_e?": "number: electrons at which the well or the numbers end",
         "dn_per_e?": "number: gain", "dark_e_per_s?": "number: at its temperature", "dynamic_range_db?": "number",
         "noise?": ("standard deviations of a pixel, electrons", [{

@@ -137,8 +137,8 @@ def options_of(table):
     names = [option["name"] for option in options]
     if len(set(names)) != len(names):
         raise TableError("a name stands twice")
-    if len(names) > 64:
-        raise TableError("more than 64 settings: masks have 64 bits")
+    if len(names) > 128:
+        raise TableError("more than 128 settings: masks have 128 bits")
     for option in options:
         if option["type"] not in TYPES:
             raise TableError(f"{option['name']}: unknown type {option['type']}")

@@ -28,6 +28,7 @@ void each_optics_number(Of& o, const Take& take) {
   take("jitter_px", o.jitter_px, 0, 16);
   take("diffusion_px", o.diffusion_px, 0, 16);
   take("defocus_px", o.defocus_px, 0, 32);
+  take("focus_m", o.focus_m, 0, 1e12);
 }
 
 template <class Of, class Take>

@@ -48,6 +48,7 @@ struct Optics {
   double jitter_px = 0;      // RMS
   double diffusion_px = 0;   // of charge in the detector, RMS
   double defocus_px = 0;     // diameter of the disc
+  double focus_m = 0;        // distance that is sharp, others have discs of their own; 0: all are
   PsfKernel kernel;
 
   bool operator==(const Optics&) const = default;
@@ -55,7 +56,9 @@ struct Optics {
   // RMS of what is Gaussian, pixels.
   double gaussian_px() const;
   // Something else than Gaussian.
-  bool has_kernel() const { return diffraction || defocus_px > 0 || kernel.side > 0; }
+  bool has_kernel() const {
+    return diffraction || defocus_px > 0 || focus_m > 0 || kernel.side > 0;
+  }
 };
 
 // Geometry of a camera, pixels.

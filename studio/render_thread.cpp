@@ -307,7 +307,8 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
   }
   const world::Camera camera = resources.detecting_of(exact).drawn_camera(shown, options);
   resources.drawer->set_options(options);
-  auto drawn = resources.drawer->draw(resources.world, camera, exact, log, job);
+  auto drawn = resources.drawer->draw(resources.world, camera,
+                                      exact || workspace::needs_depth(resources.frame), log, job);
   if (!drawn) return std::nullopt;
   return *std::move(drawn);
 }

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "light/light.h"
 #include "sensor/camera_file.h"
+#include "sensor/focus.h"
 #include "sensor/psf.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
@@ -171,6 +172,24 @@ class CameraReport {
     }
     say("light within     {} (without the pixel{})", energy,
         o.kernel.side > 0 ? " and the measured kernel" : "");
+    if (o.focus_m > 0) focus_report();
+  }
+
+  // Distances whose discs are at most a pixel.
+  void focus_report() {
+    const sensor::Optics& o = camera_.imager->optics;
+    const double at_infinity = sensor::blur_px(o, grid_.focal.x, INFINITY);
+    const double nearest = o.focus_m * at_infinity / (at_infinity + 1);
+    Json focus{{"distance_m", o.focus_m}, {"infinity_px", at_infinity}, {"nearest_m", nearest}};
+    std::string farthest = "infinity";
+    if (at_infinity > 1) {
+      focus["farthest_m"] = o.focus_m * at_infinity / (at_infinity - 1);
+      farthest = fmt::format("{:.4g} m", focus["farthest_m"].get<double>());
+    }
+    out_["focus"] = std::move(focus);
+    say("focus            {:.4g} m; discs of at most a pixel from {:.4g} m to {}, of {:.3g} pixels "
+        "at infinity",
+        o.focus_m, nearest, farthest, at_infinity);
   }
 
   void detector_report() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "base/text.h"
@@ -26,6 +27,7 @@ struct Options {
   std::string views;  // JSON file of many views; "-": JSON Lines on standard input
   std::string again;  // image whose record is followed
   std::string gl = "auto";
+  bool labels = false;
   bool explain = false;
 };
 
@@ -48,6 +50,10 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("[NAME=]FILE…");
   for (const SettingId id : workspace::kCommandOrder) {
     if (id == SettingId::line_time || id == SettingId::tdi) continue;  // of scenarios
+    if (id == SettingId::layers)
+      arguments.flag("--labels", options.labels,
+                     "Write labels beside the image: masks, boxes, poses and keypoints "
+                     "(docs/labels.md)");
     if (id == SettingId::quality) declare_files(arguments, options);
     if (id == SettingId::max_image_memory)
       arguments.flag("--explain", options.explain,
@@ -132,6 +138,8 @@ bool check_usage(const Options& options, DiagnosticLog& log) {
     refuse("--again cannot be combined with --views");
   if (options.views == "-" && options.common.json)
     refuse("--json cannot be combined with --views -, whose replies are JSON");
+  if (options.views == "-" && options.labels)
+    refuse("--labels cannot be combined with --views -, expected --views FILE.json");
   return log.errors() == errors;
 }
 
@@ -178,11 +186,24 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
   return work;
 }
 
+// Labels of each view, named as its first file.
+void add_labels(std::vector<workspace::View>& views) {
+  const auto labelling = std::make_shared<const workspace::Labelling>();
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const auto& outputs = views[k].settings.outputs;
+    if (outputs && !outputs->empty())
+      views[k].labels = std::make_shared<const workspace::ViewLabels>(
+          workspace::ViewLabels{labelling, std::filesystem::path(outputs->front()).stem().string(),
+                                k, 0, nullptr, nullptr});
+  }
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("render", options.common, host);
   DiagnosticLog& log = context.log();
-  const auto work = work_of(options, log);
+  auto work = work_of(options, log);
   if (!work) return context.finish();
+  if (options.labels) add_labels(work->views);
   const auto is_text = [](const std::string& target) {
     return workspace::extension_of(workspace::target_file(target).file) == ".pxn";
   };

@@ -210,25 +210,17 @@ class SequenceRun {
     const workspace::Settings& settings = view->settings;
     shutter_ = {settings.exposure->number.value_or(0), *settings.line_time, 1,
                 static_cast<std::uint32_t>(*settings.tdi)};
+    if (labelling_ != nullptr)
+      view->labels = std::make_shared<const workspace::ViewLabels>(
+          workspace::ViewLabels{labelling_, "", number, 0, nullptr, nullptr});
     const auto made = session.frame(*view, log_);
     if (made) shutter_.rows = made->camera().height;
     return bool(made);
   }
 
-  // Labels that no part has, formats that cannot hold the targets, flow between rows.
+  // Labels that no part has, formats that cannot hold the targets.
   bool check_labels(const world::World& world) {
     if (labelling_ == nullptr) return true;
-    if (shutter_.stages > 0) {
-      log_.report(Code("E0201"), {},
-                  "--tdi and labels cannot be combined: a point may be in several rows, or in none",
-                  "leave out [labels] and --labels");
-      return false;
-    }
-    if (shutter_.line_time != 0 && labelling_->flow) {
-      log_.report(Code("E0201"), {}, "--line-time and flow cannot be combined: rows differ in time",
-                  "leave out flow in [labels]");
-      return false;
-    }
     for (const labels::FormatInfo& info : labels::formats())
       if (info.one_target && world.size() > 1 &&
           std::ranges::find(labelling_->formats, info.name) != labelling_->formats.end()) {

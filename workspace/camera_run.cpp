@@ -458,7 +458,7 @@ class CameraRun : public InstrumentRun {
 }  // namespace
 
 bool stores_ground_truth(const Frame& frame) {
-  if (frame.labels) return true;  // which are made from it
+  if (frame.labels || needs_depth(frame)) return true;  // which are made from it
   const image::FileOptions files = file_options(frame.settings);
   if (frame.outputs.empty()) return image::stores_ground_truth(image::ImageFormat::npz, files);
   return std::any_of(frame.outputs.begin(), frame.outputs.end(), [&](const std::string& output) {

@@ -194,7 +194,6 @@ class FramePlanner {
         reference_(*base.settings.engine == Settings::Engine::reference) {
     for (const TargetPose& each : base.poses)
       if (each.target == plan.target) pose_ = each.pose;
-    if (plan.has_lens) mount_ = Quat(1, 0, 0, 0);
   }
 
   std::optional<PlannedFrame> frame(std::uint32_t number) {
@@ -384,6 +383,7 @@ Result<std::vector<PlannedFrame>> plan_frames(const DatasetPlan& plan,
     const Settings& made = base->settings;
     whole["size"] = {made.size->width, made.size->height};
     if (made.distortion) whole["distortion"] = *made.distortion;
+    if (made.mount) whole["mount"] = {made.mount->w, made.mount->x, made.mount->y, made.mount->z};
     if (made.detector) whole["detector"] = *made.detector;
     text = whole.dump();
   }

@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "sensor/focus.h"
 
 namespace panwright::workspace {
 
@@ -118,6 +119,10 @@ double fitted_exposure(const sensor::Detector& of_pixels, std::span<const float>
 
 }  // namespace
 
+bool needs_depth(const Frame& frame) {
+  return frame.imager != nullptr && frame.imager->optics.focus_m > 0;
+}
+
 void Detecting::prepare(const Frame& frame) {
   const world::Camera& camera = frame.camera();
   if (imager_ != nullptr && *imager_ == *frame.imager && same_lens(camera, camera_)) return;
@@ -171,6 +176,10 @@ Detected Detecting::develop(const Frame& frame, bool stages, image::Image& image
     if (!blur_ || blur_->fine() != steps(frame)) {
       DrawOptions ignored;
       (void)drawn_camera(frame, ignored);
+    }
+    if (needs_depth(frame)) {
+      sensor::DepthImage drawn{image.width, image.height, image.radiance, image.depth};
+      sensor::defocus(optics, frame.camera().focal * double(blur_->fine()), drawn);
     }
     blur_->apply(image.radiance, image.width, image.height);
     reduce(blur_->fine(), image);

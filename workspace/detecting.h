@@ -21,6 +21,9 @@ struct Detected {
   unsigned bits = 0;
 };
 
+// True: the optics blur by distance, and images of the frame are to be drawn with ground truth.
+bool needs_depth(const Frame& frame);
+
 // Optics and detectors of frames, with what is kept between images of one camera.
 class Detecting {
  public:
@@ -33,7 +36,7 @@ class Detecting {
   // Turns a drawn image into that of the camera, with its numbers. Negative or infinite radiance is
   // reported (W5017), as is an automatic exposure at its bounds (W5018).
   //
-  // Expects: a frame with an imager.
+  // Expects: a frame with an imager; ground truth where needs_depth().
   Detected develop(const Frame& frame, bool stages, image::Image& image, DiagnosticLog& log);
 
  private:

@@ -277,6 +277,12 @@ Result<Frame> FrameMaker::frame(const View& view, DiagnosticLog& log) {
 }
 
 bool FrameMaker::set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log) {
+  if (*frame.settings.tdi > 0 && of.labelling->flow) {
+    log.report(Code("E0201"), {},
+               "--tdi and flow cannot be combined: frames of a line scanner show other places",
+               "leave out flow in [labels]");
+    return false;
+  }
   FrameLabelling labels{of.labelling, of.name, of.number, of.time, nullptr, nullptr};
   const auto make = [&](const std::shared_ptr<const View>& from, std::shared_ptr<const Frame>& to) {
     if (from == nullptr) return true;
@@ -289,8 +295,8 @@ bool FrameMaker::set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& l
   return true;
 }
 
-// Size, intrinsics and distortion in place of the file's name; and its rotation in the mount.
-bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log) {
+// Size, intrinsics, distortion, mount and detector in place of the file's name.
+bool FrameMaker::use_camera_file(Settings& settings, DiagnosticLog& log) {
   if (!settings.camera_file) return true;
   constexpr std::uint64_t kMostBytes = 1 << 20;
   const std::string path = *settings.camera_file;
@@ -305,7 +311,7 @@ bool FrameMaker::use_camera_file(Settings& settings, Quat& mount, DiagnosticLog&
   const sensor::CameraFile& camera = known->second;
   const sensor::Lens& lens = camera.lens;
   settings.camera_file = Settings().camera_file;
-  mount = camera.mount_from_camera;
+  if (camera.mount_from_camera != Quat(1, 0, 0, 0)) settings.mount = camera.mount_from_camera;
   settings.size = ImageSize{camera.width, camera.height};
   if (camera.width_m > 0)
     settings.ortho = camera.width_m;
@@ -485,8 +491,7 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   const Settings* const scene = scene_.read(world_, log);
   if (scene == nullptr) return failed;
   Settings settings = with_defaults(view.settings, *scene);
-  Quat mount(1, 0, 0, 0);
-  if (!check(settings, log) || !use_camera_file(settings, mount, log)) return failed;
+  if (!check(settings, log) || !use_camera_file(settings, log)) return failed;
   bool good = is_sound(settings, log);
   const std::size_t errors = log.errors();
   Frame frame;
@@ -524,8 +529,9 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
   if (!lens && !settings.camera_frame && (placed || !fit_outline(posed, camera)))
     fit_lens(sphere(), camera);
-  if (mount != Quat(1, 0, 0, 0))
-    camera.world_from_camera = glm::normalize(camera.world_from_camera * mount);
+  if (settings.mount)
+    camera.world_from_camera =
+        glm::normalize(camera.world_from_camera * *unit_quaternion(*settings.mount));
   const auto dated = dated_sky_of(settings, log);
   if (!dated) return failed;
   set_sun(settings, *dated, camera.world_from_camera, frame);

@@ -100,7 +100,7 @@ class FrameMaker {
   bool set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log);
   Result<Frame> at_once(const View& view, DiagnosticLog& log);
   bool expose(const View& view, Frame& frame, DiagnosticLog& log);
-  bool use_camera_file(Settings& settings, Quat& mount, DiagnosticLog& log);
+  bool use_camera_file(Settings& settings, DiagnosticLog& log);
   bool use_detector(Settings& settings, Frame& frame, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;

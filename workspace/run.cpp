@@ -46,6 +46,11 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
       std::visit([&](const auto& kind) { check_output(kind, output, apart); }, frame.instrument);
       files.will_write(output, "the output", apart);
     }
+    if (frame.labels && !frame.outputs.empty())
+      for (const std::string_view extension : {labels::kLabelsExtension, labels::kMasksExtension})
+        files.will_write(std::filesystem::path(frame.outputs.front())
+                             .replace_filename(frame.labels->name + std::string(extension)),
+                         "the labels", apart);
     for (const TargetPose& pose : frame.poses) (void)world.require(pose.target, apart);
     (void)check(frame.settings, apart);
     forward(apart, frame.label, {}, log);

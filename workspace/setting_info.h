@@ -1,6 +1,7 @@
 // Description of settings: types, bounds, words of messages, options of the command line, rules.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -56,11 +57,32 @@ struct SettingInfo {
   const char* help;
 };
 
-constexpr std::uint64_t bit(SettingId id) { return std::uint64_t{1} << static_cast<unsigned>(id); }
+// Set of settings.
+struct SettingMask {
+  static constexpr unsigned kBits = 128;
+  std::uint64_t words[2] = {0, 0};
+
+  constexpr bool any() const { return (words[0] | words[1]) != 0; }
+  constexpr int count() const { return std::popcount(words[0]) + std::popcount(words[1]); }
+  friend constexpr SettingMask operator|(const SettingMask& a, const SettingMask& b) {
+    return {{a.words[0] | b.words[0], a.words[1] | b.words[1]}};
+  }
+  friend constexpr SettingMask operator&(const SettingMask& a, const SettingMask& b) {
+    return {{a.words[0] & b.words[0], a.words[1] & b.words[1]}};
+  }
+  constexpr SettingMask operator~() const { return {{~words[0], ~words[1]}}; }
+};
+
+constexpr SettingMask bit(SettingId id) {
+  const auto number = static_cast<unsigned>(id);
+  SettingMask out;
+  out.words[number / 64] = std::uint64_t{1} << number % 64;
+  return out;
+}
 
 // Settings that exclude one another: those of `first` and those of `others`.
 struct Exclusion {
-  std::uint64_t first, others;
+  SettingMask first, others;
   std::string_view says;  // empty: each only replaces the others
 };
 

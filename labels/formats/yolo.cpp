@@ -32,6 +32,8 @@ class YoloWriter : public LabelWriter {
     if (kind_ == YoloKind::poses)
       for (; !names_.empty(); names_.pop_back(), lines_.pop_back())
         if (!write_last()) return false;
+    if (kind_ == YoloKind::poses && points_ == 0)
+      output_.lost({}, "no model has keypoints; lines hold boxes, which trainers of poses refuse");
     std::string text = "train: images/train\nval: images/train\n";
     if (kind_ == YoloKind::poses) text += fmt::format("kpt_shape: [{}, 3]\n", points_);
     text += "names:\n";

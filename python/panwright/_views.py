@@ -24,6 +24,7 @@ class View(TypedDict, total=False):
     intrinsics: Sequence[float] | str  # Focal lengths and principal point, pixels: `fx fy cx cy`.
     distortion: str  # Distortion with `intrinsics`, a model and its numbers ([cameras](cameras.md)).
     camera_file: str  # File of the camera's size and lens ([cameras](cameras.md)).
+    mount: Sequence[float] | str  # Misalignment of the camera, as in a camera file: rotates its axes into those of the attitude, `w x y z` ([cameras](cameras.md)).
     ortho: float | str  # An orthographic image of this width, metres.
     exposure: float | str  # Exposure time in seconds: of scenarios, around the time of the frame (0: an instant) ([exposures](exposures.md)); of detectors (0: their own; `auto`: by the image).
     detector: str  # Optics and detector: the tables of a camera file as text ([detectors](detector.md)).

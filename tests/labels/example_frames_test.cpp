@@ -143,6 +143,7 @@ struct Centres {
   std::vector<double> distance;
   std::vector<std::int32_t> thing;               // target that is nearest; -1: none
   std::vector<std::uint32_t> node;               // its node
+  std::vector<std::size_t> facet;                // that is nearest
   std::vector<std::vector<std::uint8_t>> alone;  // of each thing: something of it is there
 };
 
@@ -162,9 +163,11 @@ Centres centres_of(const Placed& scene, const Pinhole& camera, const Parts& part
   out.distance.assign(rays.size(), std::numeric_limits<double>::infinity());
   out.thing.assign(rays.size(), -1);
   out.node.assign(rays.size(), 0);
+  out.facet.assign(rays.size(), 0);
   out.alone.assign(parts.things, std::vector<std::uint8_t>(rays.size()));
   boxes.assign(parts.things, {});
-  for (const Facet& facet : scene.facets) {
+  for (std::size_t number = 0; number < scene.facets.size(); ++number) {
+    const Facet& facet = scene.facets[number];
     const Vec2 a = camera.pixel(facet.a), b = camera.pixel(facet.b), c = camera.pixel(facet.c);
     const std::uint32_t things = parts.of[facet.target][facet.node];
     for (std::size_t t = 0; t < parts.things; ++t)
@@ -186,6 +189,7 @@ Centres centres_of(const Placed& scene, const Pinhole& camera, const Parts& part
         out.distance[at] = distance;
         out.thing[at] = static_cast<std::int32_t>(facet.target);
         out.node[at] = facet.node;
+        out.facet[at] = number;
       }
   }
   return out;
@@ -199,6 +203,8 @@ class ExampleFrames : public testing::Test {
   std::size_t pixels_ = 0, different_ = 0, interior_ = 0;  // of all masks
   std::size_t compared_ = 0, borders_ = 0;                 // keypoints
   double box_ = 0, pixel_ = 0;                             // largest differences
+  std::size_t flow_pixels_ = 0, flow_others_ = 0;          // and those of another surface
+  double flow_ = 0;                                        // largest difference of the former
 
   void SetUp() override {
     const std::string examples = PANWRIGHT_SOURCE_DIR "/examples/";
@@ -317,9 +323,43 @@ class ExampleFrames : public testing::Test {
     }
   }
 
+  // By the same point of the same facet in the frame before.
+  void compare_flow(const Flow& flow, const Centres& centres, const Placed& now,
+                    const Pinhole& camera, const Placed& then, const Pinhole& other) {
+    ASSERT_EQ(now.facets.size(), then.facets.size());
+    for (std::uint32_t y = 0; y < kHigh; ++y)
+      for (std::uint32_t x = 0; x < kWide; ++x) {
+        const std::size_t at = std::size_t{y} * kWide + x;
+        const Vec2 centre(x + 0.5, y + 0.5),
+            found(double{flow.motion[2 * at]}, double{flow.motion[2 * at + 1]});
+        if (centres.thing[at] < 0) continue;
+        ++flow_pixels_;
+        const Facet &f = now.facets[centres.facet[at]], &g = then.facets[centres.facet[at]];
+        const Vec3 point = camera.ray(centre) * centres.distance[at] - f.a;
+        const Vec3 ab = f.b - f.a, ac = f.c - f.a, normal = glm::cross(ab, ac);
+        const double area = glm::dot(normal, normal);
+        const double u = glm::dot(glm::cross(point, ac), normal) / area,
+                     v = glm::dot(glm::cross(ab, point), normal) / area;
+        const double off =
+            glm::length(other.pixel(g.a + u * (g.b - g.a) + v * (g.c - g.a)) - centre - found);
+        constexpr double kAnother = 0.05;  // pixels
+        if (!(off < kAnother))
+          ++flow_others_;
+        else
+          flow_ = std::max(flow_, off);
+      }
+  }
+
   void run(std::size_t frames) {
     Numbers numbers(41);
     Labeller labeller(options_);
+    struct Before {
+      world::World world;
+      world::Camera camera;
+      Placed scene;
+      Pinhole pinhole;
+    };
+    std::optional<Before> before;
     for (std::size_t k = 0; k < frames; ++k) {
       move(numbers);
       Pinhole pinhole{numbers.rotation(), numbers.between(150, 260), k % 2 == 1};
@@ -337,12 +377,17 @@ class ExampleFrames : public testing::Test {
         camera.distortion = std::make_shared<const sensor::DistortionMap>(brown);
       }
       DiagnosticLog log;
-      const auto frame = labeller.label(world_, camera, {}, log);
+      std::optional<Moment> previous;
+      FrameContext context;
+      if (before) context.previous = &previous.emplace(Moment{before->world, before->camera});
+      const auto frame = labeller.label(world_, camera, context, log);
       ASSERT_TRUE(frame) << to_text(log);
       if (parts_.of.empty()) find_parts(*frame);
       const Placed scene = placed(world_, camera.position);
       std::vector<AxisRectangle> boxes;
       const Centres centres = centres_of(scene, pinhole, parts_, boxes);
+      if (before)
+        compare_flow(*frame->backward, centres, scene, pinhole, before->scene, before->pinhole);
       for (std::size_t t = 0; t < parts_.things; ++t) {
         const Thing& thing = frame->things[t];
         const std::string where = fmt::format("frame {}, {} {}", k, thing.target, thing.label);
@@ -360,17 +405,24 @@ class ExampleFrames : public testing::Test {
           box_ = std::max(box_, std::fabs(off));
         if (thing.label.empty()) compare_keypoints(thing, scene, pinhole, camera.position, where);
       }
+      before = Before{world_, camera, scene, pinhole};
     }
     std::printf(
         "%zu frames: %zu pixels of masks, %zu differ, %zu off borders; boxes %.2g px, "
-        "keypoints %.2g px; %zu answers of rays, %zu at borders\n",
-        frames, pixels_, different_, interior_, box_, pixel_, compared_, borders_);
+        "keypoints %.2g px; %zu answers of rays, %zu at borders; flow of %zu pixels %.2g px, %zu "
+        "of "
+        "another surface\n",
+        frames, pixels_, different_, interior_, box_, pixel_, compared_, borders_, flow_pixels_,
+        flow_, flow_others_);
     EXPECT_GT(pixels_, 500 * frames);
     EXPECT_LE(static_cast<double>(interior_), 1e-3 * static_cast<double>(pixels_));
     EXPECT_LT(box_, 0.5);
     EXPECT_LT(pixel_, 1e-3);
     EXPECT_GT(compared_, 20 * frames);
     EXPECT_LT(static_cast<double>(borders_), 0.02 * static_cast<double>(compared_));
+    EXPECT_GT(flow_pixels_, 100 * frames);
+    EXPECT_LT(flow_, 1e-3);
+    EXPECT_LE(static_cast<double>(flow_others_), 1e-3 * static_cast<double>(flow_pixels_));
   }
 };
 

@@ -239,6 +239,43 @@ TEST_F(Dataset, DamageAndEditsAreFoundAndMadeAgain) {
   EXPECT_EQ(act("check", "set").code, 0);
 }
 
+// Rows hold the attitude that the camera file's mount turns, with a lens of their own too.
+TEST_F(Dataset, AMountStays) {
+  folder_.write("camera.toml", "size = [40, 30]\nfocal = [60, 60]\nmount = [0.8, 0.6, 0, 0]\n");
+  std::string text = plan_text("3");
+  text.replace(text.find("size = [40, 30]\nfov = 40\n"), 25, "camera_file = \"camera.toml\"\n");
+  const Outcome plain = plan(text, "plain");
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  const Outcome bent = plan(text + "[lens]\nfocal = { uniform = [0.9, 1.1] }\n", "bent");
+  ASSERT_EQ(bent.code, 0) << bent.err;
+  const auto rows = lines_of(folder_ / "plain/frames.jsonl"),
+             own = lines_of(folder_ / "bent/frames.jsonl");
+  ASSERT_EQ(rows.size(), 3u);
+  ASSERT_EQ(own.size(), 3u);
+  ASSERT_EQ(act("run", "plain").code, 0);
+  const Outcome run = act("run", "bent");
+  ASSERT_EQ(run.code, 0) << run.err;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string name = fmt::format("frames/{:06}.labels.json", k);
+    const auto attitude = [&](const std::string& set) {
+      const json frame = json::parse(contents(folder_ / (set + "/" + name)));
+      const json& q = frame["camera"]["world_from_camera"];
+      return Numbers{q[0], q[1], q[2], q[3]};
+    };
+    for (const auto& [set, row] : {std::pair("plain", rows[k]), std::pair("bent", own[k])}) {
+      const json q = json::parse(row)["quat"];
+      const Numbers a{q[0], q[1], q[2], q[3]};
+      // row · mount, a turn about x
+      const Numbers turned{0.8 * a[0] - 0.6 * a[1], 0.8 * a[1] + 0.6 * a[0],
+                           0.8 * a[2] + 0.6 * a[3], 0.8 * a[3] - 0.6 * a[2]};
+      const Numbers found = attitude(set);
+      double same = 0;
+      for (std::size_t i = 0; i < 4; ++i) same += turned[i] * found[i];
+      EXPECT_NEAR(std::fabs(same), 1, 1e-12) << set << " " << k;
+    }
+  }
+}
+
 TEST_F(Dataset, FramesAreTakenOnce) {
   ASSERT_EQ(plan(plan_text("6"), "set").code, 0);
   const int descriptor = ::open((folder_ / "set/set.json").c_str(), O_RDWR | O_CLOEXEC);

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 
+#include "base/math.h"
 #include "tests/support/oracles.h"
 #include "tests/support/process.h"
 
@@ -98,6 +100,49 @@ TEST_P(Exposures, EdgesAreRamps) {
     for (int y = 12; y < 20; ++y) mean += image[std::size_t(y)][std::size_t(x)] / 8;
     EXPECT_NEAR(mean, ramp(x, edge_at(kTime), kSpeed * kExposure), 0.01) << x;
   }
+}
+
+// Transfer function of motion over L pixels: |sinc(L f)|, from an edge at eight places of a pixel.
+TEST_P(Exposures, BlurHasTheTransferFunctionOfMotion) {
+  constexpr int kPhases = 8;
+  constexpr double kBlur = 5;  // pixels
+  std::vector<std::string> words{"--exposure", fmt::format("{}", kBlur / kSpeed)};
+  for (int k = 0; k < kPhases; ++k) {
+    words.push_back("--at");
+    words.push_back(fmt::format("{}", kTime - k / (kSpeed * kPhases)));
+  }
+  ASSERT_EQ(run("mtf", words).code, 0);
+  // the edge moves left by an eighth from frame to frame: samples of its profile
+  std::map<int, double> profile;
+  for (int k = 0; k < kPhases; ++k) {
+    const auto image = oracles::read_npy(folder_ / fmt::format("mtf/{:06}.npy", k));
+    ASSERT_TRUE(image);
+    const auto value = [&](int x) {
+      double sum = 0;
+      for (int y = 12; y < 20; ++y) sum += image->rgb[std::size_t(3 * (y * kWidth + x))] / 8;
+      return sum;
+    };
+    for (int x = kWidth / 2; x < kWidth; ++x)
+      profile[x * kPhases + k] = value(x) / value(kWidth / 2);
+  }
+  std::vector<double> edge;
+  for (const auto& [at, value] : profile) edge.push_back(value);
+  const auto sinc = [](double x) { return x == 0 ? 1 : std::sin(kPi * x) / (kPi * x); };
+  double worst = 0;
+  for (int step = 1; step <= 20; ++step) {
+    const double f = 0.5 * step / 20;  // cycles per pixel, to Nyquist
+    double c = 0, s = 0;
+    for (std::size_t i = 1; i < edge.size(); ++i) {
+      const double line = edge[i - 1] - edge[i];
+      const double phase = 2 * kPi * f * static_cast<double>(i) / kPhases;
+      c += line * std::cos(phase), s += line * std::sin(phase);
+    }
+    // the pixel's own, and that of the differences
+    const double own = sinc(f) * sinc(f / kPhases);
+    worst = std::max(worst, std::fabs(std::hypot(c, s) / own - std::fabs(sinc(kBlur * f))));
+  }
+  printf("transfer function of a blur of %g pixels: off by %.4f\n", kBlur, worst);
+  EXPECT_LT(worst, 0.01);
 }
 
 // Row r exposes r line times after the first one; and the last one first.

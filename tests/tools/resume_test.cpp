@@ -181,6 +181,41 @@ TEST_F(Resume, KilledAtTenPlaces) {
   expect_same_trees(folder_ / "whole", folder_ / "killed");
 }
 
+// A disk of its own that is full after some frames: those are kept, and whole.
+TEST_F(Resume, AFullDiskKeepsWhatIsWhole) {
+  const std::string file =
+      scenario("begin = 0\nend = 99\nstep = 1\n", "[labels]\nflow = true\n", "[64, 48]");
+  ASSERT_EQ(panwright(words(file, "whole", {"--type", "npz"})).code, 0);
+  fs::create_directory(folder_ / "disk");
+  // namespaces of one's own need no privilege where the kernel allows them
+  const Outcome full =
+      support::run({"unshare", "-rm", "bash", "-c",
+                    "mount -t tmpfs -o size=600k none \"$2/disk\" || exit 77; "
+                    "\"$0\" run \"$1\" -o \"$2/disk/frames\" --type npz; code=$?; "
+                    "cp -r \"$2/disk/frames\" \"$2/frames\"; exit $code",
+                    PANWRIGHT_BIN_DIR "/panwright", file, folder_.path().string()});
+  if (full.code != 3 && full.err.find("E0103") == full.err.npos &&
+      (full.code == 77 || full.err.find("unshare") != full.err.npos))
+    GTEST_SKIP() << "no mounts without privilege here: " << full.err;
+  ASSERT_EQ(full.code, 3) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("E0103"));
+  EXPECT_THAT(full.err, HasSubstr("No space left"));
+  EXPECT_THAT(full.err, HasSubstr("complete frames are kept; --resume goes on"));
+  const auto kept = tree_of(folder_ / "frames"), whole = tree_of(folder_ / "whole");
+  std::size_t frames = 0;
+  for (const auto& [name, bytes] : kept) {
+    ASSERT_TRUE(whole.contains(name)) << name << " is left over";
+    EXPECT_TRUE(bytes == whole.at(name)) << name;
+    frames += name.ends_with(".labels.json");
+  }
+  EXPECT_GT(frames, 3u);
+  EXPECT_LT(frames, 97u);
+  const Outcome done = panwright(words(file, "frames", {"--type", "npz", "--resume"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr(std::to_string(frames) + " frames kept"));
+  expect_same_trees(folder_ / "whole", folder_ / "frames");
+}
+
 // Peak of the resident memory of a run, kilobytes.
 long peak_of(std::vector<std::string> words) {
   const std::string program =

@@ -10,7 +10,9 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
+#include "base/math.h"
 #include "image/arrays.h"
 #include "tests/support/process.h"
 
@@ -124,6 +126,105 @@ TEST_P(RollingLabels, AreThoseOfTheRows) {
     }
   EXPECT_GT(shown, 200);
   EXPECT_LE(different, 4);
+}
+
+// Where the plate's rows show a point at first at time t, seconds after the frame.
+Vec2 seen(double x0, double z0, bool upwards, double after) {
+  const double slope = kUp * kLine * (upwards ? -1 : 1);
+  const double y0 = kHeight / 2.0 - kPixels * z0 - kUp * (kTime + after - 1);
+  const double y = (y0 - kUp * late(0, upwards)) / (1 + slope);
+  return {kWidth / 2.0 + kPixels * x0 + kRight * (kTime + after - 1 + late(y, upwards)), y};
+}
+
+std::vector<float> flow_at(const std::string& file) {
+  const std::string bytes = contents(file);
+  std::vector<float> out((bytes.size() - 12) / 4);
+  std::memcpy(out.data(), bytes.data() + 12, 4 * out.size());
+  return out;
+}
+
+// Each point's place in its own row of both frames: all of the plate moves alike.
+TEST_P(RollingLabels, FlowIsBetweenTheRowsThatShowAPoint) {
+  const double sign = GetParam() ? -1 : 1;
+  folder_.write("flow.toml", contents(folder_ / "run.toml") + "flow = true\n");
+  const Outcome done =
+      panwright({"run", folder_ / "flow.toml", "-o", folder_ / "flow", "--type", "npz", "--at",
+                 fmt::format("{}", kTime), "--at", fmt::format("{}", kTime + 0.25), "--line-time",
+                 fmt::format("{}", sign * kLine)});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const Vec2 motion = seen(0.1, 0.2, GetParam(), 0.25) - seen(0.1, 0.2, GetParam(), 0);
+  // without line times it would be
+  const Vec2 at_once(0.25 * kRight, -0.25 * kUp);
+  ASSERT_GT(glm::length(motion - at_once), 0.1);
+  for (const char* file : {"flow/000000.forward.flo", "flow/000001.backward.flo"}) {
+    const bool forward = std::string_view(file).find("forward") != std::string_view::npos;
+    const std::vector<float> flow = flow_at(folder_ / file);
+    ASSERT_EQ(flow.size(), 2u * kWidth * kHeight);
+    std::size_t moved = 0;
+    double worst = 0;
+    for (std::size_t i = 0; i < flow.size(); i += 2) {
+      if (flow[i] > 1e9f) continue;
+      ++moved;
+      const Vec2 found(double{flow[i]}, double{flow[i + 1]});
+      worst = std::max(worst, glm::length(found - (forward ? motion : -motion)));
+    }
+    EXPECT_GT(moved, 200u) << file;
+    EXPECT_LT(worst, 1e-5) << file;  // float32 depth and motion
+  }
+  const Outcome scanner = panwright({"run", folder_ / "flow.toml", "-o", folder_ / "no", "--at",
+                                     "1", "--line-time", "0.001", "--tdi", "2"});
+  EXPECT_NE(scanner.code, 0);
+  EXPECT_NE(scanner.err.find("--tdi and flow cannot be combined"), std::string::npos);
+}
+
+// A line scanner shows a point in the row whose time it passes the middle of the lens: at one pixel
+// a line a plate of 16 pixels keeps its height.
+TEST_P(RollingLabels, OfALineScannerAreWhereItsRowsSeeThem) {
+  const double sign = GetParam() ? -1 : 1;
+  constexpr double kBegin = 0.7, kScan = 64;  // pixels a second, up for lines downwards
+  folder_.write("way.csv",
+                fmt::format("time[s],box.x[m],box.y[m],box.z[m]\n-2,{},0,{}\n4,{},0,{}\n",
+                            -3 * kRight / kPixels, -3 * sign * kScan / kPixels,
+                            3 * kRight / kPixels, 3 * sign * kScan / kPixels));
+  for (const char* stages : {"1", "3"}) {
+    const std::string out = folder_ / (std::string("scan") + stages);
+    const Outcome done = panwright({"run", folder_ / "run.toml", "-o", out, "--type", "npz", "--at",
+                                    fmt::format("{}", kBegin), "--tdi", stages, "--line-time",
+                                    fmt::format("{}", sign * kLine)});
+    ASSERT_EQ(done.code, 0) << done.err;
+    const json frame = json::parse(contents(out + "/000000.labels.json"));
+    const json& box = frame["things"][0];
+    double left = kWidth, right = 0, top = kHeight, bottom = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double z0 = 0.5 * kFaces[k][1], x0 = 0.5 * kFaces[k][0];
+      const double time = 1 - sign * kPixels * z0 / kScan;  // in the middle of the lens
+      const double line = (time - kBegin) / kLine;
+      const double y = 0.5 + (GetParam() ? kHeight - 1 - line : line);
+      const double x = kWidth / 2.0 + kPixels * x0 + kRight * (time - 1);
+      const json& keypoint = box["keypoints"][static_cast<std::size_t>(k)];
+      EXPECT_NEAR(keypoint["pixel"][0].get<double>(), x, 1e-9) << k;
+      EXPECT_NEAR(keypoint["pixel"][1].get<double>(), y, 1e-9) << k;
+      EXPECT_FALSE(keypoint["truncated"].get<bool>()) << k;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+    EXPECT_NEAR(bottom - top, 16, 1e-9);
+    const double edges[] = {left, top, right, bottom};
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(box["amodal_box"][k].get<double>(), edges[k], k % 2 == 0 ? 0.3 : 1e-6) << k;
+    EXPECT_NEAR(box["amodal_pixels"].get<double>(), 256, 2);
+    EXPECT_EQ(box["amodal_pixels"], box["visible_pixels"]);
+  }
+  // what never passes is outside of the image
+  const Outcome later =
+      panwright({"run", folder_ / "run.toml", "-o", folder_ / "later", "--at", "1.5", "--tdi", "1",
+                 "--line-time", fmt::format("{}", sign * kLine)});
+  ASSERT_EQ(later.code, 0) << later.err;
+  const json frame = json::parse(contents(folder_ / "later/000000.labels.json"));
+  const json& box = frame["things"][0];
+  EXPECT_EQ(box["visible_pixels"].get<double>(), 0);
+  EXPECT_EQ(box["amodal_pixels"].get<double>(), 0);
+  for (const json& keypoint : box["keypoints"]) EXPECT_TRUE(keypoint["truncated"].get<bool>());
 }
 
 }  // namespace

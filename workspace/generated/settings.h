@@ -27,6 +27,7 @@ enum class SettingId : std::uint8_t {
   intrinsics,
   distortion,
   camera_file,
+  mount,
   ortho,
   exposure,
   detector,
@@ -107,6 +108,7 @@ struct Settings {
   Setting<Vec4> intrinsics;
   Setting<std::string> distortion;
   Setting<std::string> camera_file;
+  Setting<Quat> mount;
   Setting<double> ortho;
   Setting<NumberOr<Exposure, double>> exposure{0.0};
   Setting<std::string> detector;

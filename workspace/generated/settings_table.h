@@ -79,6 +79,9 @@ inline constexpr SettingInfo kSettings[] = {
     {"camera-file", kFormText, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::never,
      "a file name", "a file name",
      "--camera-file", "Camera and Sun", "FILE", "Size and lens from a camera file: .toml of this program, or of OpenCV, ROS, Kalibr or SPEED"},
+    {"mount", kFormNumbers | kFormText, 0, 4, SettingUnit::none, {}, -kUnbounded, kUnbounded, kSeveral, EngineSet::both, Recorded::never,
+     "four numbers w x y z, as [1, 0, 0, 0]", "four numbers w x y z",
+     "", "", "", ""},
     {"ortho", kFormNumber | kFormText, 0, 0, SettingUnit::none, {}, 0.0, kUnbounded, kAbove, EngineSet::both, Recorded::given,
      "a number of metres", "a width in metres above 0",
      "--ortho", "Camera and Sun", "METRES", "Width of an orthographic image"},
@@ -220,8 +223,8 @@ inline constexpr SettingInfo kSettings[] = {
 };
 
 // Of options of the command line; of members in records of images.
-inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::detector, SettingId::define, SettingId::targets};
-inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::exposure, SettingId::detector, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
+inline constexpr SettingId kCommandOrder[] = {SettingId::output, SettingId::camera, SettingId::look_at, SettingId::up, SettingId::quat, SettingId::camera_frame, SettingId::pose, SettingId::joint, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::distortion, SettingId::camera_file, SettingId::ortho, SettingId::size, SettingId::exposure, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::quality, SettingId::samples, SettingId::pixel_error, SettingId::adaptive, SettingId::engine, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::limb_darkening, SettingId::no_sun_disc, SettingId::flat, SettingId::shadows, SettingId::sun_points, SettingId::shadow_side, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::specular_filter, SettingId::psf, SettingId::max_image_memory, SettingId::name, SettingId::outputs, SettingId::mount, SettingId::detector, SettingId::define, SettingId::targets};
+inline constexpr SettingId kRecordOrder[] = {SettingId::size, SettingId::ev, SettingId::tone, SettingId::layers, SettingId::compress, SettingId::camera, SettingId::quat, SettingId::intrinsics, SettingId::distortion, SettingId::ortho, SettingId::pose, SettingId::joint, SettingId::define, SettingId::sun, SettingId::sun_distance, SettingId::sun_irradiance, SettingId::lamp, SettingId::white, SettingId::limb_darkening, SettingId::planet, SettingId::sky, SettingId::stars, SettingId::star_catalogue, SettingId::date, SettingId::orbit, SettingId::engine, SettingId::samples, SettingId::quality, SettingId::pixel_error, SettingId::adaptive, SettingId::flat, SettingId::specular_filter, SettingId::shadow_side, SettingId::shadows, SettingId::sun_points, SettingId::indirect, SettingId::levels, SettingId::imposters, SettingId::flux_error, SettingId::until_error, SettingId::max_samples, SettingId::bounces, SettingId::seed, SettingId::psf, SettingId::no_sun_disc, SettingId::name, SettingId::output, SettingId::outputs, SettingId::look_at, SettingId::up, SettingId::camera_frame, SettingId::fov, SettingId::ifov, SettingId::camera_file, SettingId::mount, SettingId::exposure, SettingId::detector, SettingId::gain, SettingId::temperature, SettingId::noise_seed, SettingId::frame_number, SettingId::line_time, SettingId::tdi, SettingId::targets, SettingId::max_image_memory};
 
 // Calls f(id, member…) with the member of a name of one record or more.
 template <class F, class... S>
@@ -245,6 +248,7 @@ decltype(auto) visit_setting(SettingId id, F&& f, S&... settings) {
     case SettingId::intrinsics: return f(id, settings.intrinsics...);
     case SettingId::distortion: return f(id, settings.distortion...);
     case SettingId::camera_file: return f(id, settings.camera_file...);
+    case SettingId::mount: return f(id, settings.mount...);
     case SettingId::ortho: return f(id, settings.ortho...);
     case SettingId::exposure: return f(id, settings.exposure...);
     case SettingId::detector: return f(id, settings.detector...);
@@ -315,6 +319,7 @@ void visit_settings(F&& f, S&... settings) {
   f(SettingId::intrinsics, settings.intrinsics...);
   f(SettingId::distortion, settings.distortion...);
   f(SettingId::camera_file, settings.camera_file...);
+  f(SettingId::mount, settings.mount...);
   f(SettingId::ortho, settings.ortho...);
   f(SettingId::exposure, settings.exposure...);
   f(SettingId::detector, settings.detector...);
@@ -366,7 +371,7 @@ void visit_settings(F&& f, S&... settings) {
 inline constexpr Exclusion kExclusions[] = {
     {bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), "--fov, --ifov, --intrinsics and --ortho cannot be combined"},
     {bit(SettingId::distortion), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::ortho), "--distortion requires --intrinsics, and no other lens"},
-    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion) | bit(SettingId::detector), "--camera-file cannot be combined with --size or another lens"},
+    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion) | bit(SettingId::mount) | bit(SettingId::detector), "--camera-file cannot be combined with --size or another lens"},
     {bit(SettingId::detector), bit(SettingId::ortho), "a detector needs a perspective lens, not --ortho"},
     {bit(SettingId::quat), bit(SettingId::look_at), "--quat cannot be combined with --look-at"},
     {bit(SettingId::camera_frame), bit(SettingId::camera) | bit(SettingId::quat) | bit(SettingId::look_at), "--camera-frame cannot be combined with --camera, --quat or --look-at"},

@@ -29,9 +29,9 @@ class FrameLabeller {
                                     const image::Image& image, DiagnosticLog& log, const Job& job);
 
  private:
-  Result<labels::FrameLabels> label(const Frame& frame, const world::World& world,
-                                    const labels::FrameContext& context, DiagnosticLog& log,
-                                    const Job& job);
+  Result<labels::FrameLabels> rolling(const Frame& frame, const world::World& world,
+                                      const labels::FrameContext& context, DiagnosticLog& log,
+                                      const Job& job);
   struct Kept {
     std::shared_ptr<const Labelling> labelling;
     labels::Labeller labeller;
