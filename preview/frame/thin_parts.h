@@ -28,10 +28,9 @@ struct ThinMesh {
   bool closed = false;  // one of two triangles faces the camera
 };
 
-// Finder of the area that thin triangles cover in pixels without samples of targets. Where the
-// centre and the four corners of a pixel show none, nothing with a straight edge longer than the
-// pixel enters it except what is thinner than the samples' distance: booms, wires, plates seen from
-// their edges.
+// Finder of the area that thin triangles cover in pixels without samples of targets. Where centre
+// and corners of a pixel show none, no straight edge of something wide crosses it. What does is
+// thinner than the samples' distance: booms, wires, plates seen from their edges.
 class ThinParts {
  public:
   // empty: of each pixel of the part, row by row, 1 where no sample shows a target
