@@ -248,11 +248,21 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
   for (const scene::Keypoint& point : scene.keypoints)
     out.keypoints.push_back(
         {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
-  for (const scene::Lamp& lamp : scene.lamps)
-    out.lamps.push_back({text(lamp.name), static_cast<std::uint32_t>(lamp.node),
-                         static_cast<std::uint32_t>(lamp.kind), lamp.on ? 0 : pan::layout::kLampOff,
-                         lamp.position, lamp.axis, lamp.intensity, lamp.half_angle, lamp.exponent,
-                         lamp.radius});
+  for (const scene::Lamp& lamp : scene.lamps) {
+    const Vec2 pulse = lamp.pulse.value_or(Vec2(0));
+    out.lamps.push_back(
+        {text(lamp.name),
+         static_cast<std::uint32_t>(lamp.node),
+         static_cast<std::uint32_t>(lamp.kind),
+         (lamp.on ? 0 : pan::layout::kLampOff) | (lamp.pulse ? pan::layout::kLampPulsed : 0),
+         lamp.position,
+         lamp.axis,
+         lamp.intensity,
+         lamp.half_angle,
+         lamp.exponent,
+         lamp.radius,
+         {pulse.x, pulse.y}});
+  }
   for (const scene::Setting& setting : scene.settings)
     out.scene.push_back({text(setting.name), text(setting.value)});
 }

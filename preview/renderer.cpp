@@ -95,7 +95,10 @@ SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
           0,
           std::max(a.lamps, b.lamps),
           std::max(a.lamps_without_shadow, b.lamps_without_shadow),
-          std::max(a.lamps_left_out, b.lamps_left_out)};
+          std::max(a.lamps_left_out, b.lamps_left_out),
+          std::max(a.lamps_soft, b.lamps_soft),
+          std::max(a.lamp_penumbra, b.lamp_penumbra),
+          std::max(a.lamps_hard, b.lamps_hard)};
 }
 
 }  // namespace

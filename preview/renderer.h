@@ -54,6 +54,11 @@ struct SamplingReport {
   unsigned lamps = 0;
   unsigned lamps_without_shadow = 0;
   unsigned lamps_left_out = 0;
+  // Most points of a lamp's disc that cast its shadows, 0: all shadows are hard; the widest
+  // possible penumbra of lamps, pixels; and lamps whose shadows are hard for want of maps.
+  unsigned lamps_soft = 0;
+  double lamp_penumbra = 0;
+  unsigned lamps_hard = 0;
 };
 
 // Use of imposters: targets drawn separately, finer than pixels, and added by exact areas

@@ -79,7 +79,7 @@ class Comparison {
       return x.name == y.name && place(x.node, y.node) && x.kind == y.kind &&
                      x.position == y.position && x.axis == y.axis && x.intensity == y.intensity &&
                      x.half_angle == y.half_angle && x.exponent == y.exponent &&
-                     x.radius == y.radius && x.on == y.on
+                     x.radius == y.radius && x.on == y.on && x.pulse == y.pulse
                  ? ""
                  : x.name;
     });

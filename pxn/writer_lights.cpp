@@ -90,6 +90,7 @@ void write_lamp(const scene::Lamp& lamp, const std::string& name, ElementWriter&
     if (lamp.exponent != 0) out.attribute("exponent", lamp.exponent);
   }
   if (lamp.radius != 0) out.attribute("radius", lamp.radius);
+  if (lamp.pulse) out.numbers("pulse", std::span(&lamp.pulse->x, 2));
   if (!lamp.on) out.attribute("state", "off");
   out.close("lamp");
 }

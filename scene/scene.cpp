@@ -237,7 +237,9 @@ std::string check_lamps(const Scene& scene) {
         !(std::min({intensity.x, intensity.y, intensity.z}) >= 0) || !(lamp.exponent >= 0) ||
         !(lamp.radius >= 0) || !std::isfinite(lamp.exponent + lamp.radius) ||
         (lamp.kind == Lamp::Kind::spot && !(lamp.half_angle > 0 && lamp.half_angle <= kPi)) ||
-        (lamp.kind == Lamp::Kind::disc && lamp.radius == 0))
+        (lamp.kind == Lamp::Kind::disc && lamp.radius == 0) ||
+        (lamp.pulse &&
+         !(lamp.pulse->x < lamp.pulse->y && std::isfinite(lamp.pulse->y - lamp.pulse->x))))
       return fmt::format("lamp {} has numbers out of range", i);
     if (lamp.name.empty() || !names.insert(lamp.name).second)
       return fmt::format("duplicate lamp name {}", lamp.name);

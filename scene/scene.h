@@ -151,6 +151,7 @@ struct Lamp {
   double exponent = 0;    // of a spot, >= 0; others: 0
   double radius = 0;      // metres; of a disc above 0
   bool on = true;
+  std::optional<Vec2> pulse;  // begin and end, seconds after the time of the frame; none: always
   Source source;
 };
 

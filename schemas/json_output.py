@@ -72,6 +72,8 @@ IMAGES = {
         "lamps?": "integer: number of lights beside the Sun on the target that has most; with --engine gl",
         "lamps_without_shadow?": "integer: of these, those too weak to cast shadows",
         "lamps_left_out?": "integer: weakest ones, beyond 64",
+        "lamp_penumbra?": "number: largest possible width of a lamp's penumbra, pixels",
+        "lamp_points?": "integer: most points of a lamp's disc; 1: hard shadows",
         "programs?": "integer: number of shader programs built for this image; with --engine gl",
         "programs_ms?": "number: time to build them",
         "imposters?": ("targets drawn separately, with --engine gl", [{

@@ -163,6 +163,58 @@ std::optional<EclipseEdge> Sky::eclipse_edge(const Vec3& point, double radius) c
   return deepest;
 }
 
+std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius) const {
+  constexpr double kMostBend = 1.5e-3;  // of a limb within the radius, radii of the Sun's disc
+  constexpr double kWide = 100;  // bodies so many times as wide as the Sun have straight limbs
+  constexpr std::size_t kMost = 2;
+  struct Found {
+    double depth;  // beyond the limb, metres; below 0: towards the shadow's middle
+    Vec3 along;
+    NearEclipse eclipse;
+  };
+  std::vector<Found> found;
+  bool bends = false;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Ellipsoid& shape = shapes_[i];
+    const Vec3& radii = bodies_[i].radii;
+    const double most = std::max({radii.x, radii.y, radii.z});
+    const Vec3 toward = shape.centre - point;
+    const double ahead = glm::dot(toward, to_sun_);
+    const Vec3 beside = toward - ahead * to_sun_;
+    const double off = std::sqrt(glm::dot(beside, beside));
+    const double reach = ahead + most + radius;
+    if (reach < 0 || off > most + radius + 1.1 * sun_sine_ * reach) continue;
+    const Vec3 along = off > 0 ? beside / off : across_[0];
+    const Vec3 across = glm::cross(to_sun_, along);
+    const ChordLine line(shape, shape.from(point), to_sun_, along, across, sun_sine_);
+    const double distance = std::sqrt(glm::dot(toward, toward));
+    found.push_back(
+        {off - most, along, {i, line.from, shape.unit_from_world, line.middle, line.x, line.y}});
+    const double wide = most / std::max(distance, most);
+    const auto value = [&](const Vec3& at) {
+      return beyond(ChordLine(shape, shape.from(at), to_sun_, along, across, sun_sine_));
+    };
+    double bend = 0;
+    for (int k = 0; k < 3; ++k) {
+      Vec3 step(0);
+      step[k] = radius;
+      bend += std::fabs(0.5 * (value(point + step) + value(point - step)) - value(point));
+    }
+    bends = bends || bend > kMostBend || wide < kWide * sun_sine_;
+  }
+  std::vector<NearEclipse> out;
+  if (!bends && found.size() < 2) return out;
+  std::ranges::stable_sort(found, {}, &Found::depth);
+  // of all bodies, the axes of the disc are those towards the first
+  const Vec3 along = sun_sine_ * found[0].along;
+  for (std::size_t i = 0; i < std::min(found.size(), kMost); ++i) {
+    out.push_back(found[i].eclipse);
+    out.back().along = out.back().unit_from_world * along;
+    out.back().across = out.back().unit_from_world * glm::cross(to_sun_, along);
+  }
+  return out;
+}
+
 double Sky::sun_share(const Vec3& point, std::optional<std::size_t> except) const {
   std::vector<ChordLine> lines;
   Vec3 along = across_[0];

@@ -36,6 +36,15 @@ struct EclipseEdge {
   Vec3 gradient{0};  // 1/m
 };
 
+// Body whose shadow falls near a point, in the space of its ellipsoid.
+struct NearEclipse {
+  std::size_t body = 0;
+  Vec3 from{0};  // the point from its centre
+  Mat3 unit_from_world{1};
+  Vec3 to_sun{0};            // to the middle of the Sun's disc
+  Vec3 along{0}, across{0};  // from there by a radius of the disc; `along` towards the body
+};
+
 // Returns the share of the Sun's light beyond a straight edge: 0 at t = −1, 1 at t = 1.
 double share_beyond(double t, double limb_darkening);
 
@@ -88,6 +97,11 @@ class Sky {
   // Returns the edge of the deepest shadow near a point, for places within a radius of it; none:
   // all of them are lit. Its share at the point is that of sun_share().
   std::optional<EclipseEdge> eclipse_edge(const Vec3& point, double radius) const;
+
+  // Returns the bodies, two at most, whose shadows fall within a radius of a point and have no
+  // straight edge there, the deepest first: limbs that bend, bodies that are not much wider than
+  // the Sun's disc, two at once. Empty: eclipse_edge() errs by 1e-3 of the Sun at most.
+  std::vector<NearEclipse> near_eclipses(const Vec3& point, double radius) const;
 
  private:
   std::vector<light::Body> bodies_;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "studio/play.h"
+#include "workspace/lamp_text.h"
 
 namespace panwright::studio {
 namespace {
@@ -57,6 +58,14 @@ void add_moment(const Moment& moment, workspace::Settings& out) {
   if (const double distance = moment.frame.sun->distance; distance != 1)
     out.sun_distance = distance;
   if (settings.sun_irradiance) out.sun_irradiance = *settings.sun_irradiance;
+  if (settings.lamp) {
+    // where they are in the scenario's own image; what is changed in the window comes behind
+    std::vector<std::string> lamps = workspace::fixed_lamp_texts(
+        *settings.lamp, moment.frame.lamps.value_or(std::vector<world::Lamp>()),
+        moment.frame.camera());
+    if (out.lamp) lamps.insert(lamps.end(), out.lamp->begin(), out.lamp->end());
+    out.lamp = std::move(lamps);
+  }
   if (settings.planet) out.planet = *settings.planet;
   if (settings.sky) out.sky = *settings.sky;
   if (settings.stars) out.stars = *settings.stars;

@@ -111,6 +111,7 @@ std::string explained_models(const Written& image) {
 // How each target of an image was drawn, a line each.
 std::string explained(const Written& image) {
   std::string text = explained_models(image);
+  for (const std::string& line : image.sky) text += "  " + line + "\n";
   if (!image.sampling) return text;
   std::vector<bool> told(image.targets.size(), false);
   for (const preview::ImposterReport& one : image.sampling->imposters) {
@@ -142,6 +143,13 @@ std::string explained(const Written& image) {
                         sampling.lamps_left_out > 0
                             ? fmt::format(", {} weaker ones left out", sampling.lamps_left_out)
                             : "");
+  if (sampling.lamps_soft > 0)
+    text += fmt::format(
+        "  shadows of lamps: {} points of a disc at most, penumbra up to {:.3g} pixels\n",
+        sampling.lamps_soft, sampling.lamp_penumbra);
+  else if (sampling.lamp_penumbra > 0)
+    text += fmt::format("  shadows of lamps: hard, the penumbra is {:.2g} pixels or narrower\n",
+                        sampling.lamp_penumbra);
   if (sampling.programs > 0)
     text += fmt::format("  {} shader programs built, {}\n", sampling.programs,
                         milliseconds(sampling.program_seconds));
@@ -175,6 +183,10 @@ void describe_image(const Written& image, Json& entry) {
     entry["lamps_without_shadow"] = image.sampling->lamps_without_shadow;
     if (image.sampling->lamps_left_out > 0)
       entry["lamps_left_out"] = image.sampling->lamps_left_out;
+    if (image.sampling->lamp_penumbra > 0) {
+      entry["lamp_penumbra"] = image.sampling->lamp_penumbra;
+      entry["lamp_points"] = std::max(image.sampling->lamps_soft, 1u);
+    }
   }
   if (image.sampling)
     for (const preview::ImposterReport& one : image.sampling->imposters) {

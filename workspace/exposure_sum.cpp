@@ -117,6 +117,9 @@ void ExposureSum::add_reports(std::size_t moment, const Drawn& drawn) {
     all.lamps = std::max(all.lamps, one.lamps);
     all.lamps_without_shadow = std::max(all.lamps_without_shadow, one.lamps_without_shadow);
     all.lamps_left_out = std::max(all.lamps_left_out, one.lamps_left_out);
+    all.lamps_soft = std::max(all.lamps_soft, one.lamps_soft);
+    all.lamp_penumbra = std::max(all.lamp_penumbra, one.lamp_penumbra);
+    all.lamps_hard = std::max(all.lamps_hard, one.lamps_hard);
     all.programs += one.programs;
     all.program_seconds += one.program_seconds;
     if (frame_.shutter->middle(sum_.image.height / 2) == moment) all.imposters = one.imposters;

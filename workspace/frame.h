@@ -91,8 +91,8 @@ class FrameMaker {
   // Expects: world outlives the maker.
   explicit FrameMaker(const world::World& world) : world_(world) {}
 
-  // Reports: N5004, W5008 where an exposure needs more moments than are drawn, W5015. Fails: E8003,
-  // E0201 (of a view with a label: E0203), E0202, E5005, E5011, E5013, E5014.
+  // Reports: N5004, W5008 where an exposure needs more moments than are drawn, W5015, W5019.
+  // Fails: E8003, E0201 (of a view with a label: E0203), E0202, E5005, E5011, E5013, E5014.
   Result<Frame> frame(const View& view, DiagnosticLog& log);
 
  private:
@@ -100,6 +100,7 @@ class FrameMaker {
   bool set_labels(const ViewLabels& of, Frame& frame, DiagnosticLog& log);
   Result<Frame> at_once(const View& view, DiagnosticLog& log);
   bool expose(const View& view, Frame& frame, DiagnosticLog& log);
+  bool switch_lamps(const View& view, Frame& frame, DiagnosticLog& log);
   bool use_camera_file(Settings& settings, DiagnosticLog& log);
   bool use_detector(Settings& settings, Frame& frame, DiagnosticLog& log);
   const world::World& world_;

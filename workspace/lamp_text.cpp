@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -19,12 +20,13 @@ namespace panwright::workspace {
 namespace {
 
 constexpr std::string_view kLampKinds[] = {"spot", "point", "disc", "led"};
-constexpr std::string_view kLampWords[] = {"on",    "at",     "toward",     "intensity",
-                                           "power", "radius", "half-angle", "exponent"};
+constexpr std::string_view kLampWords[] = {"on",     "at",         "toward",   "intensity", "power",
+                                           "radius", "half-angle", "exponent", "pulse"};
 
 struct LampNumbers {
   std::optional<Vec3> at, toward, intensity, power;
   std::optional<double> radius, half_angle, exponent;
+  std::optional<world::Pulse> pulse;
 };
 
 // The power of a lamp over its intensity on the axis.
@@ -60,6 +62,7 @@ class LampReader {
     if (!source) return std::nullopt;
     world::Lamp lamp;
     lamp.source = *source;
+    lamp.pulse = numbers_.pulse;
     if (!light::is_sound(lamp.source)) return fail(text_, "numbers that are finite and >= 0");
     if (!carrier_.empty() && !put_on(lamp)) return std::nullopt;
     return lamp;
@@ -79,7 +82,7 @@ class LampReader {
       }
       if (word == "at" || word == "toward" ||
           std::ranges::find(kLampWords, word) == std::end(kLampWords)) {
-        fail(word, "on, off, intensity, power, radius, half-angle or exponent");
+        fail(word, "on, off, intensity, power, radius, half-angle, exponent or pulse");
         return false;
       }
       if (!part()) return false;
@@ -94,6 +97,7 @@ class LampReader {
  private:
   bool set_numbers(world::Lamp& lamp) {
     const LampNumbers& n = numbers_;
+    if (n.pulse) lamp.pulse = n.pulse;
     auto* const spot = std::get_if<light::Spot>(&lamp.source);
     if (spot == nullptr && (n.half_angle || n.exponent)) {
       fail(in_quotes(lamp.name), "no half-angle and no exponent, since it is no spot");
@@ -132,7 +136,7 @@ class LampReader {
       return !given;
     };
     if (std::ranges::find(kLampWords, word) == std::end(kLampWords)) {
-      fail(word, "on, at, toward, intensity, power, radius, half-angle or exponent");
+      fail(word, "on, at, toward, intensity, power, radius, half-angle, exponent or pulse");
       return false;
     }
     if (word == "on") {
@@ -153,6 +157,7 @@ class LampReader {
     if (word == "half-angle")
       return once(numbers_.half_angle) &&
              scalar(word, &parse_angle, 1e-6, kPi, numbers_.half_angle);
+    if (word == "pulse") return once(numbers_.pulse) && pulse();
     return once(numbers_.exponent) && scalar(word, &parse_double, 0, 1e6, numbers_.exponent);
   }
 
@@ -190,6 +195,19 @@ class LampReader {
     }
     ++next_;
     out = value;
+    return true;
+  }
+
+  bool pulse() {
+    std::optional<double> times[2];
+    for (auto& time : times)
+      if (next_ < words_.size()) time = parse_time(words_[next_++]);
+    if (!times[0] || !times[1] || !(*times[0] < *times[1]) ||
+        !(std::max(-*times[0], *times[1]) <= 1e9)) {
+      fail("pulse", "two times after it, begin and end, as -1ms 1ms: seconds after the frame's");
+      return false;
+    }
+    numbers_.pulse = world::Pulse{*times[0], *times[1]};
     return true;
   }
 
@@ -335,6 +353,53 @@ bool set_lamp(std::string_view text, const world::World& world, std::vector<worl
   for (const std::size_t i : named.lamps)
     if (!LampReader(text, world, log).change(named.length, lamps[i])) return false;
   return true;
+}
+
+std::string lamp_text(const world::Lamp& lamp) {
+  std::string text;
+  const auto words = [&](std::string_view word, const Vec3& v) {
+    text += fmt::format(" {} {} {} {}", word, v.x, v.y, v.z);
+  };
+  std::visit(
+      [&](const auto& source) {
+        using Kind = std::decay_t<decltype(source)>;
+        if constexpr (requires { source.radius; }) {
+          text = std::is_same_v<Kind, light::Spot>   ? "spot"
+                 : std::is_same_v<Kind, light::Disc> ? "disc"
+                                                     : "point";
+          words("at", source.position);
+          if constexpr (requires { source.axis; }) words("toward", source.position + source.axis);
+          words("intensity", source.intensity);
+          if constexpr (std::is_same_v<Kind, light::Spot>)
+            text +=
+                fmt::format(" half-angle {}rad exponent {}", source.half_angle, source.exponent);
+          if (source.radius > 0) text += fmt::format(" radius {}", source.radius);
+        }
+      },
+      lamp.source);
+  if (lamp.pulse) text += fmt::format(" pulse {} {}", lamp.pulse->begin, lamp.pulse->end);
+  return text;
+}
+
+std::vector<std::string> fixed_lamp_texts(const std::vector<std::string>& texts,
+                                          const std::vector<world::Lamp>& lamps,
+                                          const world::Camera& camera) {
+  world::World fixed;
+  fixed.set_lamps(lamps);
+  world::fix_lamps(fixed, camera);
+  std::vector<std::string> out;
+  std::size_t next = 0;
+  for (const std::string& text : texts) {
+    out.push_back(text);
+    const auto words = words_of(text);
+    if (words.empty() || !is_kind(words[0])) continue;
+    while (next < lamps.size() && !lamps[next].name.empty()) ++next;
+    if (next == lamps.size()) continue;
+    if (lamps[next].carrier == world::Lamp::Carrier::camera)
+      out.back() = lamp_text(fixed.lamps()[next]);
+    ++next;
+  }
+  return out;
 }
 
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,

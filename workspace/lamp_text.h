@@ -8,6 +8,7 @@
 
 #include "base/diagnostic.h"
 #include "workspace/settings.h"
+#include "world/camera.h"
 #include "world/world.h"
 
 namespace panwright::workspace {
@@ -20,6 +21,7 @@ namespace panwright::workspace {
 //   toward X Y Z          a point there; without: a metre further along z
 //   intensity I | R G B   on the axis; or power P | R G B, of all directions
 //   radius R, half-angle A, exponent N
+//   pulse BEGIN END       on in this time alone, seconds after that of the frame
 //
 // Fails: E0201, E5005, E5011.
 std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& world,
@@ -31,7 +33,7 @@ std::optional<world::Lamp> lamp_of(std::string_view text, const world::World& wo
 //
 //   NAME, TARGET/NAME     a pattern, or the name alone where only one target has it
 //   on | off
-//   intensity I | R G B, power P | R G B, radius R, half-angle A, exponent N
+//   intensity I | R G B, power P | R G B, radius R, half-angle A, exponent N, pulse BEGIN END
 //
 // False: E0201, E5005, E5011.
 bool set_lamp(std::string_view text, const world::World& world, std::vector<world::Lamp>& lamps,
@@ -39,6 +41,18 @@ bool set_lamp(std::string_view text, const world::World& world, std::vector<worl
 
 // Returns "TARGET/NAME" of a lamp of a model.
 std::string lamp_path(const world::Lamp& lamp);
+
+// Returns the text of a lamp that stands in the world, as lamp_of() reads it.
+// Expects: a carrier of the world, no lamp at infinity.
+std::string lamp_text(const world::Lamp& lamp);
+
+// Returns the texts of settings, those of lamps on the camera as lamps of the world, where they are
+// with a camera.
+//
+//   lamps  those that lamps_of() made of the texts
+std::vector<std::string> fixed_lamp_texts(const std::vector<std::string>& texts,
+                                          const std::vector<world::Lamp>& lamps,
+                                          const world::Camera& camera);
 
 // Returns the lamps of a world, those of settings added or changed.
 //

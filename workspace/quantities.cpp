@@ -66,6 +66,20 @@ std::optional<double> parse_length(std::string_view text) {
   return *value * unit;
 }
 
+std::optional<double> parse_time(std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 1e-3}, {"us", 1e-6}, {"s", 1}};
+  double unit = 1;
+  for (const auto& [name, size] : kUnits) {
+    if (!text.ends_with(name)) continue;
+    text.remove_suffix(name.size());
+    unit = size;
+    break;
+  }
+  const auto value = parse_double(text);
+  if (!value) return std::nullopt;
+  return *value * unit;
+}
+
 std::optional<double> parse_share(std::string_view text) {
   const bool percent = text.ends_with('%');
   if (percent) text.remove_suffix(1);

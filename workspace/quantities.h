@@ -26,6 +26,9 @@ std::optional<double> parse_angle(std::string_view text);
 // it.
 std::optional<double> parse_length(std::string_view text);
 
+// Parses a time to seconds: a bare number is seconds; s, ms and us may follow it.
+std::optional<double> parse_time(std::string_view text);
+
 // Parses a share: "0.1%" or "0.001".
 std::optional<double> parse_share(std::string_view text);
 

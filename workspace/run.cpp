@@ -18,6 +18,7 @@
 #include "labels/frame_files.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
+#include "workspace/internal/sky_words.h"
 #include "workspace/lamp_text.h"
 #include "workspace/sky_settings.h"
 #include "world/evaluation.h"
@@ -58,10 +59,11 @@ bool are_sound(const world::World& world, std::span<const Frame> frames, Diagnos
   return log.errors() == errors && have_parts(world, frames, log);
 }
 
-// What models gave the frame.
-void tell_models(const Frame& frame, Written& what) {
+// What models gave the frame, and its sky.
+void tell_models(const Frame& frame, const world::World& world, Written& what) {
   what.of_scene = frame.of_scene;
   what.scene_target = frame.scene_target;
+  what.sky = sky_words(frame, world);
   for (const world::Lamp& lamp : frame.lamps.value_or(std::vector<world::Lamp>()))
     if (!lamp.name.empty()) (lamp.on ? what.lamps_on : what.lamps_off).push_back(lamp_path(lamp));
 }
@@ -248,7 +250,7 @@ class Run {
     what.outputs = frame.outputs;
     for (const world::Instance& target : scope_.world.instances())
       what.targets.push_back(target.name());
-    tell_models(frame, what);
+    tell_models(frame, scope_.world, what);
     const bool keeps = bool(scope_.options.listener.kept);
     if (index + 1 == frames_.size() || scope_.job.threads() == 1 || (keeps && !frame.labels)) {
       if (!keeps) write_all(*writing_);

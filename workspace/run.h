@@ -46,6 +46,7 @@ struct Written {
   std::vector<std::string> of_scene;
   std::string scene_target;
   std::vector<std::string> lamps_on, lamps_off;
+  std::vector<std::string> sky;  // bodies and eclipses of the image, a text each
 
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace panwright::workspace {
 
@@ -11,12 +12,19 @@ double Shutter::begin() const {
 }
 double Shutter::end() const { return std::fabs(line_time) * (rows - 1) - begin(); }
 
-ShutterMoments::ShutterMoments(const Shutter& shutter, double speed, double step)
+ShutterMoments::ShutterMoments(const Shutter& shutter, double speed, double step,
+                               std::span<const double> cuts)
     : shutter_(shutter) {
   if (is_scanner()) {
     divide_scan(speed, step);
-    return;
+  } else {
+    divide(speed, step);
+    if (shutter.line_time != 0) cut(cuts);
   }
+}
+
+void ShutterMoments::divide(double speed, double step) {
+  const Shutter& shutter = shutter_;
   const double delays = shutter.end() - 0.5 * shutter.exposure;
   const double motion = speed * (shutter.end() - shutter.begin());
   // what moves less than rounding is drawn once
@@ -44,6 +52,23 @@ ShutterMoments::ShutterMoments(const Shutter& shutter, double speed, double step
   count_ =
       static_cast<std::size_t>(std::max(per_row_, std::ceil(per_row_ + delays / length_ - kSlack)));
   step_ = speed * length_;
+}
+
+// Divides the moments further. Of an image that stands still there is one, of all rows.
+void ShutterMoments::cut(std::span<const double> cuts) {
+  const double first = length_ > 0 ? first_ : shutter_.begin();
+  const double last = std::max(shutter_.end(), first_ + static_cast<double>(count_) * length_);
+  std::vector<double> edges{first, last};
+  for (std::size_t k = 1; k < count_; ++k)
+    edges.push_back(first_ + static_cast<double>(k) * length_);
+  const std::size_t whole = edges.size();
+  for (const double cut : cuts)
+    if (cut > first && cut < last) edges.push_back(cut);
+  if (edges.size() == whole) return;
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges_ = std::move(edges);
+  count_ = edges_.size() - 1;
 }
 
 // Times at which the sensor's rows expose, a line time apart, of some moments each.
@@ -76,13 +101,25 @@ double ShutterMoments::time(std::size_t moment) const {
     return shutter_.begin() + static_cast<double>(moment / parts) * std::fabs(shutter_.line_time) +
            (static_cast<double>(moment % parts) + 0.5) * length_;
   }
+  if (!edges_.empty()) return 0.5 * (edges_[moment] + edges_[moment + 1]);
   return first_ + (static_cast<double>(moment) + 0.5) * length_;
 }
 
-double ShutterMoments::delay(std::uint32_t row) const {
-  if (length_ == 0) return 0;
+double ShutterMoments::begin(std::size_t moment) const {
+  return edges_.empty() ? time(moment) - 0.5 * length_ : edges_[moment];
+}
+
+double ShutterMoments::end(std::size_t moment) const {
+  return edges_.empty() ? time(moment) + 0.5 * length_ : edges_[moment + 1];
+}
+
+double ShutterMoments::row_time(std::uint32_t row) const {
   const std::uint32_t place = shutter_.line_time < 0 ? shutter_.rows - 1 - row : row;
-  return place * std::fabs(shutter_.line_time) / length_;
+  return place * std::fabs(shutter_.line_time);
+}
+
+double ShutterMoments::delay(std::uint32_t row) const {
+  return length_ == 0 ? 0 : row_time(row) / length_;
 }
 
 double ShutterMoments::share(std::size_t moment, std::uint32_t row) const {
@@ -91,6 +128,7 @@ double ShutterMoments::share(std::size_t moment, std::uint32_t row) const {
     return stage >= 0 && stage < std::int64_t{shutter_.stages} ? 1 / (per_row_ * shutter_.stages)
                                                                : 0;
   }
+  if (!edges_.empty()) return share_of_interval(moment, row);
   const double begin = delay(row);
   const auto at = static_cast<double>(moment);
   // the last one also has what lies after it
@@ -98,6 +136,19 @@ double ShutterMoments::share(std::size_t moment, std::uint32_t row) const {
   constexpr double kNothing = 1e-9;
   const double overlap = std::min(end, begin + per_row_) - std::max(at, begin);
   return overlap > kNothing ? overlap / per_row_ : 0;
+}
+
+// Of moments of different lengths.
+double ShutterMoments::share_of_interval(std::size_t moment, std::uint32_t row) const {
+  const double middle = row_time(row);
+  const double low = edges_[moment], high = edges_[moment + 1];
+  const double exposure = length_ > 0 ? per_row_ * length_ : shutter_.exposure;
+  const bool last = moment + 1 == count_;
+  if (exposure == 0) return middle >= low && (middle < high || last) ? 1 : 0;
+  const double begin = middle - 0.5 * exposure, end = middle + 0.5 * exposure;
+  const double overlap = std::min(last ? end : high, end) - std::max(low, begin);
+  constexpr double kNothing = 1e-9;
+  return overlap > kNothing * exposure ? std::min(overlap / exposure, 1.0) : 0;
 }
 
 ShutterMoments::Rows ShutterMoments::rows(std::size_t moment) const {
@@ -121,6 +172,11 @@ std::size_t ShutterMoments::middle(std::uint32_t row) const {
     const std::size_t place = shutter_.line_time < 0 ? shutter_.rows - 1 - row : row;
     const auto parts = static_cast<std::size_t>(per_row_);
     return (place + shutter_.stages / 2) * parts + parts / 2;
+  }
+  if (!edges_.empty()) {
+    const auto after = std::ranges::upper_bound(edges_, row_time(row));
+    const auto index = static_cast<std::size_t>(after - edges_.begin());
+    return std::clamp<std::size_t>(index, 1, count_) - 1;
   }
   return std::min(static_cast<std::size_t>(delay(row) + 0.5 * per_row_), count_ - 1);
 }

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 namespace panwright::workspace {
 
@@ -38,7 +40,10 @@ class ShutterMoments {
   static constexpr double kLeastBlur = 0.4;
 
   // speed: of the image, pixels a second. step: largest motion between moments, pixels.
-  ShutterMoments(const Shutter& shutter, double speed, double step);
+  // cuts: seconds after the time of the frame at which the light changes: where rows differ in
+  // time, no moment has one inside.
+  ShutterMoments(const Shutter& shutter, double speed, double step,
+                 std::span<const double> cuts = {});
 
   std::size_t count() const { return count_; }
   double step() const { return step_; }  // motion between moments, pixels
@@ -46,6 +51,9 @@ class ShutterMoments {
   // Time of a moment, seconds after that of the frame. The last one may be half a moment after the
   // end of the shutter, where rows differ in time.
   double time(std::size_t moment) const;
+  // Its begin and end, the same.
+  double begin(std::size_t moment) const;
+  double end(std::size_t moment) const;
   // Rows that a moment has a share in: [first, end), numbered from the top.
   struct Rows {
     std::uint32_t first = 0, end = 0;
@@ -62,8 +70,12 @@ class ShutterMoments {
 
  private:
   void divide_scan(double speed, double step);
+  void divide(double speed, double step);
+  void cut(std::span<const double> cuts);
+  double share_of_interval(std::size_t moment, std::uint32_t row) const;
   std::int64_t first_scanned(std::size_t moment) const;
-  double delay(std::uint32_t row) const;  // of a row's exposure, moments
+  double row_time(std::uint32_t row) const;  // middle of a row's exposure, after the first row's
+  double delay(std::uint32_t row) const;     // of a row's exposure, moments
 
   Shutter shutter_;
   std::size_t count_ = 1;
@@ -71,6 +83,8 @@ class ShutterMoments {
   double length_ = 0;   // of a moment, seconds
   double first_ = 0;    // begin of the first moment, seconds after the time of the frame
   double step_ = 0;
+  // Of moments of different lengths, ascending; empty: all are as long.
+  std::vector<double> edges_;
 };
 
 }  // namespace panwright::workspace

@@ -93,6 +93,8 @@ std::vector<Lamp> lamps_of(const std::string& target, const pan::Model& model) {
     lamp.node = record.node;
     lamp.on = (record.flags & pan::layout::kLampOff) == 0;
     lamp.name = model.lamp_name(i);
+    if ((record.flags & pan::layout::kLampPulsed) != 0)
+      lamp.pulse = Pulse{record.pulse[0], record.pulse[1]};
   }
   return lamps;
 }
@@ -144,6 +146,30 @@ bool put_on_node(Lamp& lamp, const World& world, std::size_t target, std::string
     }
   report_missing(Code("E5005"), model.name(), "unknown frame or node", name, names, log);
   return false;
+}
+
+std::vector<Lamp> lamps_during(std::vector<Lamp> lamps, double begin, double end) {
+  for (Lamp& lamp : lamps) {
+    if (!lamp.pulse) continue;
+    const Pulse pulse = *lamp.pulse;
+    lamp.pulse.reset();
+    const double common = std::min(end, pulse.end) - std::max(begin, pulse.begin);
+    const bool at_once = pulse.begin <= begin && begin < pulse.end;
+    const double share = begin < end ? std::clamp(common / (end - begin), 0.0, 1.0)
+                         : at_once   ? 1.0
+                                     : 0.0;
+    lamp.on = lamp.on && share > 0;
+    if (!lamp.on || share == 1) continue;
+    std::visit(
+        [&](auto& source) {
+          if constexpr (requires { source.intensity; })
+            source.intensity *= share;
+          else
+            source.irradiance = share * source.irradiance.value_or(Vec3(1));
+        },
+        lamp.source);
+  }
+  return lamps;
 }
 
 void fix_lamps(World& world, const Camera& camera) {

@@ -27,6 +27,12 @@ std::vector<light::Source> placed_lamps(const World& world, const Camera& camera
 bool put_on_node(Lamp& lamp, const World& world, std::size_t target, std::string_view name,
                  DiagnosticLog& log);
 
+// Returns lamps as an exposure has them: the intensity of one with a pulse times the share of the
+// exposure in its pulse, and off without any. The results have no pulses.
+//
+//   begin, end  seconds after the time of the frame, begin <= end; the same: an instant
+std::vector<Lamp> lamps_during(std::vector<Lamp> lamps, double begin, double end);
+
 // Takes the lamps of the camera off it: they stay where they are, whatever camera looks.
 void fix_lamps(World& world, const Camera& camera);
 

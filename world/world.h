@@ -91,6 +91,13 @@ class Instance {
   Stamp pose_stamp_ = 0;
 };
 
+// Time in which a lamp is on, seconds after that of the frame: begin <= t < end.
+struct Pulse {
+  double begin = 0;
+  double end = 0;  // above begin
+  bool operator==(const Pulse&) const = default;
+};
+
 // A light beside the Sun, in the frame of what carries it. Irradiance, radiance·sr and intensity/m²
 // have the unit of the Sun's irradiance.
 struct Lamp {
@@ -105,6 +112,8 @@ struct Lamp {
   std::uint32_t node = 0;  // index in its model; its scale moves the lamp, and leaves its radius
   bool on = true;
   std::string name;  // of a lamp of the target's model; empty: none
+  // none: all the time. Images of a world ignore it: lamps_during() takes it into account.
+  std::optional<Pulse> pulse;
   bool operator==(const Lamp&) const = default;
 };
 

@@ -79,6 +79,7 @@ layout::Lamp record_of(const LampContent& content, StringTable& strings) {
   record.kind = content.kind;
   record.flags = content.flags;
   record.name = strings.id(content.name);
+  store(record.pulse, content.pulse);
   return record;
 }
 

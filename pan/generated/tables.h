@@ -123,6 +123,8 @@ struct LampContent {
   double exponent = 0;
   // m: of a sphere, or a disc; 0: a point
   double radius = 0;
+  // s: begin and end of its time, after that of the frame; without the flag Pulsed: 0
+  std::array<double, 2> pulse{};
 };
 
 // A setting of views that hold none of it: Sun, planets, stars.

@@ -154,6 +154,8 @@ std::optional<Problem> lamp_problem(const Model& model) {
       return wrong("is a spot with a half_angle outside 0 to pi");
     if (kind == layout::LampKind::disc && !(lamp.radius > 0))
       return wrong("is a disc with a radius that is not above 0");
+    if ((lamp.flags & layout::kLampPulsed) != 0 && !(lamp.pulse[0] < lamp.pulse[1]))
+      return wrong("has a pulse that does not end after its begin");
     const double* p = lamp.position;
     if (!panwright::is_finite(Vec3(world[lamp.node] * Vec4(p[0], p[1], p[2], 1.0))))
       return wrong("has world coordinates that are not finite");

@@ -1,11 +1,15 @@
 #include "preview/frame/lamps.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <type_traits>
 #include <variant>
 
+#include "base/text.h"
 #include "preview/frame/blocks.h"
 
 namespace panwright::preview {
@@ -14,17 +18,22 @@ namespace {
 constexpr double kShadowShare = 1e-3;  // of the lamps' irradiance
 constexpr double kShadowShareOfSun = 1e-6;
 constexpr double kWidestMap = 2.2;  // tangent: 65.5 degrees
+constexpr unsigned kMostLampPoints = 16;
 
 struct Sphere {
   Vec3 centre{0};
   double radius = 0;
 };
 
-Sphere sphere_of(const FrameScene& scene, std::size_t receiver) {
-  const AxisBox& box = *scene.state(receiver).bounds;
-  const world::Pose& pose = scene.world[scene.visible.targets[receiver].target].pose();
+Sphere sphere_of(const world::Instance& target, const AxisBox& box) {
+  const world::Pose& pose = target.pose();
   return {pose.translation + pose.rotation * (0.5 * (box.low + box.high)),
           0.5 * glm::length(box.high - box.low)};
+}
+
+Sphere sphere_of(const FrameScene& scene, std::size_t receiver) {
+  return sphere_of(scene.world[scene.visible.targets[receiver].target],
+                   *scene.state(receiver).bounds);
 }
 
 // What all kinds but discs at infinity have.
@@ -103,48 +112,67 @@ double nearest_depth(const FrameScene& scene, std::size_t r) {
   return nearest;
 }
 
-// The maps of a lamp on a receiver: one, or six all around; none if it is at the camera.
-std::vector<LampMap> maps_of(const light::Source& source, const FrameScene& scene, std::size_t r) {
+// Whether a lamp is at the camera, which sees no shadow of it.
+bool is_at_camera(const light::Source& source, const FrameScene& scene, std::size_t r) {
+  const std::optional<Emitter> emitter = emitter_of(source);
+  const double seen = nearest_depth(scene, r);
+  return emitter && scene.camera.projection == world::Projection::perspective && seen > 0 &&
+         glm::length(emitter->position - scene.camera.position) * scene.camera.focal.x < 0.5 * seen;
+}
+
+// The maps of places on a lamp on a receiver, of each place one, or six all around.
+//
+//   places  on its disc, as parts of its radius
+std::vector<LampMap> maps_of(const light::Source& source, std::span<const Vec2> places,
+                             const FrameScene& scene, std::size_t r) {
   const Sphere sphere = sphere_of(scene, r);
-  LampMap map;
   const std::optional<Emitter> emitter = emitter_of(source);
   if (!emitter) {
     const Vec3 to_light = glm::normalize(std::get<light::Sun>(source).direction);
     return {parallel_map(sphere.centre, sphere.radius, to_light, 0)};
   }
-  const double seen = nearest_depth(scene, r);
-  if (scene.camera.projection == world::Projection::perspective && seen > 0 &&
-      glm::length(emitter->position - scene.camera.position) * scene.camera.focal.x < 0.5 * seen)
-    return {};
-  map.camera.position = emitter->position;
-  map.nearest = emitter->radius;
   const Vec3 toward = sphere.centre - emitter->position;
   const double distance = glm::length(toward);
   const Vec3 axis = distance > 0 ? toward / distance : Vec3(0, 0, 1);
-  const world::Pose& pose = scene.world[scene.visible.targets[r].target].pose();
-  const double of_box =
-      widest_tangent(emitter->position, axis, pose.matrix(), *scene.state(r).bounds);
+  const Mat4 pose = scene.world[scene.visible.targets[r].target].pose().matrix();
+  const AxisBox& box = *scene.state(r).bounds;
+  // from beside its middle the cone is a little wider
+  const double nearest = std::max(distance - sphere.radius, emitter->radius);
+  const double beside = places.size() > 1 ? emitter->radius / nearest : 0;
   const double of_cone =
-      emitter->half_angle < 1.5 ? std::tan(emitter->half_angle) : double{INFINITY};
-  if (std::min(of_box, of_cone) <= kWidestMap) {
-    const bool by_cone = of_cone < of_box;
+      emitter->half_angle < 1.5 ? std::tan(emitter->half_angle) + beside : double{INFINITY};
+  double of_box = 0;
+  std::vector<Vec3> eyes;
+  const Mat3 across = glm::mat3_cast(looking_along(emitter->disc ? emitter->axis : axis));
+  for (const Vec2& place : places) {
+    eyes.push_back(emitter->position +
+                   emitter->radius * (place.x * across[0] + place.y * across[1]));
+    of_box = std::max(of_box, widest_tangent(eyes.back(), axis, pose, box));
+  }
+  const bool whole = std::min(of_box, of_cone) > kWidestMap;
+  const bool by_cone = of_cone < of_box;
+  std::vector<LampMap> maps;
+  for (const Vec3& eye : eyes) {
+    LampMap map;
+    map.camera.position = eye;
+    map.nearest = emitter->radius;
     map.camera.world_from_camera = looking_along(by_cone ? emitter->axis : axis);
-    map.extent = std::max(by_cone ? of_cone : of_box, 1e-12);
-    return {map};
+    if (!whole) map.extent = std::max(by_cone ? of_cone : of_box, 1e-12);
+    // as a cube (shaders/shadow.glsl)
+    for (int face = 0; face < (whole ? 6 : 1); ++face) {
+      Vec3 out(0);
+      out[face / 2] = face % 2 == 0 ? 1 : -1;
+      if (whole) map.camera.world_from_camera = looking_along(out);
+      maps.push_back(map);
+    }
   }
-  // as a cube (shaders/shadow.glsl)
-  std::vector<LampMap> faces(6, map);
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    Vec3 out(0);
-    out[static_cast<int>(f / 2)] = f % 2 == 0 ? 1 : -1;
-    faces[f].camera.world_from_camera = looking_along(out);
-  }
-  return faces;
+  return maps;
 }
 
 }  // namespace
 
-void Lamps::begin_scene(const FrameScene& scene) {
+void Lamps::begin_scene(const FrameScene& scene, const SunDisc& softness) {
+  softness_ = softness;
   any_ = false;
   points_ = true;
   left_out_ = 0;
@@ -169,7 +197,39 @@ void Lamps::begin_scene(const FrameScene& scene) {
   }
 }
 
-// Adds the maps of a receiver to wanted_, the brightest lamps first.
+// Points of a lamp's disc whose shadows make its penumbra on a receiver; 1: hard ones.
+//
+//   penumbra  its width at most, pixels
+unsigned Lamps::points_of(const light::Source& source, const FrameScene& scene, std::size_t r,
+                          double& penumbra) const {
+  penumbra = 0;
+  const std::optional<Emitter> emitter = emitter_of(source);
+  if (!emitter || emitter->radius == 0) return 1;
+  const Sphere sphere = sphere_of(scene, r);
+  const double far = glm::length(sphere.centre - emitter->position) + sphere.radius;
+  double near = far;
+  for (std::size_t i = 0; i < scene.states.size(); ++i) {
+    if (!scene.states[i].bounds) continue;
+    const Sphere caster = sphere_of(scene.world[i], *scene.states[i].bounds);
+    near = std::min(near, glm::length(caster.centre - emitter->position) - caster.radius);
+  }
+  near = std::max(near, emitter->radius);
+  const double width = 2 * emitter->radius * std::max(far - near, 0.0) / near;
+  const double focal = std::max(scene.camera.focal.x, scene.camera.focal.y);
+  const double depth = scene.camera.projection == world::Projection::perspective
+                           ? std::max(nearest_depth(scene, r), far * 0x1p-20)
+                           : 1;
+  const double pixels = width * focal / (depth * scene.pixel);
+  penumbra = std::min(pixels, glm::length(Vec2(scene.camera.width, scene.camera.height)));
+  if (softness_.points <= 1 || !(softness_.always || penumbra > kShownPenumbra)) return 1;
+  unsigned points = std::min(softness_.points, kMostLampPoints);
+  if (softness_.limited && scene.texels == 0)
+    points = std::min(points, penumbra > kWidePenumbra ? kFewSunPoints : kFewSunPoints / 2);
+  return std::max(std::min(points, scene.sun_points) / 4 * 4, 4u);
+}
+
+// Adds the maps of a receiver to wanted_, the brightest lamps first: of every lamp those of hard
+// shadows, and of as many as there is room for all points.
 void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& report) {
   Receiver& receiver = receivers_[r];
   receiver.first_map = static_cast<std::uint32_t>(wanted_.size());
@@ -180,34 +240,56 @@ void Lamps::find_maps(const FrameScene& scene, std::size_t r, SamplingReport& re
   std::vector<Lamp*> order;
   for (Lamp& lamp : receiver.lamps) {
     lamp.maps = 0;
+    lamp.points = 1;
     total += lamp.irradiance;
     order.push_back(&lamp);
   }
   std::ranges::stable_sort(order, std::greater{}, &Lamp::irradiance);
+  const std::size_t room = std::min<std::size_t>(kMostLampMaps, LampMaps::kMost - wanted_.size());
   unsigned without = 0;
-  const auto add = [&](Lamp& lamp, const std::vector<LampMap>& maps) {
-    if (receiver.maps + maps.size() > kMostLampMaps ||
-        wanted_.size() + maps.size() > LampMaps::kMost) {
-      ++without;
-      return;
-    }
-    lamp.map = receiver.maps;
-    lamp.maps = static_cast<std::uint32_t>(maps.size());
-    receiver.maps += lamp.maps;
-    for (LampMap map : maps) {
-      map.target = target;
-      wanted_.push_back(std::move(map));
-    }
-  };
+  std::size_t used = 0;
+  std::vector<Lamp*> shadowing;
+  const Vec2 middle(0);
   for (Lamp* lamp : order) {
     if (lamp->irradiance < kShadowShare * total || lamp->irradiance < kShadowShareOfSun * sun) {
       ++without;
       continue;
     }
-    if (const std::vector<LampMap> maps = maps_of(lamp->source, scene, r); !maps.empty())
-      add(*lamp, maps);
+    if (is_at_camera(lamp->source, scene, r)) continue;
+    const std::size_t maps = maps_of(lamp->source, {&middle, 1}, scene, r).size();
+    if (used + maps > room) {
+      ++without;
+      continue;
+    }
+    used += maps;
+    lamp->maps = static_cast<std::uint32_t>(maps);
+    shadowing.push_back(lamp);
   }
   report.lamps_without_shadow = std::max(report.lamps_without_shadow, without);
+  for (Lamp* lamp : shadowing) {
+    double penumbra = 0;
+    unsigned points = points_of(lamp->source, scene, r, penumbra);
+    report.lamp_penumbra = std::max(report.lamp_penumbra, penumbra);
+    const bool soft = points > 1;
+    std::vector<LampMap> maps;
+    for (;; points = points > 4 ? points / 8 * 4 : 1) {
+      std::vector<Vec2> places(1, Vec2(0));
+      if (points > 1) find_sun_points({.tangent = 1}, points, places);
+      maps = maps_of(lamp->source, places, scene, r);
+      if (points == 1 || used - lamp->maps + maps.size() <= room) break;
+    }
+    used += maps.size() - lamp->maps;
+    lamp->points = points;
+    lamp->maps = static_cast<std::uint32_t>(maps.size() / points);
+    if (points > 1) report.lamps_soft = std::max(report.lamps_soft, points);
+    if (soft && points == 1) ++report.lamps_hard;
+    lamp->map = receiver.maps;
+    for (LampMap& map : maps) {
+      map.target = target;
+      wanted_.push_back(std::move(map));
+      ++receiver.maps;
+    }
+  }
 }
 
 // Sets the block of a receiver.
@@ -224,7 +306,7 @@ void Lamps::fill(const FrameScene& scene, std::size_t r, const Mat4& model_from_
     float* axis = block.axis + 4 * k;
     float* intensity = block.intensity + 4 * k;
     kind[1] = lamp.maps > 0 ? static_cast<float>(lamp.map) : -1.0f;
-    kind[2] = lamp.maps > 1 ? 1.0f : 0.0f;
+    kind[2] = static_cast<float>(lamp.points) * (lamp.maps > 1 ? -1.0f : 1.0f);
     axis[3] = -2;
     const std::optional<Emitter> emitter = emitter_of(lamp.source);
     if (!emitter) {
@@ -271,6 +353,7 @@ void Lamps::fill(const FrameScene& scene, std::size_t r, const Mat4& model_from_
                                   map.camera.focal.x);
     texel[1] = static_cast<float>(map.layer);
     texel[2] = perspective ? static_cast<float>(map.range.near / map.range.far) : 1.0f;
+    copy_floats((map.camera.position - pose.translation) - origin, block.eye + 4 * m);
   }
 }
 
@@ -285,6 +368,12 @@ bool Lamps::update(Device::Impl& device, const FrameScene& scene, const std::vec
     if (side > 0) find_maps(scene, r, report);
   }
   report.lamps_left_out = std::max(report.lamps_left_out, left_out_);
+  if (report.lamps_hard > 0)
+    log.report_file(
+        Code("W5020"), {},
+        fmt::format("shadows of {} are hard, though penumbrae are up to {:.3g} pixels wide: there "
+                    "are maps for {} points of lamps on a target",
+                    counted(report.lamps_hard, "lamp"), report.lamp_penumbra, kMostLampMaps));
   if (!maps_.update(device, scene, wanted_, side, bytes, log, job)) return false;
   blocks_.upload(gl, receivers_.size(),
                  [&](std::size_t r, LampsBlock& block) { fill(scene, r, samples[r], block); });

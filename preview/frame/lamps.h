@@ -12,6 +12,7 @@
 #include "preview/frame/block_stream.h"
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/lamp_maps.h"
+#include "preview/frame/sun_points.h"
 #include "preview/gl/uniforms.h"
 #include "preview/renderer.h"
 
@@ -26,7 +27,9 @@ class Lamps {
   void begin_image(std::vector<light::Source> sources) { sources_ = std::move(sources); }
 
   // Chooses the lights of each receiver of a scene.
-  void begin_scene(const FrameScene& scene);
+  //
+  //   softness  points of the Sun's disc, and whether time limits them: as many of a lamp's
+  void begin_scene(const FrameScene& scene, const SunDisc& softness);
   bool any() const { return any_; }
   // True if none of them has a size.
   bool points() const { return points_; }
@@ -51,9 +54,10 @@ class Lamps {
   // Light on one receiver.
   struct Lamp {
     light::Source source;
-    double irradiance = 0;   // at most, the strongest band
-    std::uint32_t map = 0;   // first of its maps
-    std::uint32_t maps = 0;  // none, 1, or 6
+    double irradiance = 0;     // at most, the strongest band
+    std::uint32_t map = 0;     // first of its maps
+    std::uint32_t maps = 0;    // of a point: none, 1, or 6
+    std::uint32_t points = 1;  // of its disc
   };
   struct Receiver {
     std::vector<Lamp> lamps;
@@ -61,6 +65,8 @@ class Lamps {
     std::uint32_t maps = 0;       // in its block
   };
   void find_maps(const FrameScene& scene, std::size_t receiver, SamplingReport& report);
+  unsigned points_of(const light::Source& source, const FrameScene& scene, std::size_t receiver,
+                     double& penumbra) const;
   void fill(const FrameScene& scene, std::size_t receiver, const Mat4& model_from_sample,
             LampsBlock& block) const;
 
@@ -68,6 +74,7 @@ class Lamps {
   bool any_ = false;
   bool points_ = true;
   unsigned left_out_ = 0;
+  SunDisc softness_;
   std::vector<Receiver> receivers_;
   std::vector<LampMap> wanted_;  // of all receivers; extent 0: a face that nothing is in
   LampMaps maps_;

@@ -40,16 +40,44 @@ void copy_light(const light::Incidence& light, LightBlock& block) {
   block.limb_darkening = static_cast<float>(light.limb);
 }
 
+// Of a sphere around a receiver, metres.
+double radius_of(const AxisBox& bounds) {
+  return std::max(0.5 * glm::length(bounds.high - bounds.low), 1e-3);
+}
+
 // Sets the shadow's edge of a body across a receiver; without shadow maps, and so without places of
 // samples, its light at the middle. Returns whether the receiver has nothing of the Sun.
-bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places,
+bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places, bool bends,
                  LightBlock& block) {
   if (!places) {
     const auto share = static_cast<float>(sky.sun_share(origin));
     for (float& band : block.irradiance) band *= share;
     return share == 0;
   }
-  const auto edge = sky.eclipse_edge(origin, std::max(radius, 1e-3));
+  const auto bodies = bends ? sky.near_eclipses(origin, radius) : std::vector<sky::NearEclipse>();
+  if (!bodies.empty()) {
+    block.eclipses = static_cast<std::int32_t>(bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const sky::NearEclipse& one = bodies[i];
+      for (int row = 0; row < 3; ++row) {
+        float* to = block.eclipse_space + 4 * (3 * i + static_cast<std::size_t>(row));
+        for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(one.unit_from_world[k][row]);
+        to[3] = static_cast<float>(one.from[row]);
+      }
+      copy_floats(one.to_sun, block.eclipse_sun + 12 * i);
+      copy_floats(one.along, block.eclipse_sun + 12 * i + 4);
+      copy_floats(one.across, block.eclipse_sun + 12 * i + 8);
+    }
+    // all of a ball that is smaller than the Sun's disc
+    const light::Body& body = sky.body(bodies[0].body);
+    const double most = body.radii.x;
+    const bool ball = body.radii.y == most && body.radii.z == most && bodies.size() == 1;
+    const double nearest = std::max(glm::length(body.centre - origin) - radius, most);
+    block.eclipse_chords =
+        static_cast<float>(ball ? std::min(1.05 * most / nearest / sky.sun_sine(), 1.0) : 1);
+    return false;
+  }
+  const auto edge = sky.eclipse_edge(origin, radius);
   if (!edge) return false;
   copy_floats(edge->gradient, block.eclipse);
   block.eclipse[3] = static_cast<float>(edge->value);
@@ -86,8 +114,17 @@ void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) 
   limits_.bytes = options.max_shadow_bytes;
   lamp_bytes_ = options.max_shadow_bytes / 2;
   if (!options.shadow_side) lamp_bytes_ = std::min(lamp_bytes_, kLampBytes);
-  lamps_.begin_scene(scene);
+  lamps_.begin_scene(scene, limits_.disc);
   planets_.begin_scene(scene);
+  eclipsed_ = false;
+  if (scene.world.bodies().empty() || !shadows()) return;
+  const sky::Sky sky(scene.world);
+  for (std::size_t r = 0; r < scene.visible.targets.size(); ++r) {
+    const AxisBox& box = *scene.state(r).bounds;
+    const world::Pose& pose = scene.world[scene.visible.targets[r].target].pose();
+    const Vec3 centre = pose.translation + pose.rotation * (0.5 * (box.low + box.high));
+    eclipsed_ = eclipsed_ || !sky.near_eclipses(centre, radius_of(box)).empty();
+  }
 }
 
 bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingReport& report,
@@ -110,11 +147,9 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
     views_[r].block.eclipse[3] = 1;
     bool eclipsed = false;
     if (sky) {
-      const AxisBox& bounds = *scene.state(r).bounds;
       const Mat4 world_from_sample = scene.world[visible.target].pose().matrix() * samples_[r];
-      eclipsed =
-          add_eclipse(*sky, Vec3(world_from_sample[3]), 0.5 * glm::length(bounds.high - bounds.low),
-                      shadows(), views_[r].block);
+      eclipsed = add_eclipse(*sky, Vec3(world_from_sample[3]), radius_of(*scene.state(r).bounds),
+                             shadows(), eclipsed_, views_[r].block);
     }
     if (!shines || eclipsed) ++dark;
   }

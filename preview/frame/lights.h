@@ -31,6 +31,8 @@ class Lights {
   bool placed() const { return shadows() || lamps_.any() || indirect_.any(); }
   bool planets() const { return planets_.any(); }
   bool indirect() const { return indirect_.any(); }
+  // True if shadows of bodies have no straight edge on a receiver.
+  bool eclipsed() const { return eclipsed_; }
 
   // Draws the missing maps and uploads the views of a scene. Adds to a report. Where nothing of the
   // Sun arrives, it has no maps.
@@ -65,6 +67,7 @@ class Lights {
   Lamps lamps_;
   Planetshine planets_;
   Indirect indirect_;
+  bool eclipsed_ = false;
   std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};

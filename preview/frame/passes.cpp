@@ -65,6 +65,8 @@ Programs::Lit lit_by(const FrameScene& scene, bool added) {
   using enum Programs::Lit;
   if (!added && scene.lights->indirect())
     return scene.lights->planets() ? all_but_lamps : sun_and_surfaces;
+  if (!added && scene.lights->eclipsed())
+    return scene.lights->planets() ? eclipsed_and_planets : eclipsed;
   if (!added) return scene.lights->planets() ? sun_and_planets : sun;
   return scene.lights->points() ? point_lamps : lamps;
 }

@@ -129,8 +129,10 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
         defined("POINTS", lit == Lit::point_lamps);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
-    const bool planets = lit == Lit::sun_and_planets || lit == Lit::all_but_lamps;
+    const bool planets = lit == Lit::sun_and_planets || lit == Lit::all_but_lamps ||
+                         lit == Lit::eclipsed_and_planets;
     const bool indirect = lit == Lit::sun_and_surfaces || lit == Lit::all_but_lamps;
+    head += defined("BODIES", indirect || lit == Lit::eclipsed || lit == Lit::eclipsed_and_planets);
     if (shadows || indirect) head += sample_normal_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     if (planets || indirect) head += wide_light_text(brdf_model, planets, indirect);

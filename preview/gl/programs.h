@@ -28,8 +28,18 @@ class Programs {
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced);
-  // Light that one pass adds; point_lamps: without a size.
-  enum class Lit { sun, sun_and_planets, sun_and_surfaces, all_but_lamps, lamps, point_lamps };
+  // Light that one pass adds; point_lamps: without a size; eclipsed: the Sun behind limbs that
+  // bend, as with surfaces.
+  enum class Lit {
+    sun,
+    sun_and_planets,
+    sun_and_surfaces,
+    all_but_lamps,
+    lamps,
+    point_lamps,
+    eclipsed,
+    eclipsed_and_planets
+  };
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, Lit lit);
   GLuint classes();

@@ -164,6 +164,11 @@ struct alignas(16) LightBlock {
   float irradiance[3];  // RGB, on a plane that faces it
   float limb_darkening;  // of its disc
   float eclipse[4];  // of a sample's place and 1: how far the Sun stands beyond a body's limb, in radii of its disc
+  float eclipse_space[24];  // of bodies whose limb bends, three rows each: a sample's place and 1, from the body's centre in its ellipsoid's space
+  float eclipse_sun[24];  // of each in that space: to the middle of the Sun's disc, and from there by its radius along and across
+  std::int32_t eclipses;  // number of these bodies; 0: by the edge
+  float eclipse_chords;  // where they are, in radii of the Sun's disc from its middle at most
+  float padding_248[2];
   float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
   float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose
   float half_map[2];  // half its width and height, texels
@@ -171,27 +176,31 @@ struct alignas(16) LightBlock {
   float texel_depth;  // of one texel, as a share of the map's depth, times w of a place
   std::int32_t points;  // of the light's disc; they are layers of the map
   std::int32_t tiles;  // of the map; 0: it is one
-  float padding_188[1];
+  float padding_396[1];
   float tile_place[48];  // of each tile: a place times w, plus xyz
   float tile_inside[48];  // of each tile: x and y from, x and y to
   float disc[512];  // shears of rays to points of the disc, two a row
 };
-static_assert(sizeof(LightBlock) == 2624);
+static_assert(sizeof(LightBlock) == 2832);
 static_assert(offsetof(LightBlock, to_light) == 0);
 static_assert(offsetof(LightBlock, alpha2) == 12);
 static_assert(offsetof(LightBlock, irradiance) == 16);
 static_assert(offsetof(LightBlock, limb_darkening) == 28);
 static_assert(offsetof(LightBlock, eclipse) == 32);
-static_assert(offsetof(LightBlock, map_from_sample) == 48);
-static_assert(offsetof(LightBlock, map_plane_from_sample) == 112);
-static_assert(offsetof(LightBlock, half_map) == 160);
-static_assert(offsetof(LightBlock, texel_size) == 168);
-static_assert(offsetof(LightBlock, texel_depth) == 176);
-static_assert(offsetof(LightBlock, points) == 180);
-static_assert(offsetof(LightBlock, tiles) == 184);
-static_assert(offsetof(LightBlock, tile_place) == 192);
-static_assert(offsetof(LightBlock, tile_inside) == 384);
-static_assert(offsetof(LightBlock, disc) == 576);
+static_assert(offsetof(LightBlock, eclipse_space) == 48);
+static_assert(offsetof(LightBlock, eclipse_sun) == 144);
+static_assert(offsetof(LightBlock, eclipses) == 240);
+static_assert(offsetof(LightBlock, eclipse_chords) == 244);
+static_assert(offsetof(LightBlock, map_from_sample) == 256);
+static_assert(offsetof(LightBlock, map_plane_from_sample) == 320);
+static_assert(offsetof(LightBlock, half_map) == 368);
+static_assert(offsetof(LightBlock, texel_size) == 376);
+static_assert(offsetof(LightBlock, texel_depth) == 384);
+static_assert(offsetof(LightBlock, points) == 388);
+static_assert(offsetof(LightBlock, tiles) == 392);
+static_assert(offsetof(LightBlock, tile_place) == 400);
+static_assert(offsetof(LightBlock, tile_inside) == 592);
+static_assert(offsetof(LightBlock, disc) == 784);
 
 // Lights after the Sun on one receiver, and their shadow maps (lamps.h). Positions as of its samples. std140.
 struct alignas(16) LampsBlock {
@@ -203,12 +212,13 @@ struct alignas(16) LampsBlock {
   float place[256];  // of each: position, and squared radius; or unit direction to a disc at infinity, and alpha2
   float axis[256];  // of each: unit axis, and the least cosine to it; below -1: all directions
   float intensity[256];  // of each: RGB, irradiance at infinity, and the exponent of the cosine
-  float kind[256];  // of each: 0 sphere, 1 disc, 2 at infinity; first map, below 0: none; 1: six maps, by the largest component; limb darkening
+  float kind[256];  // of each: 0 sphere, 1 disc, 2 at infinity; first map, below 0: none; points of its disc, below 0: each of six maps, by the largest component; limb darkening
   float map_from_sample[1024];  // columns
   float map_plane_from_sample[768];  // rows of each map: of planes (normal, offset), as the positions' inverse transpose
   float texel_depth[256];  // of each map: of one texel, as a share of its depth, times w of a place, or 0: no map; layer; slack of depths beside their own
+  float eye[256];  // of each map: the place on the lamp that it looks from
 };
-static_assert(sizeof(LampsBlock) == 12320);
+static_assert(sizeof(LampsBlock) == 13344);
 static_assert(offsetof(LampsBlock, count) == 0);
 static_assert(offsetof(LampsBlock, half_map) == 8);
 static_assert(offsetof(LampsBlock, texel_size) == 16);
@@ -219,6 +229,7 @@ static_assert(offsetof(LampsBlock, kind) == 3104);
 static_assert(offsetof(LampsBlock, map_from_sample) == 4128);
 static_assert(offsetof(LampsBlock, map_plane_from_sample) == 8224);
 static_assert(offsetof(LampsBlock, texel_depth) == 11296);
+static_assert(offsetof(LampsBlock, eye) == 12320);
 
 // Light of planets on one receiver, and its shadow maps (planetshine.h). Positions as of its samples. std140.
 struct alignas(16) PlanetsBlock {

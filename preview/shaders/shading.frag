@@ -1,5 +1,7 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, uniforms.glsl, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS (none of them has a size), PLANETS (with planets.glsl), INDIRECT (with indirect.glsl), sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL ADDED (all lights after the Sun), POINTS
+// (none of them has a size), PLANETS (with planets.glsl), BODIES (whose limbs bend), INDIRECT (with indirect.glsl),
+// sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 VIEW_BLOCK
@@ -193,9 +195,95 @@ void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
 #endif
 
 #if defined(SHADOWED) && !defined(ADDED)
+#ifdef BODIES
+// Integral of the disc's brightness along a chord of half-length `width`, from x.x to x.y.
+float chord_light(vec2 x, float width) {
+  if (!(x.x < x.y)) return 0.0;
+  float u = light.limb_darkening;
+  vec2 t = clamp(x / width, vec2(-1.0), vec2(1.0));
+  vec2 round_part = t * sqrt(max(1.0 - t * t, vec2(0.0))) + asin(t);
+  return (1.0 - u) * (x.y - x.x) + 0.5 * u * width * width * (round_part.y - round_part.x);
+}
+
+// What a body hides of a chord of the Sun's disc, two spans of x: where c.x + 2·c.y·x + c.z·x² > 0, as
+// sky::add_hidden(). from, middle, along: in the space where the body is the unit sphere.
+void hidden_spans(vec3 from, vec3 middle, vec3 along, float width, out vec2 first, out vec2 second) {
+  first = second = vec2(0.0);
+  vec3 w = cross(from, middle), wx = cross(from, along);
+  vec3 c = vec3(dot(middle, middle) - dot(w, w), dot(middle, along) - dot(w, wx), dot(along, along) - dot(wx, wx));
+  // in front
+  float d0 = -dot(from, middle), d1 = -dot(from, along);
+  vec2 part = vec2(-width, width);
+  if (d1 > 0.0) part.x = max(part.x, -d0 / d1);
+  if (d1 < 0.0) part.y = min(part.y, -d0 / d1);
+  if (d1 == 0.0 && !(d0 > 0.0)) return;
+  float discriminant = c.y * c.y - c.x * c.z;
+  if (c.z == 0.0 || !(discriminant > 0.0)) {
+    if (c.z > 0.0 || (c.z == 0.0 && c.x > 0.0)) first = part;
+    return;
+  }
+  float sum = -(c.y + (c.y < 0.0 ? -1.0 : 1.0) * sqrt(discriminant));
+  vec2 roots = vec2(sum / c.z, sum != 0.0 ? c.x / sum : sum / c.z);
+  roots = vec2(min(roots.x, roots.y), max(roots.x, roots.y));
+  if (c.z < 0.0) {
+    first = vec2(max(roots.x, part.x), min(roots.y, part.y));
+  } else {
+    first = vec2(part.x, min(roots.x, part.y));
+    second = vec2(max(roots.y, part.x), part.y);
+  }
+}
+
+vec2 common_span(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); }
+
+// The share of the Sun's disc beside one body or two, at a place: by chords of the disc that point from
+// its middle to the first body, as sky::Sky::sun_share(). 24 chords: 7e-4 of the disc.
+float share_beside_bodies(vec3 at) {
+  const int kChords = 24;
+  vec4 place = vec4(at, 1.0);
+  vec3 from[2], middle[2], along[2], across[2];
+  vec2 turn = vec2(1.0, 0.0);
+  for (int i = 0; i < 2; ++i) {
+    int body = min(i, light.eclipses - 1);
+    from[i] = vec3(dot(light.eclipse_space[3 * body], place), dot(light.eclipse_space[3 * body + 1], place),
+                   dot(light.eclipse_space[3 * body + 2], place));
+    if (dot(from[i], from[i]) < 1.0) return 0.0;
+    middle[i] = light.eclipse_sun[3 * body].xyz;
+    vec3 x = light.eclipse_sun[3 * body + 1].xyz, y = light.eclipse_sun[3 * body + 2].xyz;
+    if (i == 0) {
+      vec2 beside = -vec2(dot(from[0], x), dot(from[0], y));
+      float far = length(beside);
+      if (far > 0.0) turn = beside / far;
+    }
+    along[i] = turn.x * x + turn.y * y;
+    across[i] = turn.x * y - turn.y * x;
+  }
+  float hidden = 0.0;
+  for (int k = 0; k < kChords; ++k) {
+    float angle = 3.14159265 * ((float(k) + 0.5) / float(kChords) - 0.5);
+    float y = light.eclipse_chords * sin(angle);
+    float width = sqrt(1.0 - y * y);
+    vec2 a, b, c, d;
+    hidden_spans(from[0], middle[0] + y * across[0], along[0], width, a, b);
+    float sum = chord_light(a, width) + chord_light(b, width);
+    if (light.eclipses > 1) {
+      hidden_spans(from[1], middle[1] + y * across[1], along[1], width, c, d);
+      sum += chord_light(c, width) + chord_light(d, width) - chord_light(common_span(a, c), width) -
+             chord_light(common_span(a, d), width) - chord_light(common_span(b, c), width) -
+             chord_light(common_span(b, d), width);
+    }
+    hidden += sum * cos(angle);
+  }
+  return clamp(1.0 - hidden * light.eclipse_chords / (float(kChords) * (1.0 - light.limb_darkening / 3.0)), 0.0, 1.0);
+}
+
+#endif
+
 // The share of the Sun's disc beyond the limb of a body: sky::share_beyond().
 float share_beyond_limb(ivec2 place) {
   vec3 at = uintBitsToFloat(texelFetch(position_samples, place, 0).xyz);
+#ifdef BODIES
+  if (light.eclipses > 0) return share_beside_bodies(at);
+#endif
   float t = dot(light.eclipse, vec4(at, 1.0));
   if (t >= 1.0) return 1.0;
   t = max(t, -1.0);
@@ -278,7 +366,8 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
 #ifdef ADDED
     vec2 visibility = lamp_visibility(lamp, seen.place);
     // the map looks along the disc's middle: surfaces whose horizon cuts the disc would shade themselves
-    if (wide > 0.0) visibility = mix(vec2(1.0), visibility, clamp(dot(seen.normal, to_middle) / wide, 0.0, 1.0));
+    if (wide > 0.0 && abs(lamps.kind[lamp].z) == 1.0)
+      visibility = mix(vec2(1.0), visibility, clamp(dot(seen.normal, to_middle) / wide, 0.0, 1.0));
 #else
     vec2 visibility =
         light_visibility(seen.place, dot(seen.normal, to_middle) < 0.0) * share_beyond_limb(seen.place);

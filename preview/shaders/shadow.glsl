@@ -73,15 +73,10 @@ vec2 slope_of(vec4 plane_x, vec4 plane_y, vec4 plane_z, vec3 at, vec3 normal) {
 }
 
 #ifdef ADDED
-// As point_visibility(), of a light after the Sun: all of it or nothing stands for its disc.
-vec2 lamp_visibility(int lamp, ivec2 sample_at) {
-  uvec4 found = texelFetch(position_samples, sample_at, 0);
-  vec3 at = uintBitsToFloat(found.xyz);
-  vec4 kind = lamps.kind[lamp];
-  if (kind.y < 0.0) return vec2(1.0);
-  int map = int(kind.y);
-  if (kind.z > 0.0) {
-    vec3 away = at - lamps.place[lamp].xyz;
+// As point_visibility(), of a place on a light after the Sun.
+vec2 map_visibility(int map, bool around, vec3 at, vec3 normal) {
+  if (around) {
+    vec3 away = at - lamps.eye[map].xyz;
     vec3 size = abs(away);
     int axis = size.x >= max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
     map += 2 * axis + (away[axis] < 0.0 ? 1 : 0);
@@ -90,10 +85,38 @@ vec2 lamp_visibility(int lamp, ivec2 sample_at) {
   float texel_depth = lamps.texel_depth[map].x;
   if (!(texel_depth > 0.0) || !(on_map.w > 0.0)) return vec2(1.0);
   vec2 slope = slope_of(lamps.map_plane_from_sample[3 * map], lamps.map_plane_from_sample[3 * map + 1],
-                        lamps.map_plane_from_sample[3 * map + 2], at, unpacked_normal(found.w));
+                        lamps.map_plane_from_sample[3 * map + 2], at, normal);
   vec3 place = on_map.xyz / on_map.w;
   float slack = kDepthSlack * min(place.z + lamps.texel_depth[map].z, 1.0);
   return point_visibility(int(lamps.texel_depth[map].y), place, slope, texel_depth / on_map.w, slack);
+}
+
+// Of a light after the Sun, as light_visibility(). One point: all of it or nothing stands for its disc.
+vec2 lamp_visibility(int lamp, ivec2 sample_at) {
+  uvec4 found = texelFetch(position_samples, sample_at, 0);
+  vec3 at = uintBitsToFloat(found.xyz);
+  vec4 kind = lamps.kind[lamp];
+  if (kind.y < 0.0) return vec2(1.0);
+  vec3 normal = unpacked_normal(found.w);
+#ifndef POINTS
+  int points = int(abs(kind.z));
+  if (points > 1) {
+    vec2 seen = vec2(0.0);
+    float sum = 0.0;
+    bool in_parts = points >= 8 && (sample_blocks.x & 3u) == 0u;
+    ivec2 turned = (sample_at >> 1) ^ sample_at.yx;
+    int first = in_parts ? (turned.x & 1) + 2 * (turned.y & 1) : 0;
+    for (int k = first; k < points; k += in_parts ? 4 : 1) {
+      int map = int(kind.y) + (kind.z < 0.0 ? 6 : 1) * k;
+      float brought = dot(normal, lamps.eye[map].xyz - at);
+      if (brought <= 0.0) continue;
+      seen += brought * map_visibility(map, kind.z < 0.0, at, normal);
+      sum += brought;
+    }
+    return sum > 0.0 ? seen / sum : vec2(0.0);
+  }
+#endif
+  return map_visibility(int(kind.y), kind.z < 0.0, at, normal);
 }
 #else
 // The finest tile that holds a place. Where none does, nothing shades it: it is out of view.

@@ -99,6 +99,10 @@ const int kLightBinding = 4;
   vec3 irradiance; \
   float limb_darkening; \
   vec4 eclipse; \
+  vec4 eclipse_space[6]; \
+  vec4 eclipse_sun[6]; \
+  int eclipses; \
+  float eclipse_chords; \
   mat4 map_from_sample; \
   vec4 map_plane_from_sample[3]; \
   vec2 half_map; \
@@ -122,6 +126,7 @@ const int kLampsBinding = 5;
   mat4 map_from_sample[64]; \
   vec4 map_plane_from_sample[192]; \
   vec4 texel_depth[64]; \
+  vec4 eye[64]; \
 } lamps;
 const int kPlanetsBinding = 6;
 #define PLANETS_BLOCK layout(std140, binding = 6) uniform Planets { \

@@ -63,11 +63,16 @@ void Loader::read_lamp(Work& work, std::uint32_t element) {
   lamp.half_angle = real(attribute::lamp_half_angle, 30 * kDegree);
   lamp.exponent = real(attribute::lamp_exponent, 0);
   lamp.radius = real(attribute::lamp_radius, 0);
+  Vec2 pulse(0);
+  if (values.numbers(element, attribute::lamp_pulse, std::span(&pulse.x, 2))) lamp.pulse = pulse;
+  good = good && (lamp.pulse || !values.has(element, attribute::lamp_pulse));
   lamp.on = values.text_or_default(element, attribute::lamp_state) != "off";
   const bool powered = values.has(element, attribute::lamp_power);
   if (!name || !type || !good || intense == powered) return;  // reported
   lamp.name = *name;
   std::string problem = lamp_problem(values, element, *type, lamp.radius);
+  if (problem.empty() && lamp.pulse && !(lamp.pulse->x < lamp.pulse->y))
+    problem = "has a pulse that does not end after its begin";
   const auto axis = unit_vector(lamp.axis);
   if (problem.empty() && !axis) problem = "has a direction of length 0";
   if (!problem.empty()) {

@@ -119,6 +119,7 @@ inline constexpr std::uint32_t kJointPointsAtSun = 1u << 1;  // aims its pointin
 
 // Bits of Lamp.flags.
 inline constexpr std::uint32_t kLampOff = 1u << 0;  // dark until it is switched on
+inline constexpr std::uint32_t kLampPulsed = 1u << 1;  // it is on in its pulse alone
 
 // Bits of Texture.flags.
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
@@ -474,8 +475,10 @@ struct Lamp {
   std::uint32_t kind;  // LampKind
   std::uint32_t flags;  // LampFlags
   std::uint32_t name;  // not empty, unique
+  // s: begin and end of its time, after that of the frame; without the flag Pulsed: 0
+  double pulse[2];
 };
-static_assert(sizeof(Lamp) == 112);
+static_assert(sizeof(Lamp) == 128);
 static_assert(offsetof(Lamp, position) == 0);
 static_assert(offsetof(Lamp, axis) == 24);
 static_assert(offsetof(Lamp, intensity) == 48);
@@ -486,6 +489,7 @@ static_assert(offsetof(Lamp, node) == 96);
 static_assert(offsetof(Lamp, kind) == 100);
 static_assert(offsetof(Lamp, flags) == 104);
 static_assert(offsetof(Lamp, name) == 108);
+static_assert(offsetof(Lamp, pulse) == 112);
 
 // A setting of views that hold none of it: Sun, planets, stars.
 struct SceneSetting {
@@ -806,7 +810,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::stream_bytes, "stream_bytes", 1, 1, 1, false, true},
     {SectionKind::backs, "backs", 8, 8, 4, true, true},
     {SectionKind::labels, "labels", 8, 8, 4, true, true},
-    {SectionKind::lamps, "lamps", 112, 112, 8, true, true},
+    {SectionKind::lamps, "lamps", 128, 128, 8, true, true},
     {SectionKind::scene, "scene", 8, 8, 4, true, true},
 };
 
@@ -1258,9 +1262,11 @@ inline constexpr FieldRule kFieldRules[] = {
     {SectionKind::lamps, "kind", 100, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 2u, "", kLampKindNames},
     {SectionKind::lamps, "flags", 104, FieldType::u32, 1,
-     FieldRuleKind::mask, SectionKind::build, 0, 0x00000001u, "", nullptr},
+     FieldRuleKind::mask, SectionKind::build, 0, 0x00000003u, "", nullptr},
     {SectionKind::lamps, "name", 108, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
+    {SectionKind::lamps, "pulse", 112, FieldType::f64, 2,
+     FieldRuleKind::finite, SectionKind::build, 0, 0, "", nullptr},
     {SectionKind::scene, "name", 0, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0, "", nullptr},
     {SectionKind::scene, "value", 4, FieldType::u32, 1,

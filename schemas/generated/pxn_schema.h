@@ -381,7 +381,8 @@ inline constexpr std::size_t lamp_power = 5;
 inline constexpr std::size_t lamp_half_angle = 6;
 inline constexpr std::size_t lamp_exponent = 7;
 inline constexpr std::size_t lamp_radius = 8;
-inline constexpr std::size_t lamp_state = 9;
+inline constexpr std::size_t lamp_pulse = 9;
+inline constexpr std::size_t lamp_state = 10;
 inline constexpr std::size_t scene_date = 0;
 inline constexpr std::size_t scene_orbit = 1;
 inline constexpr std::size_t sun_direction = 0;
@@ -1771,6 +1772,10 @@ inline constexpr Number kNumbers_lamp_exponent[] = {
 inline constexpr Number kNumbers_lamp_radius[] = {
     {"radius", 0, 1000000000.0, false, false},
 };
+inline constexpr Number kNumbers_lamp_pulse[] = {
+    {"begin", -1000000000.0, 1000000000.0, false, false},
+    {"end", -1000000000.0, 1000000000.0, false, false},
+};
 inline constexpr std::string_view kWords_lamp_state[] = {
     "on",
     "off",
@@ -1789,6 +1794,7 @@ inline constexpr Attribute kAttributes_lamp[] = {
     {"half_angle", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_half_angle, {}, Dimension::angle, false, false, 1, 0}, kInitial_lamp_half_angle, "", true},
     {"exponent", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_exponent, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_lamp_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"pulse", 1, true, false, {ValueKind::real, 2, kNumbers_lamp_pulse, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"state", 1, true, false, {ValueKind::word, 1, {}, kWords_lamp_state, Dimension::none, false, false, 1, 0}, {}, "on", false},
 };
 inline constexpr Rule kRules_lamp[] = {

@@ -74,7 +74,9 @@ TEST(Lights, AreCheckedAgainstTheRules) {
   EXPECT_EQ(problems(lit()), "");
   EXPECT_THAT(broken([](auto& l) { l[0].node = 99; }), HasSubstr("E4010"));
   EXPECT_THAT(broken([](auto& l) { l[0].kind = 3; }), HasSubstr("lamps[0].kind"));
-  EXPECT_THAT(broken([](auto& l) { l[0].flags = 2; }), HasSubstr("lamps[0].flags"));
+  EXPECT_THAT(broken([](auto& l) { l[0].flags = 4; }), HasSubstr("lamps[0].flags"));
+  EXPECT_THAT(broken([](auto& l) { l[0].flags = layout::kLampPulsed; }),
+              HasSubstr("pulse that does not end after its begin"));
   EXPECT_THAT(broken([](auto& l) { l[0].axis = Vec3(0, 0, 2); }), HasSubstr("lamps[0].axis"));
   EXPECT_THAT(broken([](auto& l) { l[0].intensity.y = -1; }), HasSubstr("lamps[0].intensity"));
   EXPECT_THAT(broken([](auto& l) { l[0].intensity.y = NAN; }), HasSubstr("lamps[0].intensity"));

@@ -75,6 +75,51 @@ TEST(Eclipse, EdgeAcrossATarget) {
     }
 }
 
+// Bodies smaller than the target, smaller than the Sun's disc, a planet as far as in GEO, the edge
+// of one that bends, a flat one, and two at once: each place has its own share.
+TEST(Eclipse, LimbsThatBend) {
+  const pan::Model model = model_of(single(plate(kWidth, kWidth), lambert(0.5)));
+  struct Case {
+    Vec3 radii;
+    double distance, t;
+    bool second = false;
+  };
+  for (const Case& each :
+       {Case{Vec3(5), 100, -8}, Case{Vec3(5), 2000, -0.5}, Case{Vec3(12), 4000, -0.4},
+        Case{Vec3(60), 900, 0.2}, Case{Vec3(300, 200, 100), 2000, 0.1},
+        Case{Vec3(6371e3), 42164e3, 0.3}, Case{Vec3(5), 1500, -0.8, true}}) {
+    Scene scene = scene_of(model, each.radii.x, each.distance, each.t);
+    std::vector<light::Body> bodies(scene.world.bodies().begin(), scene.world.bodies().end());
+    bodies[0].radii = each.radii;
+    bodies[0].world_from_body = glm::angleAxis(0.7, glm::normalize(Vec3(1, 2, 3)));
+    if (each.second) {
+      bodies.push_back(bodies[0]);
+      bodies[1].name = "other";
+      bodies[1].centre += Vec3(-3, 2, 1);
+    }
+    scene.world.set_sky(bodies, false);
+    const sky::Sky sky(scene.world);
+    RenderOptions options;
+    options.samples = 1;
+    options.shadow_side = 256;
+    const image::Image image = drawn(scene, options);
+    const double cosine = glm::normalize(scene.world.sun().direction).z;
+    double most = 0, least_share = 1;
+    for (std::uint32_t row = 0; row < kSide; row += 3)
+      for (std::uint32_t column = 0; column < kSide; column += 3) {
+        const auto ray = world::pixel_ray(scene.camera, {column + 0.5, row + 0.5});
+        const double want = sky.sun_share(Vec3(ray.origin.x, ray.origin.y, 0));
+        const double got = image.radiance[3 * (row * kSide + column)] / (0.5 / kPi * cosine);
+        most = std::max(most, std::fabs(got - want));
+        least_share = std::min(least_share, want);
+      }
+    printf("radius %g at %g m: least share %.3f, error %.1e\n", each.radii.x, each.distance,
+           least_share, most);
+    EXPECT_LT(least_share, 0.9);
+    EXPECT_LT(most, 2e-3) << each.radii.x << ' ' << each.distance;
+  }
+}
+
 // Bodies that hide nothing leave every bit.
 TEST(Eclipse, BesideBodiesTheSameBytes) {
   const pan::Model model = model_of(single(plate(kWidth, kWidth), lambert(0.5)));

@@ -337,5 +337,63 @@ TEST(Lamps, EveryWayOfDrawing) {
   }
 }
 
+// Light of a sphere beside the straight edge of a board, against the share of its disc above the
+// edge: as the Sun's, of points.
+TEST(Lamps, PenumbraOfAnEdge) {
+  pan::Contents contents = single(plate(6, 6), lambert(1));
+  contents.nodes.push_back({"board", 0, Vec3(-1.5, 0, 1), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.meshes.push_back(pan::packed(box(Vec3(3, 6, 1e-3)), "board"));
+  contents.instances.push_back({1, 1, 0, -1});
+  world::World world = night(held(contents));
+  const double radius = 0.2;
+  const light::Point lamp{.position = {0, 0, 4}, .intensity = Vec3(16), .radius = radius};
+  world.set_lamps({lamp_of(lamp)});
+  // the lit side, from below the board's height
+  const View view = looking_from({1, 0, 0.25}, 12, 0.04, 96);
+  const auto error_of = [&](const RenderOptions& options, SamplingReport& report) {
+    const image::Image image = drawn(world, view.camera, options, &report);
+    double squares = 0;
+    int count = 0;
+    for (std::uint32_t y = 24; y < 72; ++y)
+      for (std::uint32_t x = 0; x < image.width; ++x) {
+        const geometry::Ray ray = world::pixel_ray(view.camera, {x + 0.5, y + 0.5});
+        const Vec3 p = ray.origin - ray.direction * (ray.origin.z / ray.direction.z);
+        // the edge, from p, on the plane of the lamp's middle
+        const double t = -3 * p.x / radius;
+        if (std::fabs(t) > 1.2) continue;
+        const double c = std::clamp(t, -1.0, 1.0);
+        const double share = 0.5 + (std::asin(c) + c * std::sqrt(1 - c * c)) / kPi;
+        const light::Incidence light = light::incidence(lamp, p);
+        const double whole = light.irradiance.x * light.to_light.z / kPi;
+        squares += std::pow(at(image, x, y) / whole - (1 - share), 2);
+        ++count;
+      }
+    EXPECT_GT(count, 200);
+    return std::sqrt(squares / count);
+  };
+  SamplingReport hard, soft;
+  RenderOptions options;
+  const double of_hard = error_of(options, hard);
+  EXPECT_GT(of_hard, 0.2);  // one sample, as the Sun: hard
+  EXPECT_EQ(hard.lamps_soft, 0u);
+  EXPECT_GT(hard.lamp_penumbra, 5);
+  options.shadows = Shadows::soft;
+  options.samples = 4;
+  const double of_soft = error_of(options, soft);
+  printf("penumbra: hard %.3f, soft %.4f rms\n", of_hard, of_soft);
+  EXPECT_EQ(soft.lamps_soft, 16u);
+  EXPECT_LT(of_soft, 0.05);  // 0.037: of 16 points (preview/frame/sun_points.h)
+  // more lamps with discs than there are maps for
+  std::vector<world::Lamp> many;
+  for (int k = 0; k < 8; ++k)
+    many.push_back(lamp_of(light::Point{.position = {0.1 * k, 0, 4}, .radius = radius}));
+  world.set_lamps(many);
+  DiagnosticLog log;
+  Renderer renderer(shared_device());
+  ASSERT_TRUE(renderer.render(world, view.camera, options, log));
+  EXPECT_NE(to_text(log).find("W5020"), std::string::npos);
+  EXPECT_GT(renderer.sampling().lamps_hard, 0u);
+}
+
 }  // namespace
 }  // namespace panwright::preview::lamps_test

@@ -89,6 +89,8 @@ TEST(Lights, WhatIsWrongHasItsPlace) {
            {R"(name="a" type="spot" intensity="1" direction="0 0 0")",
             "2:1 E1108 lamp 'a' has a direction of length 0"},
            {R"(name="a" type="point" intensity="1" half_angle="10")", "which only a spot has"},
+           {R"(name="a" type="point" intensity="1" pulse="1 1")", "does not end after its begin"},
+           {R"(name="a" type="point" intensity="1" pulse="1")", "expected 2"},
            {R"(name="a" type="point" intensity="1" direction="0 0 1")", "lights all of them"},
            {R"(name="a" type="disc" intensity="1")", "is a disc without a radius"},
            {R"(type="spot" intensity="1")", "2:2 E1103"},
@@ -160,7 +162,7 @@ TEST(Lights, ComeBackFromText) {
          <planet body="rock" at="1 2 3" quat="0 0 0 1" radius="2km 1km 1km" law="hapke 0.3 -0.2 1 0.1" air="none"/>
          <planet body="earth" at="0 0 -6778km" albedo="0.3"/><stars to="6.5"/></scene>
          <lamp name="a" type="spot" at="0.3 0 0" direction="1 2 3" intensity="4" half_angle="20"
-               exponent="2" radius="0.01" state="off"/>
+               exponent="2" radius="0.01" pulse="-0.5 0.25" state="off"/>
          <node name="n"><lamp name="b" type="point" power="1 2 3"/>
          <box size="1"><lamp name="x" type="led" power="1"/></box></node>
          <box name="lone" size="1"/><lamp name="c" type="disc" radius="1" power="2"/>)");

@@ -245,6 +245,66 @@ TEST_P(Exposures, NeedABeforeAndAnAfter) {
   EXPECT_THAT(run("inf", {"--line-time", "inf"}).err, HasSubstr("--line-time is 'inf'"));
 }
 
+// The plate at rest, lit by a distant lamp alone: rows have the share of their exposure that the
+// lamp is on, to the bit where that is all.
+TEST_P(Exposures, PulsedLampsLightTheirTime) {
+  folder_.write("way.csv", "time[s],box.x[m],box.y[m],box.z[m]\n0,0,0,0\n3,0,0,0\n");
+  const auto image_of = [&](const std::string& name, const std::string& pulse,
+                            std::vector<std::string> words) {
+    words.insert(words.end(),
+                 {"--sun-irradiance", "0", "--lamp",
+                  "point at 0 -1000 0 intensity 1e6" + (pulse.empty() ? "" : " pulse " + pulse)});
+    const Outcome done = run(name, words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    const auto image = oracles::read_npy(folder_ / (name + "/000000.npy"));
+    std::vector<double> rows(kHeight);
+    if (image)
+      for (int y = 0; y < kHeight; ++y)
+        rows[std::size_t(y)] = image->rgb[std::size_t(3 * (y * kWidth + 32))];
+    return rows;
+  };
+  const auto always = image_of("always", "", {});
+  const double full = always[kHeight / 2];
+  ASSERT_GT(full, 0.1);
+  // all rows at once: a fifth of the exposure
+  EXPECT_NEAR(image_of("part", "-1 -40ms", {"--exposure", "0.1"})[16] / full, 0.1, 1e-5);
+  EXPECT_NEAR(image_of("fifth", "10ms 30ms", {"--exposure", "0.1"})[16] / full, 0.2, 1e-5);
+  EXPECT_EQ(image_of("now", "-1ms 1ms", {})[16], full);
+  // row by row, 10 ms apart
+  for (const char* line_time : {"0.01", "-0.01"})
+    for (const double exposure : {0.0, 0.04}) {
+      const auto rows =
+          image_of(fmt::format("rows{}{}", line_time, exposure), "135ms 195ms",
+                   {"--line-time", line_time, "--exposure", fmt::format("{}", exposure)});
+      for (int y = 8; y < 24; ++y) {
+        const double delay = 0.01 * (line_time[0] == '-' ? kHeight - 1 - y : y);
+        const double common =
+            std::min(delay + exposure / 2, 0.195) - std::max(delay - exposure / 2, 0.135);
+        const double want =
+            exposure > 0 ? std::max(common, 0.0) / exposure : delay >= 0.135 && delay < 0.195;
+        EXPECT_NEAR(rows[std::size_t(y)] / full, want, 1e-5)
+            << y << " " << line_time << " " << exposure;
+      }
+    }
+  const Outcome dark = run("dark", {"--lamp", "point at 0 -9 0 intensity 1 pulse 1 2"});
+  EXPECT_EQ(dark.code, 0);
+  EXPECT_THAT(dark.err, HasSubstr("W5019"));
+}
+
+// A plate that moves by 16 pixels in the exposure, frozen by a short pulse.
+TEST_P(Exposures, PulsesFreezeWhatMoves) {
+  const auto image = rows("frozen", {"--exposure", "1", "--sun-irradiance", "0", "--lamp",
+                                     "point at 0 -1000 0 intensity 1e8 pulse 0.2 0.21"});
+  double edge = kWidth / 2.0;
+  for (int x = kWidth / 2; x < kWidth; ++x) edge += image[16][std::size_t(x)];
+  // a moment is half a pixel
+  EXPECT_NEAR(edge, edge_at(kTime + 0.205), 0.5);
+  int between = 0;
+  for (int x = kWidth / 2; x < kWidth; ++x)
+    between += image[16][std::size_t(x)] > 0.02 && image[16][std::size_t(x)] < 0.98;
+  EXPECT_LE(between, 2);
+}
+
 #ifdef PANWRIGHT_GL
 // Light is spread, not lost: a target of two pixels over ten.
 TEST(ExposuresOfFarTargets, KeepTheirFlux) {

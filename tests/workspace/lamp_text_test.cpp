@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/diagnostic.h"
+#include "world/lamps.h"
 
 namespace panwright::workspace::lamp_text_test {
 namespace {
@@ -64,6 +65,9 @@ TEST(LampText, Power) {
 TEST(LampText, WhatIsWrongIsSaid) {
   for (const auto& [text, words] : std::initializer_list<std::pair<const char*, const char*>>{
            {"", "expected spot, point, disc or led"},
+           {"spot intensity 1 pulse 1", "expected two times after it"},
+           {"spot intensity 1 pulse 2ms 1ms", "expected two times after it"},
+           {"spot intensity 1 pulse 0 1 pulse 0 1", "expected each word once"},
            {"bulb intensity 1", "has 'bulb', expected spot"},
            {"spot", "expected intensity or power"},
            {"spot intensity 1 power 1", "expected intensity or power"},
@@ -91,6 +95,65 @@ TEST(LampText, WhatIsWrongIsSaid) {
     EXPECT_NE(log.entries()[0].message.find(words), std::string::npos)
         << log.entries()[0].message << "\nexpected " << words;
   }
+}
+
+world::Lamp lamp_from(const std::string& text) {
+  DiagnosticLog log;
+  const auto lamp = lamp_of(text, {}, log);
+  EXPECT_TRUE(lamp) << to_text(log);
+  return lamp.value_or(world::Lamp());
+}
+
+TEST(LampText, Pulses) {
+  EXPECT_EQ(lamp_from("point intensity 1 pulse -1.5ms 250us").pulse,
+            (world::Pulse{-1.5e-3, 250e-6}));
+  EXPECT_EQ(lamp_from("point intensity 1 pulse 2 3s").pulse, (world::Pulse{2, 3}));
+  EXPECT_FALSE(lamp_from("point intensity 1").pulse);
+}
+
+// Lamps of a camera that look from it and do not turn with another one.
+TEST(LampText, FixedToWhereTheCameraIs) {
+  const std::vector<std::string> texts = {
+      "led at 1 2 3 intensity 4", "nav off",
+      "spot on camera at 0.1 0 0 toward 0.1 0 5 intensity 1 2 3 half-angle 20deg exponent 2 radius "
+      "0.05 pulse 0 1ms"};
+  std::vector<world::Lamp> lamps = {lamp_from(texts[0]), lamp_from(texts[2])};
+  world::Lamp of_model = lamps[0];
+  of_model.name = "nav";
+  lamps.insert(lamps.begin(), of_model);
+  world::Camera camera;
+  camera.position = {5, 0, 0};
+  camera.world_from_camera = glm::angleAxis(kPi / 2, Vec3(0, 1, 0));  // z to x, x to -z
+  const auto fixed = fixed_lamp_texts(texts, lamps, camera);
+  ASSERT_EQ(fixed.size(), 3u);
+  EXPECT_EQ(fixed[0], texts[0]);
+  EXPECT_EQ(fixed[1], texts[1]);
+  const world::Lamp lamp = lamp_from(fixed[2]);
+  EXPECT_EQ(lamp.carrier, world::Lamp::Carrier::world);
+  EXPECT_EQ(lamp.pulse, (world::Pulse{0, 1e-3}));
+  const auto& spot = std::get<light::Spot>(lamp.source);
+  EXPECT_LT(glm::length(spot.position - Vec3(5, 0, -0.1)), 1e-14);
+  EXPECT_LT(glm::length(glm::normalize(spot.axis) - Vec3(1, 0, 0)), 1e-14);
+  EXPECT_EQ(spot.intensity, Vec3(1, 2, 3));
+  EXPECT_EQ(spot.half_angle, 20 * kDegree);
+  EXPECT_EQ(spot.exponent, 2);
+  EXPECT_EQ(spot.radius, 0.05);
+}
+
+TEST(LampsDuring, ShareOfAnExposure) {
+  const auto intensity = [](double begin, double end) {
+    const auto lamps = world::lamps_during({lamp_from("point intensity 8 pulse 1 3")}, begin, end);
+    EXPECT_FALSE(lamps[0].pulse);
+    return lamps[0].on ? std::get<light::Point>(lamps[0].source).intensity.x : 0.0;
+  };
+  EXPECT_EQ(intensity(1, 3), 8);
+  EXPECT_EQ(intensity(1.5, 2.5), 8);
+  EXPECT_EQ(intensity(0, 4), 4);
+  EXPECT_EQ(intensity(-1, 2), 8.0 / 3);
+  EXPECT_EQ(intensity(3, 4), 0);
+  EXPECT_EQ(intensity(0, 1), 0);
+  EXPECT_EQ(intensity(1, 1), 8);  // instants
+  EXPECT_EQ(intensity(3, 3), 0);
 }
 
 }  // namespace

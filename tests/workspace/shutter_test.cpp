@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 namespace panwright::workspace::shutter_test {
 namespace {
@@ -62,6 +65,53 @@ TEST(ShutterMoments, AreOneWhereNothingMovesAndLimited) {
     EXPECT_LE(many.count(), ShutterMoments::kMost);
     EXPECT_GE(many.count(), ShutterMoments::kMost / 2);
     EXPECT_GT(many.step(), 0.5);
+  }
+}
+
+// A pulse lights a row as long as their times have in common; the rest is as without.
+TEST(ShutterMoments, CutWhereTheLightChanges) {
+  std::vector<Case> cases(std::begin(kCases), std::end(kCases));
+  for (const Shutter& still : {Shutter{0.3, 0.01, 64}, Shutter{0, -0.02, 40}})
+    cases.push_back({still, 0, 0.5});
+  for (const Case& each : cases) {
+    if (each.shutter.line_time == 0) continue;
+    const double low = 0.13 * each.shutter.end(), high = 0.31 * each.shutter.end();
+    const double cuts[] = {low, high, -1e3, 1e3};
+    const ShutterMoments whole(each.shutter, each.speed, each.step);
+    const ShutterMoments moments(each.shutter, each.speed, each.step, cuts);
+    for (std::uint32_t row = 0; row < each.shutter.rows; ++row) {
+      const double line = each.shutter.line_time;
+      const double delay = line < 0 ? -line * (each.shutter.rows - 1 - row) : line * row;
+      double sum = 0, lit = 0, blurred = 0;
+      for (std::size_t k = 0; k < moments.count(); ++k) {
+        EXPECT_LT(moments.begin(k), moments.end(k));
+        EXPECT_EQ(moments.time(k) > low && moments.time(k) < high,
+                  moments.begin(k) >= low && moments.end(k) <= high);
+        sum += moments.share(k, row);
+        if (moments.time(k) > low && moments.time(k) < high) lit += moments.share(k, row);
+        const ShutterMoments::Rows rows = moments.rows(k);
+        if (moments.share(k, row) > 0 || moments.middle(row) == k)
+          EXPECT_TRUE(row >= rows.first && row < rows.end);
+      }
+      // exposures that are too short to matter are longer in moments
+      for (std::size_t k = 0; k < whole.count(); ++k)
+        if (whole.share(k, row) > 0) blurred += whole.end(k) - whole.begin(k);
+      const double exposure =
+          each.speed > 0 ? std::max(each.shutter.exposure, blurred) : each.shutter.exposure;
+      EXPECT_NEAR(sum, 1, 1e-7);
+      if (each.shutter.exposure < 0.05 && each.speed > 0) {
+        if (delay + exposure < low || delay - exposure > high) EXPECT_EQ(lit, 0);
+        if (delay - exposure > low && delay + exposure < high) EXPECT_NEAR(lit, 1, 1e-7);
+      } else if (each.shutter.exposure == 0) {
+        EXPECT_EQ(lit, delay >= low && delay < high ? 1 : 0) << row;
+      } else {
+        const double half = 0.5 * each.shutter.exposure;
+        const double common = std::min(delay + half, high) - std::max(delay - half, low);
+        EXPECT_NEAR(lit, std::max(common, 0.0) / each.shutter.exposure, 1e-6) << row;
+      }
+      EXPECT_LE(moments.begin(moments.middle(row)), delay + 1e-12);
+      EXPECT_GE(moments.end(moments.middle(row)), delay - 1e-12);
+    }
   }
 }
 

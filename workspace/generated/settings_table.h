@@ -132,7 +132,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--sun-irradiance", "Camera and Sun", "E|\"R G B\"", "In-band irradiance at the target, with --orbit at 1 AU, W/m²: radiance in W/(m² sr) (default: per unit irradiance, 1/sr)"},
     {"lamp", kFormTexts, 0, 0, SettingUnit::none, {}, -kUnbounded, kUnbounded, 0, EngineSet::both, Recorded::given,
      "a list of lamps, as [\"spot on camera intensity 100\"]", "a list of lamps, as [\"spot on camera intensity 100\"]",
-     "--lamp", "Camera and Sun", "\"KIND ...\"", "A light beside the Sun: spot, point, disc or led, then any of \"on camera\" (or TARGET/FRAME), \"at X Y Z\", \"toward X Y Z\", \"intensity I\" or \"power P\", \"radius R\", \"half-angle A\", \"exponent N\"; or the name of a lamp of a model, then off, on, \"intensity I\"; may be repeated"},
+     "--lamp", "Camera and Sun", "\"KIND ...\"", "A light beside the Sun: spot, point, disc or led, then any of \"on camera\" (or TARGET/FRAME), \"at X Y Z\", \"toward X Y Z\", \"intensity I\" or \"power P\", \"radius R\", \"half-angle A\", \"exponent N\", \"pulse BEGIN END\"; or the name of a lamp of a model, then off, on, \"intensity I\"; may be repeated"},
     {"white", kFormNumber | kFormNumbers | kFormText, 0, 3, SettingUnit::none, {}, 0.0, 1e+20, kSeveral, EngineSet::both, Recorded::given,
      "one number or three, W/m²", "one number or three, W/m², 0 to 1e20",
      "--white", "Camera and Sun", "E0|\"R G B\"", "Irradiance E0 of emission 1, whose radiance is E0/π, whatever the Sun's (default 1; with --sun-irradiance \"158.6 186.2 191.4\" W/m²: the Sun at 1 AU in bands of 100 nm)"},
