@@ -102,8 +102,8 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
     Surfaces surfaces = placed_surfaces(scene, plane, things, job);
     if (context.rows) {
       const auto [first, end, beyond] = *context.rows;
-      const bool above = beyond && first == 0, below = beyond && end == camera.height;
-      if (!above || end == 0) canvas.low.y = first;
+      const bool above = beyond && first == 0 && end > 0, below = beyond && end == camera.height;
+      if (!above) canvas.low.y = first;
       if (!below) canvas.high.y = end;
       cut_boxes(surfaces, above ? -std::numeric_limits<double>::infinity() : first,
                 below ? std::numeric_limits<double>::infinity() : end);

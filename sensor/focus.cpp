@@ -34,73 +34,72 @@ std::vector<double> surface_depths(const DepthImage& image) {
   return out;
 }
 
-// Half the length of the chord of a unit disc, summed from its middle to y: its area.
-double area_to(double y) {
-  const double t = std::clamp(y, -1.0, 1.0);
-  return t * std::sqrt(1 - t * t) + det::asin(t);
+// Integrals from the middle of a unit disc to y: of half its chord, and of the cube of this.
+double half_area(double y) { return 0.5 * (y * std::sqrt(1 - y * y) + det::asin(y)); }
+double half_cubes(double y) {
+  return (y * (5 - 2 * y * y) * std::sqrt(1 - y * y) + 3 * det::asin(y)) / 8;
 }
 
-// Shares of rows and columns that a disc covers, of a pixel whose centre is its own.
-class DiscShape {
- public:
-  // diameters: pixels
-  explicit DiscShape(const Vec2& diameter) {
-    // pixels spread light themselves: 1/12 of their squared width on each axis
-    const Vec2 squares = diameter * diameter - 4.0 / 3.0;
-    small_ = std::min(diameter.x, diameter.y) < kSmallDisc;
-    if (small_) {
-      sides_ = glm::min(diameter * diameter, Vec2(kSmallDisc * kSmallDisc)) / 32.0;
-      reach_ = 1;
-      return;
-    }
-    half_ = 0.5 * glm::sqrt(squares);
-    reach_ = static_cast<int>(std::ceil(half_.y - 0.5));
-  }
+// Discs are made of these steps in diameter, pixels.
+constexpr double kDiscSteps = 128;
 
-  int reach() const { return reach_; }  // rows above and below
-
-  // Light of a row, of 1, and the half width over which it is even.
-  struct Row {
-    double light = 0, half_width = 0;
-  };
-  Row row(int offset) const {
-    const double low = std::clamp((offset - 0.5) / half_.y, -1.0, 1.0);
-    const double high = std::clamp((offset + 0.5) / half_.y, -1.0, 1.0);
-    const double area = area_to(high) - area_to(low);  // of π
-    if (!(high > low)) return {};
-    return {area / kPi, 0.5 * area / (high - low) * half_.x};
-  }
-
-  // Adds a pixel's light to a row of cells by their first differences.
-  template <class Add>
-  void add(std::size_t x, int offset, const Add& cell) const {
-    if (small_) {
-      const double down = offset == 0 ? 1 - 2 * sides_.y : sides_.y;
-      const double shares[] = {sides_.x, 1 - 2 * sides_.x, sides_.x};
-      for (int k = -1; k <= 1; ++k) {
-        cell(static_cast<double>(x) + k, down * shares[k + 1]);
-        cell(static_cast<double>(x) + k + 1, -down * shares[k + 1]);
-      }
-      return;
-    }
-    const Row of = row(offset);
-    if (!(of.half_width > 0)) return;
-    const double density = 0.5 * of.light / of.half_width;
-    const double centre = static_cast<double>(x) + 0.5;
-    for (const double side : {-1.0, 1.0}) {
-      const double end = centre + side * of.half_width, first = std::floor(end);
-      const double part = end - first;
-      cell(first, -side * density * (1 - part));
-      cell(first + 1, -side * density * part);
-    }
-  }
-
- private:
-  bool small_ = false;
-  Vec2 sides_{0};  // shares of the neighbours, of small discs
-  Vec2 half_{0};   // radii
-  int reach_ = 0;
+// Light of a row of a disc, of 1, and the half width over which it is even: that of its second
+// moment.
+struct DiscRow {
+  double light = 0, half_width = 0;
 };
+
+// Disc around the centre of a pixel.
+struct Disc {
+  std::vector<DiscRow> rows;  // the middle one, and those above and below; empty: not made
+  double side = 0;            // of small ones: share of the left and of the right neighbour
+  bool is_small() const { return side > 0; }
+};
+
+// diameters: pixels
+Disc disc_of(const Vec2& diameter) {
+  Disc out;
+  const Vec2 squares = diameter * diameter;
+  if (std::min(diameter.x, diameter.y) < kSmallDisc) {
+    const Vec2 sides = glm::min(squares, Vec2(kSmallDisc * kSmallDisc)) / 32.0;
+    out.side = std::max(sides.x, 1e-300);
+    out.rows = {{1 - 2 * sides.y, 0}, {sides.y, 0}};
+    return out;
+  }
+  // pixels spread light themselves: 1/12 of their squared width on each axis
+  const Vec2 half = 0.5 * glm::sqrt(squares - 4.0 / 3.0);
+  for (int offset = 0; offset - 0.5 < half.y; ++offset) {
+    const double low = std::max((offset - 0.5) / half.y, -1.0);
+    const double high = std::min((offset + 0.5) / half.y, 1.0);
+    const double area = half_area(high) - half_area(low);  // of a half of π
+    if (area > 0)
+      out.rows.push_back(
+          {2 * area / kPi, half.x * std::sqrt((half_cubes(high) - half_cubes(low)) / area)});
+  }
+  return out;
+}
+
+// Adds a pixel's light to a row of cells by their first differences.
+template <class Add>
+void add_disc(const Disc& disc, std::size_t x, std::size_t offset, const Add& cell) {
+  const DiscRow& row = disc.rows[offset];
+  const auto column = static_cast<double>(x);
+  if (disc.is_small()) {
+    const double side = disc.side * row.light, middle = row.light - 2 * side;
+    cell(column - 1, side);
+    cell(column, middle - side);
+    cell(column + 1, side - middle);
+    cell(column + 2, -side);
+    return;
+  }
+  const double density = 0.5 * row.light / row.half_width;
+  for (const double side : {-1.0, 1.0}) {
+    const double end = column + 0.5 + side * row.half_width, first = std::floor(end);
+    const double part = end - first;
+    cell(first, -side * density * (1 - part));
+    cell(first + 1, -side * density * part);
+  }
+}
 
 }  // namespace
 
@@ -113,34 +112,41 @@ void defocus(const Optics& optics, const Vec2& focal_px, DepthImage& image) {
   const std::size_t width = image.width, height = image.height;
   const std::vector<double> depths = surface_depths(image);
   const std::vector<float> from(image.radiance.begin(), image.radiance.end());
-  // rows that the largest disc of each row reaches
-  std::vector<int> reach(height, -1);
+  // the disc of each pixel that has light, by its diameter in steps, + 1
+  std::vector<std::uint16_t> numbers(width * height);
+  constexpr double kMostDiscSteps = kMostBlur * kDiscSteps;
   parallel_for(height, [&](std::size_t y) {
-    for (std::size_t x = 0; x < width; ++x) {
-      const float* rgb = &from[3 * (y * width + x)];
-      if (rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0) continue;
-      const double blur = blur_px(optics, focal_px.y, depths[y * width + x]);
-      reach[y] = std::max(reach[y], static_cast<int>(0.5 * std::min(blur, kMostBlur)) + 1);
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      if (from[3 * i] == 0 && from[3 * i + 1] == 0 && from[3 * i + 2] == 0) continue;
+      const double blur = kDiscSteps * blur_px(optics, focal_px.y, depths[i]);
+      numbers[i] = static_cast<std::uint16_t>(std::lround(std::min(blur, kMostDiscSteps)) + 1);
     }
   });
-  const int farthest = *std::ranges::max_element(reach);
+  std::vector<Disc> discs(static_cast<std::size_t>(kMostDiscSteps) + 2);
+  std::size_t farthest = 0;
+  std::vector<std::size_t> reach(height);  // rows around one that its discs have, + 1
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      if (numbers[i] == 0) continue;
+      Disc& disc = discs[numbers[i]];
+      const double diameter = (numbers[i] - 1) / kDiscSteps;
+      if (disc.rows.empty()) disc = disc_of(Vec2(diameter * focal_px.x / focal_px.y, diameter));
+      reach[y] = std::max(reach[y], disc.rows.size());
+      farthest = std::max(farthest, reach[y]);
+    }
   parallel_for(height, [&](std::size_t y) {
     // differences of neighbouring cells, the first of them left of the image
     std::vector<std::array<double, kBands>> cells(width + 2);
     double most = 0;
-    const long last = std::min(static_cast<long>(y) + farthest, static_cast<long>(height) - 1);
-    for (long row = std::max(static_cast<long>(y) - farthest, 0l); row <= last; ++row) {
-      const auto source = static_cast<std::size_t>(row);
-      const int offset = static_cast<int>(static_cast<long>(y) - row);
-      if (std::abs(offset) > reach[source]) continue;
+    const std::size_t last = std::min(y + farthest, height);
+    for (std::size_t row = y - std::min(y, farthest); row < last; ++row) {
+      const std::size_t offset = row > y ? row - y : y - row;
+      if (offset >= reach[row]) continue;
       for (std::size_t x = 0; x < width; ++x) {
-        const float* rgb = &from[3 * (source * width + x)];
-        if (rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0) continue;
-        const double depth = depths[source * width + x];
-        const DiscShape disc(Vec2(std::min(blur_px(optics, focal_px.x, depth), kMostBlur),
-                                  std::min(blur_px(optics, focal_px.y, depth), kMostBlur)));
-        if (std::abs(offset) > disc.reach()) continue;
-        disc.add(x, offset, [&](double column, double share) {
+        const Disc& disc = discs[numbers[row * width + x]];
+        if (offset >= disc.rows.size()) continue;
+        const float* rgb = &from[3 * (row * width + x)];
+        add_disc(disc, x, offset, [&](double column, double share) {
           const double at = std::clamp(column + 1, 0.0, static_cast<double>(width) + 1);
           for (std::size_t k = 0; k < kBands; ++k)
             cells[static_cast<std::size_t>(at)][k] += share * double{rgb[k]};

@@ -123,7 +123,7 @@ class SequenceRun {
         !folder.begin(stems_, manifest, settings, options_.resume, log_))
       return false;
     if (!render(session, *world, listener) || !convert(*world)) {
-      if (log_.contains(Code("E0001")) && !options_.common.json)
+      if ((log_.contains(Code("E0001")) || log_.contains(Code("E0103"))) && !options_.common.json)
         fmt::print(stderr, "complete frames are kept; --resume goes on\n");
       return false;
     }

@@ -28,7 +28,8 @@ class ToolLabels : public testing::Test {
   const std::string box_ = folder_.write(
       "box.pxn",
       "<pangu_model ver=\"1\"><keypoint name=\"tip\" at=\"0.5 -0.5 0.5\"/><node name=\"top\" "
-      "label=\"lid\" at=\"0 0 1\"><box size=\"0.5\"/></node><box size=\"1\"/></pangu_model>");
+      "label=\"lid\" translate=\"0 0 1\"><box size=\"0.5\"/></node><box "
+      "size=\"1\"/></pangu_model>");
 
   std::vector<std::string> render(const std::string& output, std::vector<std::string> more) const {
     more.insert(more.begin(),

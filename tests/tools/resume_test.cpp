@@ -190,7 +190,7 @@ TEST_F(Resume, AFullDiskKeepsWhatIsWhole) {
   // namespaces of one's own need no privilege where the kernel allows them
   const Outcome full =
       support::run({"unshare", "-rm", "bash", "-c",
-                    "mount -t tmpfs -o size=600k none \"$2/disk\" || exit 77; "
+                    "mount -t tmpfs -o size=3m none \"$2/disk\" || exit 77; "
                     "\"$0\" run \"$1\" -o \"$2/disk/frames\" --type npz; code=$?; "
                     "cp -r \"$2/disk/frames\" \"$2/frames\"; exit $code",
                     PANWRIGHT_BIN_DIR "/panwright", file, folder_.path().string()});
