@@ -167,7 +167,7 @@ struct alignas(16) LightBlock {
   float eclipse_space[24];  // of bodies whose limb bends, three rows each: a sample's place and 1, from the body's centre in its ellipsoid's space
   float eclipse_sun[24];  // of each in that space: to the middle of the Sun's disc, and from there by its radius along and across
   std::int32_t eclipses;  // number of these bodies; 0: by the edge
-  float eclipse_chords;  // where they are, in radii of the Sun's disc from its middle at most
+  float eclipse_chords;  // distance from the middle of the Sun's disc, in its radii, at most
   float padding_248[2];
   float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
   float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose

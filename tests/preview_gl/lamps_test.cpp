@@ -382,7 +382,7 @@ TEST(Lamps, PenumbraOfAnEdge) {
   const double of_soft = error_of(options, soft);
   printf("penumbra: hard %.3f, soft %.4f rms\n", of_hard, of_soft);
   EXPECT_EQ(soft.lamps_soft, 16u);
-  EXPECT_LT(of_soft, 0.05);  // 0.037: of 16 points (preview/frame/sun_points.h)
+  EXPECT_LT(of_soft, 0.04);  // 0.028 measured; 0.037 rms of 16 points in all directions
   // more lamps with discs than there are maps for
   std::vector<world::Lamp> many;
   for (int k = 0; k < 8; ++k)

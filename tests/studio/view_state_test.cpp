@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "studio/play.h"
 #include "world/camera.h"
 
 namespace panwright::studio {
@@ -140,6 +143,31 @@ TEST(ViewState, SkyAndLampsAreOptions) {
   view.sun_distance = 1;
   EXPECT_NE(command_line(view, 64, 48, {"port.pxn"}, "out.png").find("--sun-distance 1"),
             std::string::npos);
+}
+
+// Lamps of a scenario's camera stay where that camera is; those of the window come behind.
+TEST(ViewState, LampsOfAScenarioFromOutside) {
+  auto moment = std::make_shared<Moment>();
+  const std::string text = "led on camera intensity 3";
+  moment->view.settings.lamp = std::vector{text};
+  world::Lamp lamp;
+  lamp.source = light::Spot{.intensity = Vec3(3), .half_angle = kPi / 2, .exponent = 1};
+  lamp.carrier = world::Lamp::Carrier::camera;
+  moment->frame.lamps = std::vector{lamp};
+  moment->frame.sun = world::Sun();
+  world::Camera camera;
+  camera.position = {7, 0, 0};
+  moment->frame.instrument = workspace::CameraInstrument(camera, true);
+  ViewState view;
+  view.moment = moment;
+  EXPECT_EQ(settings_of(view, 8, 8).lamp->at(0), text);
+  view.from_outside = true;
+  view.sky.camera_lamp = 5;
+  const auto lamps = *settings_of(view, 8, 8).lamp;
+  ASSERT_EQ(lamps.size(), 2u);
+  EXPECT_TRUE(lamps[0].starts_with("spot at 7 0 0 toward 7 0 1 intensity 3 3 3 half-angle"))
+      << lamps[0];
+  EXPECT_EQ(lamps[1], "spot on camera intensity 5");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What bodies of the sky are to an image, in words. Private to workspace.
+// Bodies of the sky beside an image, in words. Private to workspace.
 #pragma once
 
 #include <string>
