@@ -1,7 +1,11 @@
 // Description of settings: types, bounds, words of messages, options of the command line, rules.
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -56,11 +60,45 @@ struct SettingInfo {
   const char* help;
 };
 
-constexpr std::uint64_t bit(SettingId id) { return std::uint64_t{1} << static_cast<unsigned>(id); }
+class SettingSet {
+ public:
+  constexpr SettingSet() = default;
+  constexpr SettingSet(std::initializer_list<SettingId> ids) {
+    for (const SettingId id : ids) insert(id);
+  }
+  constexpr void insert(SettingId id) { words_[index(id) / 64] |= one(id); }
+  constexpr bool has(SettingId id) const { return (words_[index(id) / 64] & one(id)) != 0; }
+  constexpr int count() const {
+    int sum = 0;
+    for (const std::uint64_t word : words_) sum += std::popcount(word);
+    return sum;
+  }
+  constexpr bool meets(const SettingSet& other) const { return (*this & other).count() > 0; }
+
+  constexpr SettingSet operator|(SettingSet other) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) other.words_[i] |= words_[i];
+    return other;
+  }
+  constexpr SettingSet operator&(SettingSet other) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) other.words_[i] &= words_[i];
+    return other;
+  }
+  constexpr SettingSet without(const SettingSet& other) const {
+    SettingSet rest = *this;
+    for (std::size_t i = 0; i < words_.size(); ++i) rest.words_[i] &= ~other.words_[i];
+    return rest;
+  }
+
+ private:
+  static constexpr std::size_t index(SettingId id) { return static_cast<std::size_t>(id); }
+  static constexpr std::uint64_t one(SettingId id) { return std::uint64_t{1} << index(id) % 64; }
+
+  std::array<std::uint64_t, 4> words_{};  // SettingId has 8 bits
+};
 
 // Settings that exclude one another: those of `first` and those of `others`.
 struct Exclusion {
-  std::uint64_t first, others;
+  SettingSet first, others;
   std::string_view says;  // empty: each only replaces the others
 };
 
