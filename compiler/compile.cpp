@@ -234,8 +234,9 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
   for (const scene::Node& node : scene.nodes) {
     const scene::Transform& t = node.parent_from_node;
     out.nodes.push_back({text(node.name), node.parent, t.translation, t.rotation, t.scale});
-    if (!node.label.empty())
-      out.labels.push_back({text(node.label), static_cast<std::uint32_t>(out.nodes.size() - 1)});
+    if (!node.marks.label.empty())
+      out.labels.push_back(
+          {text(node.marks.label), static_cast<std::uint32_t>(out.nodes.size() - 1)});
   }
   out.materials = scene.materials;
   for (materials::Material& material : out.materials) material.name = text(material.name);

@@ -123,7 +123,7 @@ class Comparison {
   void nodes() {
     list("node", a_.nodes, b_.nodes, [](const scene::Node& x, const scene::Node& y) {
       if (x.name != y.name) return fmt::format("called '{}', not '{}'", y.name, x.name);
-      if (x.label != y.label) return fmt::format("'{}' has another label", x.name);
+      if (x.marks != y.marks) return fmt::format("'{}' has another label", x.name);
       if (x.parent != y.parent) return fmt::format("'{}' is in another node", x.name);
       const bool moved = !(x.parent_from_node == y.parent_from_node);
       return moved ? fmt::format("'{}' is placed otherwise", x.name) : std::string();

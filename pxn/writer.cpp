@@ -381,7 +381,7 @@ class Writer {
       for (const std::size_t joint : at.joints) {
         out_.open("joint");
         write_joint(joint, plain(node.name));
-        if (joint == at.joints.front()) label(index);
+        if (joint == at.joints.front()) marks(index);
         if (joint == at.joints.front()) transform(node.parent_from_node);
       }
       content(index);
@@ -389,7 +389,7 @@ class Writer {
     } else {
       out_.open("node");
       out_.attribute("name", plain(node.name));
-      label(index);
+      marks(index);
       transform(node.parent_from_node);
       content(index);
       out_.close("node");
@@ -452,8 +452,8 @@ class Writer {
     out_.numbers("quat", std::array{q.w, q.x, q.y, q.z});
   }
 
-  void label(std::size_t node) {
-    const std::string& label = scene_.nodes[node].label;
+  void marks(std::size_t node) {
+    const std::string& label = scene_.nodes[node].marks.label;
     if (!label.empty()) out_.attribute("label", plain(label));
   }
 
@@ -463,7 +463,7 @@ class Writer {
     const std::string_view tag = geometry::kind_name(shape);
     out_.open(tag);
     out_.attribute("name", names_[index]);
-    if (place != nullptr) label(static_cast<std::size_t>(instance.node));
+    if (place != nullptr) marks(static_cast<std::size_t>(instance.node));
     write_shape_attributes(shape, out_);
     if (place != nullptr) transform(*place);
     out_.attribute("material", materials_[static_cast<std::size_t>(instance.material)]);

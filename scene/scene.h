@@ -34,13 +34,19 @@ struct Transform {
   bool operator==(const Transform&) const = default;
 };
 
+// Names that an author gives a part for its users.
+struct Marks {
+  std::string label;  // in labels of images, with all below it; empty: none
+  bool operator==(const Marks&) const = default;
+};
+
 // One node of the tree. nodes[0] is the root; a parent stands before its children.
 struct Node {
   std::string name;
   std::int32_t parent = kNone;  // < own index; kNone for the root alone
   Transform parent_from_node;
   Source source;
-  std::string label{};  // part of the model in labels of images, with all below it; empty: none
+  Marks marks{};
 };
 
 // A texture that multiplies the diffuse colour.

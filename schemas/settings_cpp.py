@@ -137,8 +137,8 @@ def options_of(table):
     names = [option["name"] for option in options]
     if len(set(names)) != len(names):
         raise TableError("a name stands twice")
-    if len(names) > 128:
-        raise TableError("more than 128 settings: masks have 128 bits")
+    if len(names) > 256:
+        raise TableError("more than 256 settings: SettingId has 8 bits")
     for option in options:
         if option["type"] not in TYPES:
             raise TableError(f"{option['name']}: unknown type {option['type']}")
@@ -222,10 +222,6 @@ def ids(names):
     return "{" + ", ".join("SettingId::" + identifier(name) for name in names) + "}"
 
 
-def mask(names):
-    return " | ".join(f"bit(SettingId::{identifier(name)})" for name in names)
-
-
 def order(options, first):
     for name in first:
         if name not in options:
@@ -277,7 +273,7 @@ def header_texts(table):
         return f"  Setting<{type_of(option)}> {identifier(option['name'])}{default};"
 
     def exclusion(rule):
-        return f"    {{{mask(rule['of'])}, {mask(rule.get('with', rule['of']))}, {quoted(rule.get('says', ''))}}},"
+        return f"    {{{ids(rule['of'])}, {ids(rule.get('with', rule['of']))}, {quoted(rule.get('says', ''))}}},"
 
     def requirement(rule):
         (name, values), = rule["when"].items()

@@ -1,8 +1,11 @@
 // Description of settings: types, bounds, words of messages, options of the command line, rules.
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -57,32 +60,45 @@ struct SettingInfo {
   const char* help;
 };
 
-// Set of settings.
-struct SettingMask {
-  static constexpr unsigned kBits = 128;
-  std::uint64_t words[2] = {0, 0};
+class SettingSet {
+ public:
+  constexpr SettingSet() = default;
+  constexpr SettingSet(std::initializer_list<SettingId> ids) {
+    for (const SettingId id : ids) insert(id);
+  }
+  constexpr void insert(SettingId id) { words_[index(id) / 64] |= one(id); }
+  constexpr bool has(SettingId id) const { return (words_[index(id) / 64] & one(id)) != 0; }
+  constexpr int count() const {
+    int sum = 0;
+    for (const std::uint64_t word : words_) sum += std::popcount(word);
+    return sum;
+  }
+  constexpr bool meets(const SettingSet& other) const { return (*this & other).count() > 0; }
 
-  constexpr bool any() const { return (words[0] | words[1]) != 0; }
-  constexpr int count() const { return std::popcount(words[0]) + std::popcount(words[1]); }
-  friend constexpr SettingMask operator|(const SettingMask& a, const SettingMask& b) {
-    return {{a.words[0] | b.words[0], a.words[1] | b.words[1]}};
+  constexpr SettingSet operator|(SettingSet other) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) other.words_[i] |= words_[i];
+    return other;
   }
-  friend constexpr SettingMask operator&(const SettingMask& a, const SettingMask& b) {
-    return {{a.words[0] & b.words[0], a.words[1] & b.words[1]}};
+  constexpr SettingSet operator&(SettingSet other) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) other.words_[i] &= words_[i];
+    return other;
   }
-  constexpr SettingMask operator~() const { return {{~words[0], ~words[1]}}; }
+  constexpr SettingSet without(const SettingSet& other) const {
+    SettingSet rest = *this;
+    for (std::size_t i = 0; i < words_.size(); ++i) rest.words_[i] &= ~other.words_[i];
+    return rest;
+  }
+
+ private:
+  static constexpr std::size_t index(SettingId id) { return static_cast<std::size_t>(id); }
+  static constexpr std::uint64_t one(SettingId id) { return std::uint64_t{1} << index(id) % 64; }
+
+  std::array<std::uint64_t, 4> words_{};  // SettingId has 8 bits
 };
-
-constexpr SettingMask bit(SettingId id) {
-  const auto number = static_cast<unsigned>(id);
-  SettingMask out;
-  out.words[number / 64] = std::uint64_t{1} << number % 64;
-  return out;
-}
 
 // Settings that exclude one another: those of `first` and those of `others`.
 struct Exclusion {
-  SettingMask first, others;
+  SettingSet first, others;
   std::string_view says;  // empty: each only replaces the others
 };
 

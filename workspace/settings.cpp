@@ -14,16 +14,16 @@ namespace panwright::workspace {
 namespace {
 
 // Settings that are given, or as well those of presets. A flag that is false is neither.
-SettingMask mask_of(const Settings& settings, bool with_presets) {
-  SettingMask mask;
+SettingSet set_of(const Settings& settings, bool with_presets) {
+  SettingSet out;
   visit_settings(
       [&](SettingId id, const auto& member) {
         bool set = with_presets ? bool(member) : member.given();
         if constexpr (std::is_same_v<decltype(*member), const bool&>) set = set && *member;
-        if (set) mask = mask | bit(id);
+        if (set) out.insert(id);
       },
       settings);
-  return mask;
+  return out;
 }
 
 void reset(SettingId id, Settings& settings) {
@@ -32,9 +32,9 @@ void reset(SettingId id, Settings& settings) {
       id, [](SettingId, auto& member, const auto& to) { member = to; }, settings, standard);
 }
 
-void reset(const SettingMask& mask, Settings& settings) {
+void reset(const SettingSet& those, Settings& settings) {
   for (std::size_t i = 0; i < std::size(kSettings); ++i)
-    if (const auto id = static_cast<SettingId>(i); (mask & bit(id)).any()) reset(id, settings);
+    if (const auto id = static_cast<SettingId>(i); those.has(id)) reset(id, settings);
 }
 
 bool takes(const Settings& settings, SettingId id) {
@@ -78,41 +78,41 @@ void add_defaults(Setting<std::vector<std::string>>& own,
 }  // namespace
 
 Settings with_defaults(Settings own, const Settings& defaults) {
-  const SettingMask given = mask_of(own, false);
+  const SettingSet given = set_of(own, false);
   Settings base = defaults;
   for (const Exclusion& rule : kExclusions) {
-    if ((given & rule.first).any()) reset(rule.others & ~given, base);
-    if ((given & rule.others).any()) reset(rule.first & ~given, base);
+    if (given.meets(rule.first)) reset(rule.others.without(given), base);
+    if (given.meets(rule.others)) reset(rule.first.without(given), base);
   }
   if (own.engine) {
-    SettingMask other;
+    SettingSet other;
     for (std::size_t i = 0; i < std::size(kSettings); ++i)
-      if (const auto id = static_cast<SettingId>(i); !takes(own, id)) other = other | bit(id);
+      if (const auto id = static_cast<SettingId>(i); !takes(own, id)) other.insert(id);
     reset(other, base);
   }
-  const SettingMask of_base = mask_of(base, true);
+  const SettingSet of_base = set_of(base, true);
   visit_settings([](SettingId, auto& member, const auto& from) { add_defaults(member, from); }, own,
                  base);
   for (const Requirement& rule : kRequirements) {
     if (!fails(rule, own)) continue;
-    const bool setting = (given & bit(rule.setting)).any(), other = (given & bit(rule.other)).any();
+    const bool setting = given.has(rule.setting), other = given.has(rule.other);
     if (!setting && other) reset(rule.setting, own);
     // an engine does not yield
-    if (setting && !other && rule.other != SettingId::engine && (of_base & bit(rule.other)).any())
+    if (setting && !other && rule.other != SettingId::engine && of_base.has(rule.other))
       reset(rule.other, own);
   }
   return own;
 }
 
 Settings with_presets(Settings settings) {
-  const SettingMask given = mask_of(settings, false);
+  const SettingSet given = set_of(settings, false);
   for (const Preset& preset : kPresets) {
     if (!preset.applies(settings)) continue;
     bool free = !visit_setting(
         preset.setting, [](SettingId, const auto& member) { return member.given(); }, settings);
     for (const Exclusion& rule : kExclusions)
-      if (((rule.first | rule.others) & bit(preset.setting)).any())
-        free = free && !(given & (rule.first | rule.others)).any();
+      if (const SettingSet both = rule.first | rule.others; both.has(preset.setting))
+        free = free && !given.meets(both);
     if (!free) continue;
     preset.set(settings);
     for (const Requirement& rule : kRequirements)
@@ -158,7 +158,7 @@ bool check(const Settings& settings, DiagnosticLog& log) {
     log.report(Code("E0201"), {}, std::string(message));
     good = false;
   };
-  const SettingMask set = mask_of(settings, true);
+  const SettingSet set = set_of(settings, true);
   visit_settings(
       [&](SettingId id, const auto& member) {
         if (!member) return;
@@ -169,13 +169,13 @@ bool check(const Settings& settings, DiagnosticLog& log) {
       },
       settings);
   for (const Exclusion& rule : kExclusions)
-    if (!rule.says.empty() && (set & rule.first).any() && (set & rule.others).any() &&
+    if (!rule.says.empty() && set.meets(rule.first) && set.meets(rule.others) &&
         (set & (rule.first | rule.others)).count() > 1)
       fail(rule.says);
   bool stray = false;
   for (std::size_t i = 0; i < std::size(kSettings); ++i) {
     const auto id = static_cast<SettingId>(i);
-    if (!(set & bit(id)).any() || takes(settings, id)) continue;
+    if (!set.has(id) || takes(settings, id)) continue;
     stray = true;
     fail(fmt::format("--{} requires --engine {}", info_of(id).name,
                      *settings.engine == Settings::Engine::gl ? "reference" : "gl"));

@@ -214,7 +214,8 @@ class SceneBuilder {
     if (add_exported(visit, node)) return;
     const std::int32_t placed = add_transform(visit.node, visit.parent);
     if (placed < 0) return;
-    out_.scene.nodes[static_cast<std::size_t>(placed)].label = label_of(d_, model_, visit.node);
+    out_.scene.nodes[static_cast<std::size_t>(placed)].marks.label =
+        label_of(d_, model_, visit.node);
     scene_nodes_[visit.node] = placed;
     if (node.mesh >= 0) add_mesh(visit.node, node, placed);
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)

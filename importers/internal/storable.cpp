@@ -73,7 +73,7 @@ std::size_t mend_names(scene::Scene& scene) {
     ++count;
   };
   for (auto& node : scene.nodes) mend(node.name);
-  for (auto& node : scene.nodes) mend(node.label);
+  for (auto& node : scene.nodes) mend(node.marks.label);
   for (auto& material : scene.materials) mend(material.name);
   for (auto& texture : scene.textures) mend(texture.name);
   for (auto& joint : scene.joints) mend(joint.name);

@@ -221,7 +221,7 @@ bool Assembler::enter(Use& use, const Item& item, std::string name,
     });
   }
   const NodeProperties* const properties = properties_of(use, item);
-  if (properties) node.label = properties->label;
+  if (properties) node.marks = properties->marks;
   scene_.nodes.push_back(std::move(node));
   context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
   if (properties && properties->material >= 0)

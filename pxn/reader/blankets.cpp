@@ -359,7 +359,7 @@ void Blankets::hang(std::int32_t node, std::string name, scene::Instance what) {
   if (beside && covered.parent != scene::kNone) {
     hanger.parent = covered.parent;
     hanger.parent_from_node = covered.parent_from_node;
-    hanger.label = covered.label;
+    hanger.marks.label = covered.marks.label;
   } else {
     hanger.parent = node;
   }

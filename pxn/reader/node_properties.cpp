@@ -41,7 +41,7 @@ std::uint32_t Loader::read_properties(Work& work, std::uint32_t element) {
     if (const auto which = given("name"))
       properties.name = values.text(element, *which).value_or("");
     if (const auto which = given("label"))
-      properties.label = values.text(element, *which).value_or("");
+      properties.marks.label = values.text(element, *which).value_or("");
     if (const auto which = given("material"))
       if (Definition* material =
               look_up(work.file, element, *which, work.file.materials, "material"))

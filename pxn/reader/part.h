@@ -61,8 +61,8 @@ struct BackMaterial {
 
 // Properties of nodes, shapes and uses.
 struct NodeProperties {
-  std::string name;   // as written; empty: from the kind
-  std::string label;  // empty: none
+  std::string name;  // as written; empty: from the kind
+  scene::Marks marks;
   std::optional<scene::Transform> transform;
   std::int32_t material = -1;        // index into Loader::materials
   std::optional<BackMaterial> back;  // none: the material's

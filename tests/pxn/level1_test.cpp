@@ -60,7 +60,7 @@ TEST(Level1, NodesShapesUsesAndJointsHaveLabels) {
   EXPECT_EQ(r.summary(), "");
   std::map<std::string, std::string> labels;
   for (const scene::Node& node : r.scene->nodes)
-    if (!node.label.empty()) labels[node.name] = node.label;
+    if (!node.marks.label.empty()) labels[node.name] = node.marks.label;
   EXPECT_EQ(labels.at("bus"), "bus");
   EXPECT_EQ(labels.at("wing"), "left");
   EXPECT_EQ(labels.at("drive"), "array");
@@ -69,7 +69,7 @@ TEST(Level1, NodesShapesUsesAndJointsHaveLabels) {
   // foil beside the shape that it covers belongs to its part
   std::size_t of_tank = 0;
   for (const scene::Instance& instance : r.scene->instances)
-    of_tank += r.scene->nodes[static_cast<std::size_t>(instance.node)].label == "tank";
+    of_tank += r.scene->nodes[static_cast<std::size_t>(instance.node)].marks.label == "tank";
   EXPECT_EQ(of_tank, 2u);
 }
 

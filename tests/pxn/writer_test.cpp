@@ -237,7 +237,7 @@ class Maker {
         if (kind < 4 && depth < 4) {
           const auto node = static_cast<std::int32_t>(scene_.nodes.size());
           scene_.nodes.push_back({"node" + std::to_string(node), parent, transform(), {}});
-          if (below(3) == 0) scene_.nodes.back().label = "part & " + std::to_string(below(4));
+          if (below(3) == 0) scene_.nodes.back().marks.label = "part & " + std::to_string(below(4));
           const Mat4 local = scene_.nodes.back().parent_from_node.matrix();
           nodes(node, depth + 1, inner, inner == scene::kNone ? matrix : outer * local);
         } else {
@@ -250,7 +250,7 @@ class Maker {
   void shape(std::int32_t parent, std::int32_t texture, const Mat4& matrix) {
     const auto node = static_cast<std::int32_t>(scene_.nodes.size());
     scene_.nodes.push_back({"shape" + std::to_string(node), parent, transform(), {}});
-    if (below(3) == 0) scene_.nodes.back().label = "shape's";
+    if (below(3) == 0) scene_.nodes.back().marks.label = "shape's";
     scene::Instance instance;
     instance.node = node;
     instance.shape = static_cast<std::int32_t>(scene_.shapes.size());

@@ -10,16 +10,14 @@
 
 namespace panwright::support {
 
-// Every kind of record but backs, labels and lights: three nodes, a tetrahedron and a coloured,
-// textured square, two materials, a 2 x 3 texture, a frame, sources, inputs, a budget, two
-// keypoints and two decals.
+// Every kind of record of format 1.0: three nodes, a tetrahedron and a coloured, textured square,
+// two materials, a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
 // Returns the problems found by check() in a file with these contents; "" if valid.
 std::string problems(const pan::Contents& contents);
-// Number of its sections: all kinds but those of mesh streams, backs, labels, lamps and scenes,
-// which are no part of format 1.0.
-inline constexpr std::size_t kSampleSections = pan::layout::kSectionKinds - 6;
+// Number of its sections: the kinds of format 1.0.
+inline constexpr std::size_t kSampleSections = 24;
 
 // A sheet of 24 x 24 quads, a row of nodes with frames, and a texture: small, and most sections are
 // long and regular enough to be compressed.

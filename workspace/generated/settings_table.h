@@ -369,13 +369,13 @@ void visit_settings(F&& f, S&... settings) {
 }
 
 inline constexpr Exclusion kExclusions[] = {
-    {bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho), "--fov, --ifov, --intrinsics and --ortho cannot be combined"},
-    {bit(SettingId::distortion), bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::ortho), "--distortion requires --intrinsics, and no other lens"},
-    {bit(SettingId::camera_file), bit(SettingId::size) | bit(SettingId::fov) | bit(SettingId::ifov) | bit(SettingId::intrinsics) | bit(SettingId::ortho) | bit(SettingId::distortion) | bit(SettingId::mount) | bit(SettingId::detector), "--camera-file cannot be combined with --size or another lens"},
-    {bit(SettingId::detector), bit(SettingId::ortho), "a detector needs a perspective lens, not --ortho"},
-    {bit(SettingId::quat), bit(SettingId::look_at), "--quat cannot be combined with --look-at"},
-    {bit(SettingId::camera_frame), bit(SettingId::camera) | bit(SettingId::quat) | bit(SettingId::look_at), "--camera-frame cannot be combined with --camera, --quat or --look-at"},
-    {bit(SettingId::samples) | bit(SettingId::pixel_error), bit(SettingId::samples) | bit(SettingId::pixel_error), ""},
+    {{SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::ortho}, {SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::ortho}, "--fov, --ifov, --intrinsics and --ortho cannot be combined"},
+    {{SettingId::distortion}, {SettingId::fov, SettingId::ifov, SettingId::ortho}, "--distortion requires --intrinsics, and no other lens"},
+    {{SettingId::camera_file}, {SettingId::size, SettingId::fov, SettingId::ifov, SettingId::intrinsics, SettingId::ortho, SettingId::distortion, SettingId::mount, SettingId::detector}, "--camera-file cannot be combined with --size or another lens"},
+    {{SettingId::detector}, {SettingId::ortho}, "a detector needs a perspective lens, not --ortho"},
+    {{SettingId::quat}, {SettingId::look_at}, "--quat cannot be combined with --look-at"},
+    {{SettingId::camera_frame}, {SettingId::camera, SettingId::quat, SettingId::look_at}, "--camera-frame cannot be combined with --camera, --quat or --look-at"},
+    {{SettingId::samples, SettingId::pixel_error}, {SettingId::samples, SettingId::pixel_error}, ""},
 };
 
 inline constexpr Requirement kRequirements[] = {
