@@ -277,7 +277,10 @@ COMMANDS = {
             "width": "integer: posts along a row, the closing one of a map round the body included", "height": "integer: rows", "pixel_m": "number[]: metres on the map, along columns and rows",
             "radius_m": "number: of the sphere; 0 of a plane", "levels": "integer", "tiles": "integer: of all levels", "step_m": "number: between stored heights; 0: floats",
             "error_m": "number: largest distance of a stored height from its source", "min": "number: lowest height, metres over the sphere", "max": "number: highest",
-            "void_tiles": "integer: without any height"}])},
+            "void_tiles": "integer: without any height"}]),
+        "points?": ("with --at, in its order", [{
+            "latitude": "number: degrees; of a plane y, metres", "longitude": "number: degrees; of a plane x", "height?": "number: metres over the sphere; absent: no ground",
+            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "chart?": "integer"}])},
     "radar": {
         "radar": "string: its name",
         "ranges": ("columns", {"count": "integer", "first_m": "number: metres, of its centre", "step_m": "number: metres"}),

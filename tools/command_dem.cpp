@@ -24,7 +24,7 @@ using terrain::Quantity;
 
 struct Options {
   CommonOptions common;
-  std::vector<std::string> files;
+  std::vector<std::string> files, places;
   std::string output, unit, values, positive, place, light = "315 45";
   double error = 0;
   std::optional<double> radius, missing, data_offset;
@@ -46,6 +46,13 @@ void declare_all(Arguments& arguments, Options& options) {
            "floats)")
       .type("METRES")
       .range(0, 1e6);
+  arguments
+      .add("--at", options.places,
+           "Place to tell height, normal and slope of, of terrain: latitude and longitude, degrees "
+           "(of a plane y and x, metres), or a file with one place a line (.csv); may be repeated")
+      .one_value()
+      .numbers()
+      .type("\"LAT LON\"|FILE");
   arguments.add("--size", options.size, "Longest side of the hillshade, pixels (default 1024)")
       .type("PIXELS")
       .range(16, 16384);
@@ -364,12 +371,14 @@ int run(const Options& options, const Host& host) {
   if (of_tiles && !output.empty())
     log.report(Code("E0201"), {},
                "-o needs an elevation file: terrain of a pan file is shown only");
+  if (!of_tiles && !options.places.empty())
+    log.report(Code("E0201"), {}, "--at needs terrain of a pan file: -o NAME.pan makes it");
   if (log.has_errors() || (!output.empty() && !context.files().will_write(output, "-o", log)))
     return context.finish();
   for (const std::string& each : options.files)
     if (!require_file(each, log)) return context.finish();
   if (of_tiles) {
-    show_terrain(file, context);
+    show_terrain(file, options.places, context);
     return context.finish();
   }
   if (tiles) {

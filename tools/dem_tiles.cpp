@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/number_rows.h"
 #include "base/text.h"
+#include "terrain/ground.h"
 #include "terrain/tile_writer.h"
 #include "terrain/tiles.h"
 #include "tools/print.h"
@@ -89,6 +91,54 @@ void report(const terrain::Tiles& tiles, CommandContext& context) {
   out["charts"] = std::move(charts);
 }
 
+bool read_places(const std::vector<std::string>& texts, CommandContext& context,
+                 std::vector<terrain::LatLon>& out) {
+  for (const std::string& text : texts) {
+    auto numbers = numbers_in(text);
+    if (text.ends_with(".csv") || text.ends_with(".txt")) {
+      context.files().will_read(text);
+      const auto read = read_number_rows(text, 2, Code("E0262"), context.log());
+      if (!read) return false;
+      numbers = *read;
+    } else if (!numbers || numbers->size() != 2) {
+      context.log().report(Code("E0201"), {},
+                           fmt::format("--at is {}, expected two numbers, or a file with as many "
+                                       "in each line (.csv)",
+                                       in_quotes(text)));
+      return false;
+    }
+    for (std::size_t i = 0; i + 1 < numbers->size(); i += 2)
+      out.push_back({(*numbers)[i], (*numbers)[i + 1]});
+  }
+  return true;
+}
+
+void report_points(const std::vector<terrain::LatLon>& places,
+                   const std::vector<terrain::GroundPoint>& points, CommandContext& context) {
+  Json list = Json::array();
+  const bool json = context.options().json;
+  if (!json)
+    print("\n{:>11} {:>11} {:>14} {:>9}  normal\n", "latitude", "longitude", "height", "slope");
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const terrain::GroundPoint& p = points[i];
+    if (!json && p)
+      print("{:>11.6f} {:>11.6f} {:>14.4f} {:>9.4f}  {:.6f} {:.6f} {:.6f}\n", places[i].latitude,
+            places[i].longitude, p.height, p.slope / kDegree, p.normal.x, p.normal.y, p.normal.z);
+    else if (!json)
+      print("{:>11.6f} {:>11.6f} {:>14}\n", places[i].latitude, places[i].longitude, "none");
+    if (!json) continue;
+    Json one = {{"latitude", places[i].latitude}, {"longitude", places[i].longitude}};
+    if (p)
+      one.update({{"height", p.height},
+                  {"slope_deg", p.slope / kDegree},
+                  {"normal", {p.normal.x, p.normal.y, p.normal.z}},
+                  {"position", {p.position.x, p.position.y, p.position.z}},
+                  {"chart", p.chart}});
+    list.push_back(std::move(one));
+  }
+  if (json) context.result()["points"] = std::move(list);
+}
+
 }  // namespace
 
 void write_terrain(const std::vector<std::string>& files, const terrain::DemOptions& reading,
@@ -110,9 +160,28 @@ void write_terrain(const std::vector<std::string>& files, const terrain::DemOpti
   context.wrote(output, counted(written->tiles, "tile"));
 }
 
-void show_terrain(const std::string& file, CommandContext& context) {
-  const auto tiles = terrain::Tiles::open(file, context.log());
-  if (tiles) report(*tiles, context);
+void show_terrain(const std::string& file, const std::vector<std::string>& places,
+                  CommandContext& context) {
+  std::vector<terrain::LatLon> wanted;
+  if (!read_places(places, context, wanted)) return;
+  auto tiles = terrain::Tiles::open(file, context.log());
+  if (!tiles) return;
+  if (places.empty()) return report(*tiles, context);
+  const terrain::Ground ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
+  std::vector<terrain::GroundPoint> points(wanted.size());
+  context.step("ask");
+  const auto done = run_job(context.job(), context.log(), [&] {
+    ground.at(wanted, points, context.job());
+    return true;
+  });
+  if (!done) return;
+  report(ground.tiles(), context);
+  report_points(wanted, points, context);
+  for (std::uint32_t i = 0; i < ground.tiles().records().size(); ++i)
+    if (ground.tiles().is_damaged(i))
+      context.log().report_file(Code("E9611"), file,
+                                terrain::tile_words(ground.tiles(), i) +
+                                    " does not match its hash: it has no ground here");
 }
 
 void check_terrain(const std::string& file, DiagnosticLog& log, const Job& job) {

@@ -16,8 +16,9 @@ namespace panwright::tools {
 void write_terrain(const std::vector<std::string>& files, const terrain::DemOptions& reading,
                    const std::string& output, double error, CommandContext& context);
 
-// Shows the terrain of a pan file.
-void show_terrain(const std::string& file, CommandContext& context);
+// Shows the terrain of a pan file; with places ("LAT LON", or files of them) its ground there.
+void show_terrain(const std::string& file, const std::vector<std::string>& places,
+                  CommandContext& context);
 
 // Reports the damaged tiles of a pan file, if it has terrain. Fails: E9610, E9611.
 void check_terrain(const std::string& file, DiagnosticLog& log, const Job& job);
