@@ -8,8 +8,11 @@
 #include <fstream>
 #include <string>
 
+#include "base/parallel.h"
 #include "bench/bench.h"
+#include "terrain/ground.h"
 #include "terrain/survey.h"
+#include "terrain/tile_writer.h"
 
 namespace panwright::bench::case_terrain {
 
@@ -148,6 +151,100 @@ void run_terrain(Context& context) {
   }
 }
 
+// Terrain of a pan file: made, checked, asked. The errors are of heights at posts, and of hits of
+// rays against the ground below them.
+void run_tiles(Context& context) {
+  const std::uint32_t width = context.quick() ? 1024 : 8192, height = width / 2;
+  const auto path = write(context.scratch(), kFormats[0], width, height);
+  const auto pan = context.scratch() / "ground.pan";
+  DiagnosticLog log;
+  const auto dem = terrain::Dem::open(path, {}, log);
+  if (!dem) return context.note("a file cannot be read: " + to_text(log));
+  const double megaposts = double(width) * height / 1e6;
+  for (const double error : {0.0, 0.05}) {
+    Row row;
+    row.case_name = "terrain_tiles";
+    row.setting = fmt::format("{} x {}: {}", width, height,
+                              error > 0 ? "written as codes" : "written as floats");
+    row.speed_unit = "Mposts/s";
+    row.error_unit = "m";
+    row.reference = "heights of the file";
+    row.reference_error = 1e-12;
+    row.must_error = error > 0 ? error : 6.2e-5;
+    set_rate(row,
+             timed(
+                 [&] {
+                   const auto report = terrain::write_tiles({&*dem, 1}, pan, {error}, log);
+                   row.error = report ? report->error : 1e9;
+                 },
+                 1),
+             megaposts);
+    context.add(row);
+  }
+  auto tiles = terrain::Tiles::open(pan, log);
+  if (!tiles) return context.note("no terrain: " + to_text(log));
+  const terrain::Ground ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
+  Row row;
+  row.case_name = "terrain_tiles";
+  row.error_unit = "m";
+  row.reference_error = 1e-12;
+  row.setting = "all tiles checked";
+  row.speed_unit = "MB/s";
+  row.reference = "their hashes";
+  row.must_error = 0;
+  set_rate(row, timed([&] { row.error = ground.tiles().check(log) ? 0 : 1; }, context.runs()),
+           double(std::filesystem::file_size(pan)) / 1e6);
+  context.add(row);
+
+  const std::size_t count = context.quick() ? 10'000 : 1'000'000;
+  std::vector<terrain::LatLon> places(count);
+  std::vector<double> want(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto x = static_cast<std::uint32_t>(i * 7919 % width),
+               y = static_cast<std::uint32_t>(i * 104729 % (height - 2) + 1);
+    places[i] = dem->info().map.at(x + 0.5, y + 0.5);
+    want[i] = height_at(x, y);
+  }
+  std::vector<terrain::GroundPoint> points(count);
+  row.setting = "heights, normals, slopes at places";
+  row.speed_unit = "Mplaces/s";
+  row.reference = "heights at posts";
+  row.must_error = 0.025 + 1e-6;  // half a stored step
+  set_rate(row, timed([&] { ground.at(places, points); }, context.runs()), double(count) / 1e6);
+  row.error = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    row.error = std::max(row.error, points[i] ? std::fabs(points[i].height - want[i]) : 1e9);
+  context.add(row);
+
+  // a view from 20 km, down to the horizon
+  const std::size_t side = context.quick() ? 64 : 512;
+  const Vec3 eye(1737400.0 + 20000, 0, 0);
+  std::vector<std::optional<terrain::GroundHit>> hits(side * side);
+  const auto cast = [&](std::size_t j) {
+    for (std::size_t i = 0; i < side; ++i) {
+      const double x = (double(i) + 0.5) / double(side) - 0.5, y = double(j) / double(side);
+      hits[j * side + i] = ground.nearest(eye, glm::normalize(Vec3(-0.05 - y, x, 0.7)));
+    }
+  };
+  row.setting = fmt::format("{} x {} rays from 20 km", side, side);
+  row.speed_unit = "Mrays/s";
+  row.reference = "the ground below the hits";
+  row.must_error = 1e-6;
+  set_rate(row, timed([&] { parallel_for(side, cast); }, context.runs()),
+           double(side) * double(side) / 1e6);
+  row.error = 0;
+  for (const auto& hit : hits) {
+    if (!hit) continue;
+    const Vec3 p = hit->point.position;
+    const terrain::GroundPoint below = ground.at(
+        {std::atan2(p.z, std::hypot(p.x, p.y)) / kDegree, std::atan2(p.y, p.x) / kDegree});
+    row.error = std::max(row.error, below ? std::fabs(below.height - hit->point.height) : 1e9);
+  }
+  context.add(row);
+}
+
+const bool kTilesAdded =
+    add_case({"terrain_tiles", "terrain of a pan file: made, checked, asked, rays", run_tiles});
 const bool kAdded = add_case({"terrain", "elevation files: rows and statistics", run_terrain});
 
 }  // namespace

@@ -255,7 +255,7 @@ COMMANDS = {
         "sessions?": "integer: with --replay: number of them", "different?": "integer: with --replay: replies that differ",
         "first_different?": "string: with --replay: place of the first of them; empty: none"},
     "dem": {
-        "kind": "string: raster or shape", "format": "string: PDS3, PDS4, ISIS cube, GeoTIFF, ENVI, GDAL (driver); of a shape plates (.tab), plates (.plt), OBJ, ICQ, DSK type 2",
+        "kind": "string: raster, shape or terrain", "format": "string: PDS3, PDS4, ISIS cube, GeoTIFF, ENVI, GDAL (driver); of a shape plates (.tab), plates (.plt), OBJ, ICQ, DSK type 2; of terrain pan",
         "files": "string[]: read, the label first", "unit": "string: of the file: m or km, or metres of a number; empty: of plain numbers", "unit_stated": "boolean: the file states it",
         "min": "number|null: lowest height, metres over the sphere; of a shape the least radius; null: all posts are void", "max": "number|null: highest",
         "width?": "integer: columns of a raster", "height?": "integer: rows", "bands?": "integer", "band?": "integer: the one read, from 1",
@@ -275,7 +275,17 @@ COMMANDS = {
             "posts": "integer: apart", "metres": "number: apart, at the middle", "rms_deg": "number: of the RMS tangent", "median_deg": "number: of absolute slopes", "pairs": "integer"}]),
         "slope_rows?": "integer: slopes are of each n-th row", "exaggeration?": "number: factor of heights in the hillshade",
         "vertices?": "integer: of a shape", "plates?": "integer", "size_m?": "vec3: of its bounds", "area_m2?": "number", "volume_m3?": "number: negative where plates face inwards",
-        "centroid_m?": "vec3: of the volume", "open_edges?": "integer: of one plate, or more than two", "flat_plates?": "integer: without an area"},
+        "centroid_m?": "vec3: of the volume", "open_edges?": "integer: of one plate, or more than two", "flat_plates?": "integer: without an area",
+        "bytes?": "integer: of a pan file with terrain",
+        "charts?": ("of terrain; where they overlap, the first with a height gives it", [{
+            "target": "string: body; may be empty", "frame": "string: coordinate system; may be empty", "projection": "string: cylindrical, polar stereographic or plane",
+            "width": "integer: posts along a row, the closing one of a map round the body included", "height": "integer: rows", "pixel_m": "number[]: metres on the map, along columns and rows",
+            "radius_m": "number: of the sphere; 0 of a plane", "levels": "integer", "tiles": "integer: of all levels", "step_m": "number: between stored heights; 0: floats",
+            "error_m": "number: largest distance of a stored height from its source", "min": "number: lowest height, metres over the sphere", "max": "number: highest",
+            "void_tiles": "integer: without any height"}]),
+        "points?": ("with --at, in its order", [{
+            "latitude": "number: degrees; of a plane y, metres", "longitude": "number: degrees; of a plane x", "height?": "number: metres over the sphere; absent: no ground",
+            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "chart?": "integer"}])},
     "radar": {
         "radar": "string: its name",
         "ranges": ("columns", {"count": "integer", "first_m": "number: metres, of its centre", "step_m": "number: metres"}),

@@ -12,6 +12,7 @@
 #include "compiler/size.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/dem_tiles.h"
 #include "tools/print.h"
 #include "workspace/open.h"
 #include "workspace/watch.h"
@@ -52,6 +53,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read, Comm
     const auto model = workspace::open(path, read, log, context.job(), &report);
     context.add_timings(report.steps);
     if (model) workspace::add_inputs(**model, path, files);
+    if (extension == ".pan") check_terrain(path, log, context.job());
     if (const auto bounds = model ? (*model)->world_bounds() : std::nullopt)
       size = compiler::size_in_words(bounds->extent());
     if (model && extension == ".pan") {

@@ -10,6 +10,7 @@
 #include "terrain/survey.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/dem_tiles.h"
 #include "tools/print.h"
 
 namespace panwright::tools {
@@ -23,17 +24,35 @@ using terrain::Quantity;
 
 struct Options {
   CommonOptions common;
-  std::string file, output, unit, values, positive, place, light = "315 45";
+  std::vector<std::string> files, places;
+  std::string output, unit, values, positive, place, light = "315 45";
+  double error = 0;
   std::optional<double> radius, missing, data_offset;
   std::uint32_t band = 1, size = 1024;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments
-      .add("file", options.file, "Elevation file, its label, or a shape model (docs/terrain.md)")
+      .add("files", options.files,
+           "Elevation file, its label, a shape model, or terrain of a pan file (docs/terrain.md); "
+           "several for terrain, the first where they overlap")
       .required()
+      .type("FILE…");
+  arguments.add("-o,--output", options.output, "Hillshade (.png) or terrain (.pan) to write")
       .type("FILE");
-  arguments.add("-o,--output", options.output, "Hillshade to write, a PNG").type("FILE");
+  arguments
+      .add("--error", options.error,
+           "Metres by which stored heights of terrain may differ from the file's (default 0: exact "
+           "floats)")
+      .type("METRES")
+      .range(0, 1e6);
+  arguments
+      .add("--at", options.places,
+           "Place to tell height, normal and slope of, of terrain: latitude and longitude, degrees "
+           "(of a plane y and x, metres), or a file with one place a line (.csv); may be repeated")
+      .one_value()
+      .numbers()
+      .type("\"LAT LON\"|FILE");
   arguments.add("--size", options.size, "Longest side of the hillshade, pixels (default 1024)")
       .type("PIXELS")
       .range(16, 16384);
@@ -326,9 +345,9 @@ bool write_png(const std::string& path, std::uint32_t width, std::uint32_t heigh
 void run_shape(const Options& options, CommandContext& context) {
   terrain::ShapeOptions shape_options;
   shape_options.unit = unit_of(options.unit, context.log());
-  const auto shape = terrain::read_shape(options.file, shape_options, context.log());
+  const auto shape = terrain::read_shape(options.files.front(), shape_options, context.log());
   if (!shape) return;
-  report_shape(*shape, options.file, options.common.json, context.result());
+  report_shape(*shape, options.files.front(), options.common.json, context.result());
   if (options.output.empty()) return;
   const std::uint32_t side = std::max(16u, options.size / 3);
   write_png(options.output, 3 * side, side, terrain::draw_shape(*shape, side), context,
@@ -341,21 +360,38 @@ int run(const Options& options, const Host& host) {
   const auto reading = dem_options(options, log);
   const auto surveying = survey_options(options, log);
   if (log.has_errors()) return context.finish();
-  if (!options.output.empty() && !options.output.ends_with(".png") &&
-      !options.output.ends_with(".PNG"))
-    log.report_file(Code("E0202"), options.output,
-                    "a hillshade is a PNG: expected a name ending in .png");
-  if (log.has_errors() ||
-      (!options.output.empty() && !context.files().will_write(options.output, "-o", log)) ||
-      !require_file(options.file, log))
+  const std::string& output = options.output;
+  const std::string& file = options.files.front();
+  const bool tiles = output.ends_with(".pan"), of_tiles = file.ends_with(".pan");
+  if (!output.empty() && !tiles && !output.ends_with(".png") && !output.ends_with(".PNG"))
+    log.report_file(Code("E0202"), output,
+                    "expected a name ending in .png, a hillshade, or .pan, terrain");
+  if (options.files.size() > 1 && !tiles)
+    log.report(Code("E0201"), {}, "several files make one terrain: -o NAME.pan");
+  if (of_tiles && !output.empty())
+    log.report(Code("E0201"), {},
+               "-o needs an elevation file: terrain of a pan file is shown only");
+  if (!of_tiles && !options.places.empty())
+    log.report(Code("E0201"), {}, "--at needs terrain of a pan file: -o NAME.pan makes it");
+  if (log.has_errors() || (!output.empty() && !context.files().will_write(output, "-o", log)))
     return context.finish();
-  if (terrain::is_shape(options.file)) {
+  for (const std::string& each : options.files)
+    if (!require_file(each, log)) return context.finish();
+  if (of_tiles) {
+    show_terrain(file, options.places, context);
+    return context.finish();
+  }
+  if (tiles) {
+    write_terrain(options.files, reading, output, options.error, context);
+    return context.finish();
+  }
+  if (terrain::is_shape(file)) {
     run_shape(options, context);
     return context.finish();
   }
   const Job& job = context.job();
   context.step("read");
-  const auto dem = terrain::Dem::open(options.file, reading, log, job);
+  const auto dem = terrain::Dem::open(file, reading, log, job);
   if (!dem) return context.finish();
   const auto survey = terrain::survey(*dem, surveying, log, job);
   if (!survey) return context.finish();
@@ -373,8 +409,10 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_dem
 
 Command dem_command() {
-  return command("dem", "Show what an elevation file or shape model holds; draw its hillshade",
-                 command_dem::declare_all, command_dem::run);
+  return command(
+      "dem",
+      "Show what an elevation file or shape model holds; draw its hillshade, store it as terrain",
+      command_dem::declare_all, command_dem::run);
 }
 
 }  // namespace panwright::tools

@@ -14,6 +14,7 @@
 #include "compiler/size.h"
 #include "compiler/tolerance.h"
 #include "pan/fields.h"
+#include "terrain/tiles.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/joint_list.h"
@@ -401,13 +402,17 @@ void print_storage(const pan::Model& model) {
       stored += entry.stored_length;
       raw += entry.raw_length;
     }
-    if (!model.reads(entry)) others += (others.empty() ? "" : ", ") + pan::kind_name(entry.kind);
+    if (!model.reads(entry) && entry.kind != terrain::kTilesSection)
+      others += (others.empty() ? "" : ", ") + pan::kind_name(entry.kind);
   }
   if (compressed > 0)
     print("format    {}.{}, {} compressed: {} bytes instead of {}\n", model.header().major,
           model.header().minor, counted(compressed, "section"), stored, raw);
   if (const auto words = stream_words(model); !words.empty()) print("stored    {}\n", words);
   if (!others.empty()) print("ignored   sections of this file: {}\n", others);
+  for (const pan::layout::DirectoryEntry& entry : model.directory())
+    if (entry.kind == terrain::kTilesSection)
+      print("terrain   {} of tiles; panwright dem shows them\n", counted(entry.raw_length, "byte"));
 }
 
 // The records that the layout gives a line.

@@ -26,6 +26,7 @@ using nlohmann::json;
 using support::TemporaryFolder;
 
 const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
+const std::string kCrater = PANWRIGHT_SOURCE_DIR "/examples/terrain/crater.lbl";
 const std::string kLabels = PANWRIGHT_SOURCE_DIR "/examples/labels";
 const fs::path kBad = PANWRIGHT_SOURCE_DIR "/tests/pxn/data/bad";
 const fs::path kBadCad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad";
@@ -57,6 +58,16 @@ std::vector<std::string> crowd(const std::string& pan) {
   std::vector<std::string> words{"render"};
   for (int i = 0; i <= 4096; ++i) words.push_back(std::to_string(i) + "=" + pan);
   return words;
+}
+
+// A pan file whose only tile has a wrong byte.
+std::string damaged_terrain(const TemporaryFolder& folder) {
+  const std::string path = folder / "ground.pan";
+  codes_of({"dem", kCrater, "-o", path});
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(5000);
+  file.put('\x55');
+  return path;
 }
 
 struct Trigger {
@@ -270,6 +281,9 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
        {}},
       {"N9604", {"dem", folder.write("bare.tab", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")}, {}},
       {"E9606", {"dem", folder.write("cut.tab", "v 0 0 0\nv 1 0\n"), "--unit", "m"}, {}},
+      {"E9610", {"dem", pan}, {}},
+      {"E9611", {"check", damaged_terrain(folder)}, {}},
+      {"E9612", {"dem", kCrater, "--values", "plain", "-o", folder / "plain.pan"}, {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
       {"E0103", {"compile", kFigure8, "-o", folder / "no/f.pan"}, {}},

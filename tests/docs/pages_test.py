@@ -15,7 +15,7 @@ import tempfile
 import unicodedata
 
 MOST_WORDS = 800
-NOT_USER_PAGES = {"pxn-reference.md", "pan-format.md", "json-output.md", "server-protocol.md", "accuracy.md", "map.md"}
+NOT_USER_PAGES = {"pxn-reference.md", "pan-format.md", "json-output.md", "server-protocol.md", "accuracy.md", "map.md", "terrain-tiles.md"}
 NO_IMAGE = {"versions.md"}
 SOURCES = {".h", ".cpp", ".def", ".md", ".toml", ".py", ".glsl", ".pxn", ".txt", ".cmake", ".json", ""}
 # not searched for names of pages: history, and the pages of the self-test

@@ -1,0 +1,40 @@
+// Writer of terrain tiles: elevation files into one pan file, as a stream.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "base/result.h"
+#include "terrain/dem.h"
+#include "terrain/tiles.h"
+
+namespace panwright::terrain {
+
+struct TilesOptions {
+  // Metres, the most by which a stored height may differ from its source. Steps between stored
+  // heights are the largest power of two within it, the same in all tiles, so that tiles meet.
+  // 0: floats, which hold the heights of most files exactly.
+  double error = 0;
+};
+
+struct TilesReport {
+  std::uint64_t bytes = 0;  // of the file
+  std::uint64_t tiles = 0;
+  std::uint64_t float_tiles = 0;  // those whose relief is too large for codes included
+  double error = 0;               // metres, measured: the largest of all charts
+};
+
+// Writes one chart for each elevation file, in their order: where charts overlap, the first that
+// has a height gives it. Files name the same body, or none.
+//
+// Fails: E0001, E0103, E9601; E9612 (other bodies, a file of voids only, heights that steps of this
+// error do not hold). Nothing appears under the name before the file is whole and checked.
+// Cost: O(posts); memory 257 rows of doubles and twice as many floats, and the records of tiles.
+Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem::path& path,
+                                const TilesOptions& options, DiagnosticLog& log,
+                                const Job& job = {});
+
+}  // namespace panwright::terrain

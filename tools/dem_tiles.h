@@ -1,0 +1,26 @@
+// Terrain tiles in the command dem, and in check.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "terrain/dem.h"
+#include "tools/command_context.h"
+
+namespace panwright::tools {
+
+// Writes elevation files as terrain of a pan file, and shows what it holds. error: metres, 0 exact.
+void write_terrain(const std::vector<std::string>& files, const terrain::DemOptions& reading,
+                   const std::string& output, double error, CommandContext& context);
+
+// Shows the terrain of a pan file; with places ("LAT LON", or files of them) its ground there.
+void show_terrain(const std::string& file, const std::vector<std::string>& places,
+                  CommandContext& context);
+
+// Reports the damaged tiles of a pan file, if it has terrain. Fails: E9610, E9611.
+void check_terrain(const std::string& file, DiagnosticLog& log, const Job& job);
+
+}  // namespace panwright::tools
