@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -118,6 +119,17 @@ std::string_view declared_encoding(std::string_view text) {
   return end == text.npos ? std::string_view() : text.substr(at + 1, end - at - 1);
 }
 
+bool is_marked(std::string_view text) {
+  return text.starts_with("\xff\xfe"sv) || text.starts_with("\xfe\xff"sv) ||
+         text.starts_with("\0\0\xfe\xff"sv);
+}
+
+// Text that is not XML: OBJ, say. The reader of VRML says what is wrong with its encoding.
+bool is_other_text(std::string_view text) {
+  return !text.starts_with("#VRML") &&
+         std::ranges::none_of(text, [](char c) { return c >= 0 && c < '\t'; });
+}
+
 enum class Charset { utf8, wide, latin, latin9, unknown };
 
 Charset charset_of(std::string_view name) {
@@ -143,7 +155,9 @@ Recoded xml_in_utf8(SharedText bytes) {
     std::size_t damaged = 0;
     std::string out = from_wide(text, wide, damaged);
     const std::size_t first = out.find_first_not_of(" \t\r\n");
-    if (first == out.npos || out[first] != '<') return {std::move(bytes), {}};
+    const bool xml = first != out.npos && out[first] == '<';
+    if (!xml && !(is_marked(text) && damaged == 0 && is_other_text(out)))
+      return {std::move(bytes), {}};
     const int bits = static_cast<int>(8 * wide.bytes);
     return {shared(std::move(out)),
             damaged == 0 ? std::string()

@@ -16,7 +16,8 @@ struct Recoded {
 
 // Returns an XML text in UTF-8: by its byte order mark, the width of its first characters, or its
 // declaration. Reads UTF-8, UTF-16, UTF-32, ISO-8859-1, ISO-8859-15 and Windows-1252; what is no
-// UTF-8, and declares nothing else, is taken for Windows-1252. Other texts are unchanged.
+// UTF-8, and declares nothing else, is taken for Windows-1252. Other texts are unchanged, except
+// those of UTF-16 or UTF-32 with a byte order mark.
 Recoded xml_in_utf8(SharedText bytes);
 
 }  // namespace panwright::importers::internal

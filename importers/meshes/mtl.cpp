@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/text.h"
+#include "importers/internal/xml_encoding.h"
 #include "importers/meshes/text.h"
 
 // note: tinyobjloader's reader of MTL is not used: it turns numbers that are none into 0, tells
@@ -53,6 +54,13 @@ constexpr std::string_view kIgnoredStatements[] = {"ka", "tf", "sharpness", "map
 bool is_map(std::string_view key) {
   return key.starts_with("map_") || key == "bump" || key == "disp" || key == "decal" ||
          key == "refl";
+}
+
+// A number as exporters write one that they could not work out: nan, -inf, 1.#IND.
+bool is_not_finite(std::string_view value) {
+  std::string text = lower_case(value);
+  if (text.starts_with('-') || text.starts_with('+')) text.erase(0, 1);
+  return text.starts_with("nan") || text.starts_with("inf") || text.starts_with("1.#");
 }
 
 class MtlReader {
@@ -169,6 +177,7 @@ class MtlReader {
 
   void read_number(std::string_view word, std::string_view rest, std::optional<double>& out) {
     const std::string_view value = next_word(rest);
+    if (is_not_finite(value)) return lose(std::string(kOutside));
     const auto number = parse_double(value);
     if (!number) return bad_number(word, value);
     out = number;
@@ -193,6 +202,7 @@ class MtlReader {
         color = Vec3(color.x);
         break;
       }
+      if (is_not_finite(value)) return lose(std::string(kOutside));
       const auto number = parse_double(value);
       if (!number) return bad_number(word, value);
       color[k] = *number;
@@ -296,10 +306,11 @@ void MtlLibraries::add_library(const NamedFile& found, SourceSpan where) {
 }
 
 void MtlLibraries::read_text(const std::string& path, const SharedText& bytes, SourceSpan where) {
+  const SharedText text = internal::xml_in_utf8(bytes).bytes;
   const FileId source =
-      s_.log.sources().add({s_.files.display_name(path), bytes, Encoding::utf8, where});
+      s_.log.sources().add({s_.files.display_name(path), text, Encoding::utf8, where});
   const std::size_t begin = materials_.size();
-  MtlReader(s_, path, bytes, source, materials_).read();
+  MtlReader(s_, path, text, source, materials_).read();
   for (std::size_t i = begin; i < materials_.size(); ++i)
     by_name_.try_emplace(materials_[i].name, static_cast<std::int32_t>(i));
 }

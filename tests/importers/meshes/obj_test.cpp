@@ -183,7 +183,8 @@ TEST(Obj, LibrariesMayStandAnywhere) {
 
 // Values of other programs that no material has are clamped, and are no errors.
 TEST(Obj, MaterialsOutOfRangeAreClampedAndSaid) {
-  for (const char* line : {"Pr -0.13", "Pm 1.2", "Kd 1.5 0 0", "Ks 0 -1 0", "d 1.01", "Ns -3"}) {
+  for (const char* line : {"Pr -0.13", "Pm 1.2", "Kd 1.5 0 0", "Ks 0 -1 0", "d 1.01", "Ns -3",
+                           "Kd nan 0 0", "Pr -inf", "Ks 1.#IND 0 0"}) {
     const auto out = read_obj("mtllib m.mtl\n" + kSquare + "usemtl a\nf 1 2 3\n",
                               "newmtl a\n" + std::string(line) + "\n");
     ASSERT_TRUE(out->out);
@@ -191,6 +192,23 @@ TEST(Obj, MaterialsOutOfRangeAreClampedAndSaid) {
     EXPECT_THAT(out->text(), HasSubstr("values outside of 0 to 1")) << line;
     const CadMaterial& cad = out->out->materials[0];
     EXPECT_TRUE(cad.roughness >= 0 && cad.metallic <= 1 && cad.opacity <= 1) << line;
+  }
+}
+
+// as Windows' editors save it
+TEST(Obj, Utf16IsRead) {
+  const auto wide = [](const std::string& text, bool big) {
+    std::string out = big ? "\xfe\xff" : "\xff\xfe";
+    for (const char c : text) out.append(big ? std::string{'\0', c} : std::string{c, '\0'});
+    return out;
+  };
+  for (const bool big : {false, true}) {
+    const auto out = read_obj(wide("mtllib m.mtl\n" + kSquare + "o bus\nusemtl a\nf 1 2 3\n", big),
+                              wide("newmtl a\nKd 1 0 0\n", !big));
+    ASSERT_TRUE(out->out) << out->text();
+    EXPECT_EQ(out->path(0), "/bus");
+    EXPECT_EQ(out->material(0).diffuse, Vec3(1, 0, 0));
+    EXPECT_THAT(out->log.entries(), IsEmpty()) << out->text();
   }
 }
 
