@@ -107,6 +107,8 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
       if (!below) canvas.high.y = end;
       cut_boxes(surfaces, above ? -std::numeric_limits<double>::infinity() : first,
                 below ? std::numeric_limits<double>::infinity() : end);
+      // an edge may touch the line of no rows
+      if (end == 0) std::ranges::fill(surfaces.boxes, AxisRectangle{});
     }
     coverage = covered({scene, plane, things, layers, canvas}, surfaces, job);
   }

@@ -216,7 +216,12 @@ class CameraRun : public InstrumentRun {
 
   void recycle(const Written& what, Product product) override {
     auto& drawer = what.engine == Engine::gl ? drawers_.gl : drawers_.reference;
-    if (drawer) drawer->recycle(std::move(std::get<ImageProduct>(product).image));
+    if (!drawer) return;
+    image::Image& image = std::get<ImageProduct>(product).image;
+    // what the next one may not have
+    image.dn.clear(), image.electrons.clear(), image.stages.clear(), image.filters.clear();
+    image.dn_bits = 0;
+    drawer->recycle(std::move(image));
   }
 
   void finish() override {
