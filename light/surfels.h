@@ -50,6 +50,9 @@ struct SurfelLight {
   Stamp stamp = 0;                         // of the irradiance
   // RGB, from all other surfaces; the last: inverse radius, 1/m
   std::vector<std::array<float, 4>> irradiance;
+  // Its directions, for lobes: π times the radiance of a direction d of the frame, mean of the
+  // channels, is about toward.w + toward.xyz·d. Empty: evenly from all of the upper half.
+  std::vector<std::array<float, 4>> toward;
 };
 
 // Builds the grid. bounds: of the surfels, metres.

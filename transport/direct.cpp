@@ -54,8 +54,12 @@ struct OnSurfel {
   const DirectLights& lights;
   const ModelReflectance::At& surface;
 
-  // of the sun, all points together
-  Vec3 sunlight(std::uint32_t point, std::uint32_t k) const {
+  // The Sun on a point.
+  struct Sunlit {
+    double cosine = 0;  // above 0: towards it
+    bool lit = false;
+  };
+  Sunlit sunlight(std::uint32_t point, std::uint32_t k) const {
     const Point& at = set.points()[point];
     // places of the disc, a quarter of its area each
     const auto turn = det::sincos(0.5 * kPi * k + 2.399963 * point);
@@ -66,10 +70,9 @@ struct OnSurfel {
         glm::normalize((lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / kPoints) * place) *
                        frame.world_from);
     const double cosine = glm::dot(at.normal, to_light);
-    if (!(cosine > 0)) return Vec3(0);
+    if (!(cosine > 0)) return {};
     const trace::Ray ray{{at.start, to_light}, target};
-    if (scene.any(ray, trace::Insides::stop)) return Vec3(0);
-    return cosine * lights.sun_irradiance * surface.reflectance->directional(cosine, surface.tint);
+    return {cosine, !scene.any(ray, trace::Insides::stop)};
   }
 
   Vec3 lamplight(std::uint32_t point, const light::Source& lamp) const {
@@ -127,18 +130,33 @@ Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const Su
   Sources sources;
   sources.albedo.resize(count);
   sources.sent.resize(count);
+  sources.lit.resize(count);
+  sources.glossy.resize(count);
   const bool sunny = max_component(lights.sun_irradiance) > 0;
   const auto light_some = [&](std::size_t chunk) {
     const std::size_t end = std::min(count, (chunk + 1) * kSurfelsAtOnce);
     for (std::size_t s = chunk * kSurfelsAtOnce; s < end; ++s) {
       const OnSurfel here{scene, target, scene.targets()[target].frame, set, lights, surfaces[s]};
       const std::uint32_t begin = set.first(s), points = set.first(s + 1) - begin;
+      const Reflectance& reflectance = *surfaces[s].reflectance;
       Vec3 sum(0);
+      std::uint32_t towards = 0, lit = 0;
       for (std::uint32_t k = 0; k < kPoints; ++k) {
         const std::uint32_t point = begin + (2 * k + 1) * points / (2 * kPoints);
-        if (sunny) sum += here.sunlight(point, k);
+        if (sunny) {
+          const OnSurfel::Sunlit sun = here.sunlight(point, k);
+          towards += sun.cosine > 0;
+          lit += sun.lit;
+          if (sun.lit) {
+            const Vec3 arriving = sun.cosine * lights.sun_irradiance;
+            const Vec3 lobes = reflectance.is_glossy() ? reflectance.glossy(sun.cosine) : Vec3(0);
+            sum += arriving * (reflectance.directional(sun.cosine, surfaces[s].tint) - lobes);
+            sources.glossy[s] += arriving * lobes / double{kPoints};
+          }
+        }
         for (const light::Source& lamp : lights.lamps) sum += here.lamplight(point, lamp);
       }
+      sources.lit[s] = towards > 0 ? static_cast<float>(lit) / static_cast<float>(towards) : 0;
       sources.albedo[s] = surfaces[s].reflectance->mean(surfaces[s].tint);
       sources.sent[s] = sum / double{kPoints} + surfaces[s].reflectance->emitted() * lights.white;
       if (lights.bodies) sources.sent[s] += here.planetshine(s, lists);
@@ -146,6 +164,50 @@ Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const Su
   };
   parallel_for((count + kSurfelsAtOnce - 1) / kSurfelsAtOnce, light_some, job);
   return sources;
+}
+
+void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const TransportLists& lists,
+                    std::span<const Glossy> others, Sources& to, const Job& job) {
+  const std::size_t count = to.sent.size();
+  to.thrown.assign(count, glm::vec3(0));
+  to.thrown_from.assign(count, glm::vec3(0));
+  const Mat3 own_from_world = glm::transpose(scene.targets()[target].frame.world_from);
+  struct Other {
+    glm::vec3 to_sun, irradiance;
+    glm::mat3 own_from;
+  };
+  std::vector<Other> each;
+  for (const Glossy& other : others) {
+    const Mat3& world_from = scene.targets()[other.target].frame.world_from;
+    each.push_back({glm::vec3(other.lights->to_sun * world_from),
+                    glm::vec3(other.lights->sun_irradiance),
+                    glm::mat3(own_from_world * world_from)});
+  }
+  const auto gather_some = [&](std::size_t chunk) {
+    const std::size_t end = std::min(count, (chunk + 1) * kSurfelsAtOnce);
+    for (std::size_t s = chunk * kSurfelsAtOnce; s < end; ++s) {
+      glm::vec3 sum(0), from(0);
+      for (std::uint32_t i = lists.first_glossy[s]; i < lists.first_glossy[s + 1]; ++i) {
+        const TransportLists::Glossy& ray = lists.glossy[i];
+        const Glossy& other = others[ray.slot];
+        const float lit = other.sources->lit[ray.surfel];
+        if (!(lit > 0)) continue;
+        const glm::vec3& to_sun = each[ray.slot].to_sun;
+        const glm::vec3 normal = unpacked(ray.normal);
+        if (!(glm::dot(normal, to_sun) > 0)) continue;
+        const glm::vec3 back = unpacked(ray.back);
+        const glm::vec3 radiance =
+            lit * each[ray.slot].irradiance *
+            other.surfaces[ray.surfel].reflectance->lobe(to_sun, back, normal);
+        sum += radiance;
+        from -= (radiance.x + radiance.y + radiance.z) / 3 * (each[ray.slot].own_from * back);
+      }
+      const float share = static_cast<float>(kPi) * lists.ray_share[s];
+      to.thrown[s] = share * sum;
+      to.thrown_from[s] = share * from;
+    }
+  };
+  parallel_for((count + kSurfelsAtOnce - 1) / kSurfelsAtOnce, gather_some, job);
 }
 
 }  // namespace panwright::transport

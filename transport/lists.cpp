@@ -13,23 +13,88 @@ namespace {
 constexpr double kGolden = 0.6180339887498949;
 constexpr std::size_t kRowsAtOnce = 64;
 
-// Entries of a surfel, those of one other merged.
-void add_row(std::vector<TransportLists::Entry>& row, double rays,
-             std::vector<TransportLists::Entry>& to) {
-  std::ranges::sort(row, [](const auto& a, const auto& b) {
+// A ray of a surfel that meets another one.
+struct Met {
+  std::uint32_t slot, surfel;
+  Vec3 direction;
+};
+
+// Adds the entries of a surfel, its rays to one other merged.
+void add_row(std::vector<Met>& row, double rays, std::vector<TransportLists::Entry>& to) {
+  std::ranges::stable_sort(row, [](const Met& a, const Met& b) {
     return std::tie(a.slot, a.surfel) < std::tie(b.slot, b.surfel);
   });
   for (std::size_t i = 0; i < row.size();) {
+    Vec3 sum(0);
     std::size_t end = i;
-    while (end < row.size() && row[end].slot == row[i].slot && row[end].surfel == row[i].surfel)
-      ++end;
-    row[i].share = static_cast<float>(static_cast<double>(end - i) / rays);
-    to.push_back(row[i]);
+    for (; end < row.size() && row[end].slot == row[i].slot && row[end].surfel == row[i].surfel;
+         ++end)
+      sum += row[end].direction;
+    const auto count = static_cast<double>(end - i);
+    to.push_back(
+        {row[i].slot, row[i].surfel, static_cast<float>(count / rays), packed(sum / count)});
     i = end;
   }
 }
 
+// What the rays of a few surfels found.
+struct Rows {
+  std::vector<TransportLists::Entry> entries;
+  std::vector<TransportLists::Glossy> glossy;
+};
+
+// Rays of one surfel.
+struct Tracer {
+  const trace::Scene& scene;
+  std::uint32_t target;
+  std::span<const std::uint32_t> slots;
+  std::span<const SurfelSet* const> sets;
+  std::span<const std::vector<std::uint8_t>> glossy;
+
+  void trace(std::size_t s, std::vector<Met>& row, TransportLists& lists, Rows& to) const {
+    const SurfelSet& set = *sets[slots[target]];
+    row.clear();
+    std::uint32_t lost = 0;
+    for (std::uint32_t p = set.first(s); p < set.first(s + 1); ++p)
+      for (std::uint32_t k = 0; k < kRaysAPoint; ++k) {
+        const trace::Ray ray{{set.points()[p].start, ray_direction(set, s, p, k)}, target};
+        const trace::Hit hit = scene.nearest(ray, trace::Insides::stop);
+        if (!hit) {
+          lists.open[p] = static_cast<std::uint8_t>(lists.open[p] | 1u << k);
+          continue;
+        }
+        if (scene.is_inside(hit)) continue;
+        const std::uint32_t slot = slots[hit.target];
+        const auto there = slot == ~0u ? std::nullopt : sets[slot]->find(hit);
+        if (!there) {
+          ++lost;  // too small a piece for a point: as the others
+          continue;
+        }
+        row.push_back({slot, *there, ray.direction});
+        if (!glossy.empty() && glossy[slot][*there] != 0)
+          to.glossy.push_back(
+              {slot, *there, packed(scene.surface(hit).normal), packed(-hit.direction)});
+      }
+    const std::uint32_t rays = kRaysAPoint * (set.first(s + 1) - set.first(s));
+    const double counted = std::max(rays - lost, 1u);
+    lists.ray_share[s] = static_cast<float>(1 / counted);
+    add_row(row, counted, to.entries);
+  }
+};
+
+// Counts of rows, one behind its place, to their beginnings.
+void add_up(std::vector<std::uint32_t>& counts) {
+  for (std::size_t s = 1; s < counts.size(); ++s) counts[s] += counts[s - 1];
+}
+
 }  // namespace
+
+std::uint32_t packed(const Vec3& v) {
+  const auto code = [](double x) {
+    return static_cast<std::uint32_t>(std::floor(std::clamp(511 * x + 511.5, 0.0, 1022.0)));
+  };
+  return code(v.x) | code(v.y) << 10 | code(v.z) << 20;
+}
 
 Vec3 ray_direction(const SurfelSet& set, std::size_t surfel, std::uint32_t point,
                    std::uint32_t ray) {
@@ -45,53 +110,63 @@ Vec3 ray_direction(const SurfelSet& set, std::size_t surfel, std::uint32_t point
 
 TransportLists transport_lists(const trace::Scene& scene, std::uint32_t target,
                                std::span<const std::uint32_t> slots,
-                               std::span<const SurfelSet* const> sets, const Job& job) {
+                               std::span<const SurfelSet* const> sets,
+                               std::span<const std::vector<std::uint8_t>> glossy, const Job& job) {
   const SurfelSet& set = *sets[slots[target]];
   const std::size_t count = set.surfels().size();
   TransportLists lists;
   lists.first.assign(count + 1, 0);
+  lists.first_glossy.assign(count + 1, 0);
+  lists.ray_share.assign(count, 0);
   lists.open.assign(set.points().size(), 0);
   const std::size_t chunks = (count + kRowsAtOnce - 1) / kRowsAtOnce;
-  std::vector<std::vector<TransportLists::Entry>> found(chunks);
+  std::vector<Rows> found(chunks);
+  const Tracer tracer{scene, target, slots, sets, glossy};
   const auto trace_some = [&](std::size_t chunk) {
-    std::vector<TransportLists::Entry> row;
+    std::vector<Met> row;
+    Rows& rows = found[chunk];
     const std::size_t end = std::min(count, (chunk + 1) * kRowsAtOnce);
     for (std::size_t s = chunk * kRowsAtOnce; s < end; ++s) {
-      row.clear();
-      std::uint32_t lost = 0;
-      for (std::uint32_t p = set.first(s); p < set.first(s + 1); ++p)
-        for (std::uint32_t k = 0; k < kRaysAPoint; ++k) {
-          const trace::Ray ray{{set.points()[p].start, ray_direction(set, s, p, k)}, target};
-          const trace::Hit hit = scene.nearest(ray, trace::Insides::stop);
-          if (!hit) {
-            lists.open[p] = static_cast<std::uint8_t>(lists.open[p] | 1u << k);
-            continue;
-          }
-          if (scene.is_inside(hit)) continue;
-          const std::uint32_t slot = slots[hit.target];
-          const auto there = slot == ~0u ? std::nullopt : sets[slot]->find(hit);
-          if (there)
-            row.push_back({slot, *there, 0});
-          else
-            ++lost;  // too small a piece for a point: as the others
-        }
-      const std::uint32_t rays = kRaysAPoint * (set.first(s + 1) - set.first(s));
-      const std::size_t before = found[chunk].size();
-      add_row(row, std::max(rays - lost, 1u), found[chunk]);
-      lists.first[s + 1] = static_cast<std::uint32_t>(found[chunk].size() - before);
+      const std::size_t entries = rows.entries.size(), narrow = rows.glossy.size();
+      tracer.trace(s, row, lists, rows);
+      lists.first[s + 1] = static_cast<std::uint32_t>(rows.entries.size() - entries);
+      lists.first_glossy[s + 1] = static_cast<std::uint32_t>(rows.glossy.size() - narrow);
     }
   };
   parallel_for(chunks, trace_some, job);
-  for (std::size_t s = 0; s < count; ++s) lists.first[s + 1] += lists.first[s];
+  add_up(lists.first);
+  add_up(lists.first_glossy);
   lists.entries.reserve(lists.first.back());
-  for (const auto& some : found)
-    lists.entries.insert(lists.entries.end(), some.begin(), some.end());
+  lists.glossy.reserve(lists.first_glossy.back());
+  for (const Rows& some : found) {
+    lists.entries.insert(lists.entries.end(), some.entries.begin(), some.entries.end());
+    lists.glossy.insert(lists.glossy.end(), some.glossy.begin(), some.glossy.end());
+  }
   return lists;
 }
 
-std::vector<std::vector<Vec3>> interreflections(std::span<const TransportLists* const> lists,
-                                                std::span<const Sources* const> sources,
-                                                unsigned bounces, const Job& job) {
+namespace {
+
+float mean(const glm::vec3& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
+
+// A linear fit to the radiance of the upper half about a normal. By cosines, 1, both directions
+// across and z - 2/3 are orthogonal; their means of squares would give factors of 4 and 18, which
+// go too far for lobes as wide as a surfel's noise: half and a quarter of them fit best.
+//
+//   from  sum of irradiances times directions
+glm::vec4 fit_toward(float whole, const glm::vec3& from, const glm::vec3& normal) {
+  constexpr float kMean = 2 / 3.0f, kAcross = 2, kAlong = 4;
+  const float up = glm::dot(from, normal);
+  const float along = kAlong * (up - kMean * whole);
+  return {kAcross * (from - up * normal) + along * normal, whole - kMean * along};
+}
+
+}  // namespace
+
+std::vector<Arriving> interreflections(std::span<const TransportLists* const> lists,
+                                       std::span<const Sources* const> sources,
+                                       std::span<const SurfelSet* const> sets, unsigned bounces,
+                                       const Job& job) {
   constexpr std::size_t kAtOnce = 256;
   // radiosities of all slots, one after the other, in single precision
   std::vector<std::size_t> base;
@@ -119,6 +194,7 @@ std::vector<std::vector<Vec3>> interreflections(std::span<const TransportLists* 
           const TransportLists& own = *lists[slot];
           for (std::size_t s = begin; s < end; ++s) {
             glm::vec3 sum(0);
+            if (!sources[slot]->thrown.empty()) sum = sources[slot]->thrown[s];
             for (std::uint32_t e = own.first[s]; e < own.first[s + 1]; ++e) {
               const TransportLists::Entry& entry = own.entries[e];
               sum += entry.share * sent[base[entry.slot] + entry.surfel];
@@ -131,12 +207,32 @@ std::vector<std::vector<Vec3>> interreflections(std::span<const TransportLists* 
         job);
     std::swap(sent, next);
   }
-  std::vector<std::vector<Vec3>> result;
+  // next: what was sent last
+  std::vector<Arriving> result(sources.size());
   for (std::size_t slot = 0; slot < sources.size(); ++slot) {
-    std::vector<Vec3>& own = result.emplace_back();
-    for (std::size_t i = 0; i < sources[slot]->sent.size(); ++i)
-      own.emplace_back(arriving[base[slot] + i]);
+    const std::size_t count = sources[slot]->sent.size();
+    result[slot].toward.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      result[slot].irradiance.emplace_back(arriving[base[slot] + i]);
   }
+  parallel_for(
+      chunks.size(),
+      [&](std::size_t c) {
+        const auto [slot, begin, end] = chunks[c];
+        const TransportLists& own = *lists[slot];
+        for (std::size_t s = begin; s < end; ++s) {
+          glm::vec3 from(0);
+          if (!sources[slot]->thrown.empty()) from = sources[slot]->thrown_from[s];
+          for (std::uint32_t e = own.first[s]; e < own.first[s + 1]; ++e) {
+            const TransportLists::Entry& entry = own.entries[e];
+            from += entry.share * mean(next[base[entry.slot] + entry.surfel]) *
+                    unpacked(entry.direction);
+          }
+          result[slot].toward[s] = fit_toward(mean(arriving[base[slot] + s]), from,
+                                              glm::vec3(sets[slot]->surfels()[s].normal));
+        }
+      },
+      job);
   return result;
 }
 

@@ -22,11 +22,29 @@ struct TransportLists {
     std::uint32_t slot = 0;
     std::uint32_t surfel = 0;
     float share = 0;
+    std::uint32_t direction = 0;  // packed(): the mean of its rays', in the own frame
+  };
+  // A ray that meets a glossy surfel: in the frame of that surfel's target.
+  struct Glossy {
+    std::uint32_t slot = 0;
+    std::uint32_t surfel = 0;
+    std::uint32_t normal = 0;  // packed(): where it meets
+    std::uint32_t back = 0;    // packed(): towards its origin
   };
   std::vector<std::uint32_t> first;  // of each surfel's entries; one more at the end
   std::vector<Entry> entries;
+  std::vector<std::uint32_t> first_glossy;  // as first
+  std::vector<Glossy> glossy;
+  std::vector<float> ray_share;    // of each surfel: of one of its rays
   std::vector<std::uint8_t> open;  // of each ray of each point, kRaysAPoint bits: leads to the sky
 };
+
+// A vector of components from -1 to 1 in thirty bits, to 0.001.
+std::uint32_t packed(const Vec3& v);
+inline glm::vec3 unpacked(std::uint32_t word) {
+  constexpr float kStep = 1 / 511.0f;
+  return kStep * (glm::vec3(word & 1023u, word >> 10 & 1023u, word >> 20 & 1023u) - 511.0f);
+}
 
 // The ray of a point of a surfel; in its target's frame.
 //
@@ -36,25 +54,42 @@ Vec3 ray_direction(const SurfelSet& set, std::size_t surfel, std::uint32_t point
 
 // Traces the rays of a target's surfels.
 //
-//   slots  by target of the world: its slot in sets, or ~0u
-//   sets   by slot
+//   slots   by target of the world: its slot in sets, or ~0u
+//   sets    by slot
+//   glossy  by slot: of its surfels, 1 or 0; empty: none is
 // Throws Cancelled. Cost: kRaysAPoint rays a point.
 TransportLists transport_lists(const trace::Scene& scene, std::uint32_t target,
                                std::span<const std::uint32_t> slots,
-                               std::span<const SurfelSet* const> sets, const Job& job);
+                               std::span<const SurfelSet* const> sets,
+                               std::span<const std::vector<std::uint8_t>> glossy, const Job& job);
+
+// Light of a target's surfels by interreflections.
+struct Arriving {
+  std::vector<Vec3> irradiance;
+  // Mean of the channels, and that of a fit to the radiance of directions d of its frame, times π:
+  // toward.w + toward.xyz·d.
+  std::vector<glm::vec4> toward;
+};
 
 // Reflectance and emission of a target's surfels.
 struct Sources {
   std::vector<Vec3> albedo;  // of light from everywhere
   std::vector<Vec3> sent;    // radiosity without interreflections, in the unit of irradiance
+  std::vector<float> lit;    // share of the surface towards the Sun that it reaches
+  // Of the Sun's light that lobes reflect, which is not in sent: radiosity, and what arrives of it
+  // at each surfel; empty: none.
+  std::vector<Vec3> glossy;
+  std::vector<glm::vec3> thrown;
+  std::vector<glm::vec3> thrown_from;  // mean of the channels times directions, summed
 };
 
-// Returns the irradiance of all surfels by interreflections, of all slots.
+// Returns what arrives at all surfels by interreflections, of all slots.
 //
-//   lists, sources  by slot
-//   bounces         1 or more: 1 is light that sources send directly
-std::vector<std::vector<Vec3>> interreflections(std::span<const TransportLists* const> lists,
-                                                std::span<const Sources* const> sources,
-                                                unsigned bounces, const Job& job);
+//   lists, sources, sets  by slot
+//   bounces               1 or more: 1 is light that sources send directly
+std::vector<Arriving> interreflections(std::span<const TransportLists* const> lists,
+                                       std::span<const Sources* const> sources,
+                                       std::span<const SurfelSet* const> sets, unsigned bounces,
+                                       const Job& job);
 
 }  // namespace panwright::transport

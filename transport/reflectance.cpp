@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "materials/cells.h"
 #include "materials/energy.h"
@@ -27,6 +28,44 @@ std::vector<Share> parts_of(const materials::Material& material) {
   return {{parts[0], shares.cell}, {parts[1], shares.finger}, {parts[2], shares.gap}};
 }
 
+constexpr double kLeastGlossy = 0.02;  // albedo
+constexpr double kNarrowest = 0.2;     // slope of a lobe that the rays of a surfel resolve
+constexpr double kOfSlope = 1.5;       // a material's lobes beside its narrowest
+
+// The node before a cosine, and the share of the next one.
+template <int nodes>
+std::pair<std::size_t, double> node_of(double mu) {
+  const double place = std::clamp(mu * mu * nodes - 0.5, 0.0, nodes - 1.0);
+  const auto first = std::min(static_cast<std::size_t>(place), std::size_t{nodes - 2});
+  return {first, place - static_cast<double>(first)};
+}
+
+// A lobe of slopes squared over a cosine squared, of the normal to the half vector, and a square of
+// light and viewer added: GGX's density over 4 (l·h)².
+template <class T>
+T lobe_shape(T slope2, T cosine2, T square) {
+  const T denominator = cosine2 * (slope2 - 1) + 1;
+  return slope2 / (static_cast<T>(kPi) * denominator * denominator * square);
+}
+
+// Its integral over viewers, by their cosines.
+double lobe_albedo(double slope2, double mu) {
+  constexpr int kRings = 64, kTurns = 64;
+  const Vec3 to_light(std::sqrt(1 - mu * mu), 0, mu);
+  double sum = 0;
+  for (int i = 0; i < kRings; ++i)
+    for (int k = 0; k < kTurns; ++k) {
+      const double square = (i + 0.5) / kRings;
+      const auto turn = det::sincos(2 * kPi * (k + 0.5) / kTurns);
+      const double radius = std::sqrt(square);
+      const Vec3 both =
+          to_light + Vec3(radius * turn.cos, radius * turn.sin, std::sqrt(1 - square));
+      const double all = glm::dot(both, both);
+      sum += lobe_shape(slope2, both.z * both.z / all, all);
+    }
+  return sum * kPi / (kRings * kTurns);
+}
+
 }  // namespace
 
 Reflectance::Reflectance(const materials::Material& material) {
@@ -46,12 +85,35 @@ Reflectance::Reflectance(const materials::Material& material) {
     }
   }
   emitted_ = material.emissive * material.weights.z;
+  glossy_ = max_component(black_mean_) > kLeastGlossy;
+  const double slope =
+      materials::narrowest_slope(material, materials::Lobes::about_normal).value_or(0);
+  const double wide = std::max(kNarrowest, kOfSlope * slope);
+  slope2_ = static_cast<float>(wide * wide);
+  for (int i = 0; i < kNodes; ++i) {
+    const double mu = std::sqrt((i + 0.5) / kNodes);
+    const auto k = static_cast<std::size_t>(i);
+    scales_[k] = glm::vec3(black_[k] * (mu / lobe_albedo(wide * wide, mu)));
+  }
+}
+
+Vec3 Reflectance::glossy(double mu) const {
+  const auto [first, share] = node_of<kNodes>(mu);
+  return glm::mix(black_[first], black_[first + 1], share);
+}
+
+glm::vec3 Reflectance::lobe(const glm::vec3& to_light, const glm::vec3& to_viewer,
+                            const glm::vec3& normal) const {
+  const glm::vec3 both = to_light + to_viewer;
+  const float square = glm::dot(both, both), along = glm::dot(both, normal);
+  if (!(square > 1e-12f)) return glm::vec3(0);
+  const auto [first, share] = node_of<kNodes>(double{glm::dot(to_light, normal)});
+  return glm::mix(scales_[first], scales_[first + 1], static_cast<float>(share)) *
+         lobe_shape(slope2_, std::min(along * along / square, 1.0f), square);
 }
 
 Vec3 Reflectance::directional(double mu, const Vec3& tint) const {
-  const double place = std::clamp(mu * mu * kNodes - 0.5, 0.0, kNodes - 1.0);
-  const auto first = std::min(static_cast<std::size_t>(place), std::size_t{kNodes - 2});
-  const double share = place - static_cast<double>(first);
+  const auto [first, share] = node_of<kNodes>(mu);
   const Vec3 black = glm::mix(black_[first], black_[first + 1], share);
   const Vec3 white = glm::mix(white_[first], white_[first + 1], share);
   return black + tint * (white - black);

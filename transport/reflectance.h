@@ -24,11 +24,25 @@ class Reflectance {
   Vec3 mean(const Vec3& tint) const { return black_mean_ + tint * (white_mean_ - black_mean_); }
   const Vec3& emitted() const { return emitted_; }  // radiosity, of white
 
+  // Returns true for lobes or mirrors to speak of.
+  bool is_glossy() const { return glossy_; }
+  // Returns the part of directional() that lobes and mirrors reflect.
+  Vec3 glossy(double mu) const;
+  // Returns the radiance that lobes send of an irradiance of 1 on a plane across the light. They
+  // are one lobe of GGX's, at least 0.2 wide, with the albedo of the material's own.
+  //
+  //   to_light, to_viewer, normal  unit; both above the horizon
+  glm::vec3 lobe(const glm::vec3& to_light, const glm::vec3& to_viewer,
+                 const glm::vec3& normal) const;
+
  private:
   static constexpr int kNodes = 6;
   std::array<Vec3, kNodes> black_{}, white_{};  // at mu² of the middle of sixths
   Vec3 black_mean_{0}, white_mean_{0};
   Vec3 emitted_{0};
+  bool glossy_ = false;
+  float slope2_ = 0;                        // of the lobe
+  std::array<glm::vec3, kNodes> scales_{};  // of it
 };
 
 // Materials of a model.

@@ -28,9 +28,11 @@ bool are_near(const Ball& a, const Ball& b) {
   return larger * larger > kShare * apart * apart;
 }
 
-Hash128 key_of(const trace::Target& target, const TransportOptions& options) {
+Hash128 key_of(const trace::Target& target, std::span<const std::uint8_t> glossy,
+               const TransportOptions& options) {
   KeyHasher key;
-  key.number(2);  // of the entries' form
+  key.number(3);  // of the entries' form
+  key.list(glossy);
   key.number(options.surfels.surfels);
   key.number(options.surfels.points);
   const pan::Model& model = *target.model().model();
@@ -97,6 +99,7 @@ Transport::ShapePtr Transport::make_shape(std::uint32_t target, const Job& job) 
       mean.tint += reflectance->at(set.points()[begin + k * count / kAsked]).tint;
     mean.tint /= double{kAsked};
     shape->surfaces.push_back(mean);
+    shape->glossy.push_back(mean.reflectance->is_glossy());
   }
   shape->grid =
       std::make_shared<const light::SurfelGrid>(light::surfel_grid(set.surfels(), set.spacing()));
@@ -111,35 +114,47 @@ TransportLists Transport::kept_lists(const Slot& slot, std::span<const SurfelSet
   const auto made = [&]() -> std::optional<TransportLists> {
     traced = true;
     ++counts_.lists;
-    return transport_lists(*scene_, slot.target, slot_of_, sets, job);
+    std::vector<std::vector<std::uint8_t>> glossy;
+    for (const Slot& each : slots_) glossy.push_back(each.shape->glossy);
+    return transport_lists(*scene_, slot.target, slot_of_, sets, glossy, job);
   };
   const auto write = [](const TransportLists& lists, ByteWriter& to) {
     to.list(lists.first);
     to.list(lists.entries);
+    to.list(lists.first_glossy);
+    to.list(lists.glossy);
+    to.list(lists.ray_share);
     to.list(lists.open);
   };
   const auto read = [&](ByteReader& from) {
     TransportLists lists;
     from.list(lists.first);
     from.list(lists.entries);
+    from.list(lists.first_glossy);
+    from.list(lists.glossy);
+    from.list(lists.ray_share);
     from.list(lists.open);
+    const auto sound_rows = [&](const auto& first, const auto& entries) {
+      return first.size() == surfels + 1 && first.back() == entries.size() &&
+             std::ranges::is_sorted(first) && std::ranges::all_of(entries, [&](const auto& entry) {
+               return entry.surfel < surfels;
+             });
+    };
     const bool sound =
-        lists.first.size() == surfels + 1 && lists.first.back() == lists.entries.size() &&
-        std::ranges::is_sorted(lists.first) &&
-        lists.open.size() == slot.shape->set->points().size() &&
-        std::ranges::all_of(lists.entries,
-                            [&](const auto& entry) { return entry.surfel < surfels; });
+        sound_rows(lists.first, lists.entries) && sound_rows(lists.first_glossy, lists.glossy) &&
+        lists.ray_share.size() == surfels && lists.open.size() == slot.shape->set->points().size();
     if (!sound) from.fail();
     return lists;
   };
   const WorkCache* cache = alone ? cache_ : nullptr;
   auto lists = remember<TransportLists>(
-      cache, Work::transport, [&] { return key_of(*slot.shape->target, options_); }, made, write,
-      read);
+      cache, Work::transport,
+      [&] { return key_of(*slot.shape->target, slot.shape->glossy, options_); }, made, write, read);
   if (!traced) {
     ++counts_.kept;
     // the slot's number is of this world
     for (TransportLists::Entry& entry : lists->entries) entry.slot = slot_of_[slot.target];
+    for (TransportLists::Glossy& ray : lists->glossy) ray.slot = slot_of_[slot.target];
   }
   return *std::move(lists);
 }
@@ -169,6 +184,53 @@ bool Transport::trace_lists(const world::World& world, const Job& job) {
   return any;
 }
 
+void Transport::find_light(const world::World& world, std::span<const light::Source> lamps,
+                           const Job& job) {
+  std::vector<Sources> sources;
+  std::vector<DirectLights> lights;
+  std::vector<const Sources*> each;
+  std::vector<const TransportLists*> lists;
+  std::vector<const SurfelSet*> sets;
+  for (const Slot& slot : slots_) {
+    const Ball ball = ball_of(scene_->targets()[slot.target]);
+    lights.push_back(direct_lights(world, ball.centre, lamps));
+    sources.push_back(direct_sources(*scene_, slot.target, *slot.shape->set, *slot.lists,
+                                     slot.shape->surfaces, lights.back(), job));
+    lists.push_back(slot.lists.get());
+    sets.push_back(slot.shape->set.get());
+  }
+  std::vector<Glossy> glossy;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    glossy.push_back({slots_[i].target, slots_[i].shape->surfaces, &lights[i], &sources[i]});
+    each.push_back(&sources[i]);
+  }
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    throw_sunlight(*scene_, slots_[i].target, *lists[i], glossy, sources[i], job);
+  const std::vector<Arriving> found = interreflections(lists, each, sets, options_.bounces, job);
+  light_.assign(world.size(), {});
+  double whole = 0, indirect = 0;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    light::SurfelLight& light = light_[slots_[i].target];
+    light.grid = slots_[i].shape->grid;
+    light.stamp = next_stamp();
+    const auto surfels = sets[i]->surfels();
+    for (std::size_t s = 0; s < surfels.size(); ++s) {
+      const Vec3& irradiance = found[i].irradiance[s];
+      const double area = sets[i]->area(s);
+      const Vec3 again = sources[i].albedo[s] * irradiance;
+      const Vec3 sent = sources[i].sent[s] + sources[i].glossy[s];
+      indirect += area * (again.x + again.y + again.z);
+      whole += area * (sent.x + sent.y + sent.z);
+      const glm::vec3 rgb(irradiance);
+      light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
+      const glm::vec4& toward = found[i].toward[s];
+      light.toward.push_back({toward.x, toward.y, toward.z, toward.w});
+    }
+  }
+  whole += indirect;
+  share_ = whole > 0 ? indirect / whole : 0;
+}
+
 void Transport::update(const world::World& world, std::span<const light::Source> lamps,
                        const Job& job) {
   const std::vector<light::Source> now(lamps.begin(), lamps.end());
@@ -181,37 +243,7 @@ void Transport::update(const world::World& world, std::span<const light::Source>
     stamps_.clear();
     place(world, job);
     trace_lists(world, job);
-    std::vector<Sources> sources;
-    std::vector<const Sources*> each;
-    std::vector<const TransportLists*> lists;
-    for (const Slot& slot : slots_) {
-      const Ball ball = ball_of(scene_->targets()[slot.target]);
-      sources.push_back(direct_sources(*scene_, slot.target, *slot.shape->set, *slot.lists,
-                                       slot.shape->surfaces,
-                                       direct_lights(world, ball.centre, lamps), job));
-      lists.push_back(slot.lists.get());
-    }
-    for (const Sources& one : sources) each.push_back(&one);
-    const auto found = interreflections(lists, each, options_.bounces, job);
-    light_.assign(world.size(), {});
-    double whole = 0, indirect = 0;
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
-      light::SurfelLight& light = light_[slots_[i].target];
-      light.grid = slots_[i].shape->grid;
-      light.stamp = next_stamp();
-      const auto surfels = slots_[i].shape->set->surfels();
-      for (std::size_t s = 0; s < surfels.size(); ++s) {
-        const glm::vec3 rgb(found[i][s]);
-        const double area = slots_[i].shape->set->area(s);
-        const Vec3 again = sources[i].albedo[s] * found[i][s];
-        indirect += area * (again.x + again.y + again.z);
-        whole += area * (sources[i].sent[s].x + sources[i].sent[s].y + sources[i].sent[s].z);
-        light.irradiance.push_back(
-            {rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
-      }
-    }
-    whole += indirect;
-    share_ = whole > 0 ? indirect / whole : 0;
+    find_light(world, lamps, job);
     ++counts_.lights;
     stamps_ = std::move(stamps);
     white_ = world.white();

@@ -30,7 +30,8 @@ struct TransportOptions {
   unsigned bounces = 8;
 };
 
-// Interreflections among the targets of a world, all surfaces diffuse (Reflectance).
+// Interreflections among the targets of a world. The Sun's light leaves lobes along their mirrored
+// directions (Reflectance::lobe); all surfaces are diffuse after that, and to other light.
 //
 // Visibility among surfels depends on shapes and on targets close by alone, and is kept until these
 // change. Light of the Sun, of bodies and of lamps reaches surfels by shadow rays when it
@@ -76,6 +77,7 @@ class Transport {
     std::unique_ptr<const SurfelSet> set;
     std::vector<ModelReflectance::At> surfaces;  // of the surfels, tints averaged
     std::shared_ptr<const ModelReflectance> reflectance;
+    std::vector<std::uint8_t> glossy;  // of the surfels: Reflectance::is_glossy
     std::shared_ptr<const light::SurfelGrid> grid;
   };
   using ShapePtr = std::shared_ptr<const Shape>;
@@ -90,6 +92,7 @@ class Transport {
 
   void place(const world::World& world, const Job& job);
   ShapePtr make_shape(std::uint32_t target, const Job& job);
+  void find_light(const world::World& world, std::span<const light::Source> lamps, const Job& job);
   bool trace_lists(const world::World& world, const Job& job);
   TransportLists kept_lists(const Slot& slot, std::span<const SurfelSet* const> sets, bool alone,
                             const Job& job);

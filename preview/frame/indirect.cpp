@@ -16,6 +16,20 @@ bool fits_texture(const GladGLContext& gl, const light::SurfelGrid& grid, Diagno
   return false;
 }
 
+// Texels of irradiance, each before that of where it comes from.
+std::vector<std::array<float, 4>> interleaved(const light::SurfelLight& light) {
+  std::vector<std::array<float, 4>> texels;
+  texels.reserve(2 * light.irradiance.size());
+  for (std::size_t i = 0; i < light.irradiance.size(); ++i) {
+    const auto& rgb = light.irradiance[i];
+    texels.push_back(rgb);
+    texels.push_back(light.toward.empty()
+                         ? std::array<float, 4>{0, 0, 0, (rgb[0] + rgb[1] + rgb[2]) / 3}
+                         : light.toward[i]);
+  }
+  return texels;
+}
+
 }  // namespace
 
 void Indirect::begin_image(const RenderOptions& options) {
@@ -60,8 +74,8 @@ bool Indirect::update(const Context& context, const FrameScene& scene,
     Grid& grid = grid_of(gl, light);
     if (grid.light_stamp != light.stamp) {
       // a buffer of its own, as draws under way may read the last one
-      grid.irradiance = make_buffer(gl, light.irradiance.data(),
-                                    light.irradiance.size() * sizeof light.irradiance[0]);
+      const auto texels = interleaved(light);
+      grid.irradiance = make_buffer(gl, texels.data(), texels.size() * sizeof texels[0]);
       gl.TextureBuffer(grid.light_texture.id(), GL_RGBA32F, grid.irradiance.id());
       grid.light_stamp = light.stamp;
     }

@@ -6,6 +6,11 @@ INDIRECT_BLOCK
 // As light::irradiance_at().
 const float kFacingScale = 1.0 / 0.7;
 const float kAcross = 8.0;
+#if defined(COATED) || defined(LOBE_ANY)
+#define GLOSSY
+#endif
+// Of a fit's radiance to the mean one: it goes too far where light comes from one side.
+const float kMostRatio = 4.0;
 
 uint axis_direction(vec3 n) {
   vec3 a = abs(n);
@@ -41,7 +46,13 @@ uvec2 surfel_list(vec3 at, vec3 normal) {
   return uvec2(0u);
 }
 
-vec3 indirect_irradiance(ivec2 sample_at) {
+struct Arriving {
+  vec3 irradiance;
+  float ratio;  // of the radiance that a mirror shows to the mean one
+};
+
+// mirrored: the direction that a mirror shows, frame of the sample
+Arriving indirect_arriving(ivec2 sample_at, vec3 mirrored) {
   uvec4 found = texelFetch(position_samples, sample_at, 0);
   vec4 place = vec4(uintBitsToFloat(found.xyz), 1.0);
   vec3 own_normal = unpacked_normal(found.w);
@@ -50,11 +61,15 @@ vec3 indirect_irradiance(ivec2 sample_at) {
                      dot(indirect.from_sample[2].xyz, own_normal));
   normal *= inversesqrt(max(dot(normal, normal), 1e-30));
   uvec2 list = surfel_list(at, normal);
+  vec3 seen = vec3(dot(indirect.from_sample[0].xyz, mirrored), dot(indirect.from_sample[1].xyz, mirrored),
+                   dot(indirect.from_sample[2].xyz, mirrored));
+  vec4 shown = vec4(seen * inversesqrt(max(dot(seen, seen), 1e-30)), 1.0);
   vec3 sum = vec3(0.0);
   float weights = 0.0;
+  float sum_shown = 0.0;
   for (uint i = list.x; i < list.x + list.y; ++i) {
     uvec4 entry = texelFetch(surfel_entries, int(i));
-    vec4 sent = texelFetch(surfel_light, int(entry.w & 0xffffu));
+    vec4 sent = texelFetch(surfel_light, int(entry.w & 0xffffu) * 2);
     vec3 apart = uintBitsToFloat(entry.xyz) - at;
     vec3 its_normal = surfel_normal(entry.w >> 16);
     float across = dot(apart, its_normal);
@@ -63,22 +78,28 @@ vec3 indirect_irradiance(ivec2 sample_at) {
     float weight = left * left * facing * facing;
     sum += weight * sent.rgb;
     weights += weight;
+#ifdef GLOSSY
+    if (weight > 0.0)
+      sum_shown += weight * max(dot(texelFetch(surfel_light, int(entry.w & 0xffffu) * 2 + 1), shown), 0.0);
+#endif
   }
-  return weights > 0.0 ? sum / weights : vec3(0.0);
+  float whole = (sum.r + sum.g + sum.b) / 3.0;
+  return Arriving(weights > 0.0 ? sum / weights : vec3(0.0), whole > 0.0 ? min(sum_shown / whole, kMostRatio) : 0.0);
 }
 
 // What a surface sends of it to the viewer: as of a sky of even radiance.
 WideLight indirect_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal) {
   WideLight light = WideLight(vec3(0.0), vec3(0.0), vec3(0.0));
   if (indirect.probes == 0 || !(dot(normal, normal) > 0.0)) return light;
-  light.irradiance = indirect_irradiance(sample_at);
+  Arriving arriving = indirect_arriving(sample_at, reflect(-to_viewer, normal));
+  light.irradiance = arriving.irradiance;
   float cosine = dot(normal, to_viewer);
   vec3 seen_from = to_viewer;
   if (cosine < 1e-3) {
     seen_from = normalize(to_viewer + normal * (1e-3 - cosine));
     cosine = dot(normal, seen_from);
   }
-  vec3 radiance = light.irradiance * 0.31830988618379067;
+  vec3 radiance = arriving.ratio * 0.31830988618379067 * light.irradiance;
   WideLobe lobe = wide_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, normal, seen_from, normal) * light.irradiance;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <functional>
 
+#include "materials/sample.h"
 #include "tests/transport/transport_models.h"
+#include "transport/transport.h"
 
 namespace panwright::transport::oracles_test {
 namespace {
@@ -164,6 +166,44 @@ TEST(TransportOracles, Groove) {
     }
     EXPECT_NEAR(sum / area, one.effective, 0.005);  // measured: 0.002
   }
+}
+
+// A wall over a wide floor of GGX's microfacets that the Sun lights: what lobes throw on the wall
+// is the integral of the material's own BRDF, which the transport does not evaluate.
+TEST(TransportOracles, LobesThrowSunlight) {
+  materials::Material metal;
+  metal.diffuse = Vec3(0);
+  metal.specular = Vec3(0.8);
+  metal.weights = {1, 1, 0};
+  metal.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(0.3));
+  materials::fit(metal);
+  const Vec3 to_sun = glm::normalize(Vec3(-1, 0, 1));
+  // the wall faces the Sun's mirrored light: −x
+  const materials::Scattering scattering(metal);
+  double expected = 0;
+  constexpr int kRings = 400, kTurns = 800;
+  for (int i = 0; i < kRings; ++i)
+    for (int k = 0; k < kTurns; ++k) {
+      // directions to the floor, about the wall's normal, by their cosines to it
+      const double square = (i + 0.5) / kRings, azimuth = kPi * (k + 0.5) / kTurns;
+      const double radius = std::sqrt(square);
+      const Vec3 down(-std::sqrt(1 - square), radius * std::cos(azimuth),
+                      -radius * std::sin(azimuth));
+      expected += scattering.brdf(to_sun, -down, {0, 0, 1}, Vec3(0), Vec3(1)).x * to_sun.z *
+                  (kPi / 2) / (kRings * kTurns);
+    }
+  constexpr double kWide = 60;
+  const geometry::Mesh meshes[] = {sheet({-kWide, -kWide / 2, 0}, {kWide, 0, 0}, {0, kWide, 0}),
+                                   sheet({0, -0.5, 0.1}, {0, 0, 0.4}, {0, 1, 0})};
+  world::World world = world_of(meshes, metal);
+  world.set_sun({.direction = to_sun});
+  Transport transport({{4000, 64}, 1});
+  transport.update(world, {});
+  double mean = 0;
+  for (int i = 0; i < 20; ++i)
+    mean += irradiance_at(transport.light()[0], {0, 0.04 * (i - 9.5), 0.3}, {-1, 0, 0}).x / 20;
+  EXPECT_GT(expected, 0.05);
+  EXPECT_NEAR(mean, expected, 0.1 * expected);
 }
 
 }  // namespace

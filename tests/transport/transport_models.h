@@ -46,17 +46,12 @@ inline geometry::Mesh ball(double radius, std::uint32_t rings) {
   return mesh;
 }
 
-// A world of one target with these meshes, all of one Lambert material.
-inline world::World world_of(std::span<const geometry::Mesh> meshes, double albedo,
-                             double emission = 0) {
+// A world of one target with these meshes, all of one material.
+inline world::World world_of(std::span<const geometry::Mesh> meshes,
+                             const materials::Material& material) {
   pan::Contents contents;
   contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
-  contents.materials.emplace_back();
-  contents.materials[0].diffuse = Vec3(albedo);
-  if (emission > 0) {
-    contents.materials[0].emissive = Vec3(emission);
-    contents.materials[0].weights.z = 1;
-  }
+  contents.materials.push_back(material);
   for (const geometry::Mesh& mesh : meshes) {
     contents.instances.push_back({0, static_cast<std::uint32_t>(contents.meshes.size()), 0, -1});
     contents.meshes.push_back(pan::packed(mesh, "mesh " + std::to_string(contents.meshes.size())));
@@ -66,6 +61,12 @@ inline world::World world_of(std::span<const geometry::Mesh> meshes, double albe
   return world;
 }
 
+inline world::World world_of(std::span<const geometry::Mesh> meshes, double albedo) {
+  materials::Material lambert;
+  lambert.diffuse = Vec3(albedo);
+  return world_of(meshes, lambert);
+}
+
 // Surfels and lists of a target, and their light from any sources.
 struct Solved {
   Solved(const world::World& world, const SurfelOptions& options = {}) {
@@ -73,7 +74,7 @@ struct Solved {
     set.emplace(scene, 0, options, Job{});
     const std::uint32_t slots[] = {0};
     const SurfelSet* const sets[] = {&*set};
-    lists = transport_lists(scene, 0, slots, sets, {});
+    lists = transport_lists(scene, 0, slots, sets, {}, {});
   }
   std::size_t size() const { return set->surfels().size(); }
   const light::Surfel& operator[](std::size_t i) const { return set->surfels()[i]; }
@@ -94,8 +95,9 @@ struct Solved {
     const TransportLists* const all_lists[] = {&lists};
     const Sources* const all_sources[] = {&sources};
     std::vector<double> result;
-    const auto found = interreflections(all_lists, all_sources, bounces, {});
-    for (const Vec3& one : found[0]) result.push_back(one.x);
+    const SurfelSet* const sets[] = {&*set};
+    const auto found = interreflections(all_lists, all_sources, sets, bounces, {});
+    for (const Vec3& one : found[0].irradiance) result.push_back(one.x);
     return result;
   }
   // The same as displays read it.

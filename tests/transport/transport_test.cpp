@@ -116,6 +116,39 @@ TEST(Transport, OnlyWhatChangedIsComputed) {
   EXPECT_EQ(transport.counts().lights, 3u);
 }
 
+// Nothing flickers when the Sun turns: rays are the same for all its directions.
+TEST(Transport, TheSunTurnsWithoutFlicker) {
+  materials::Material metal;
+  metal.diffuse = Vec3(0.3);
+  metal.specular = Vec3(0.6);
+  metal.weights = {1, 1, 0};
+  metal.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(0.3));
+  materials::fit(metal);
+  const geometry::Mesh walls[] = {sheet({0, -1, 0}, {1, 0, 0}, {0, 2, 0}),
+                                  sheet({0, -1, 0}, {0, 2, 0}, {0, 0, 1}),
+                                  support::box({0.2, 0.3, 1.1})};
+  world::World world = world_of(walls, metal);
+  Transport transport({{1500, 32}, 8});
+  constexpr int kSteps = 100;
+  std::vector<double> light;
+  for (int step = 0; step <= kSteps; ++step) {
+    const double turn = (40 + step / double{kSteps}) * kDegree;
+    world.set_sun({.direction = {std::cos(turn), 0.2, std::sin(turn)}});
+    transport.update(world, {});
+    double sum = 0;
+    for (int i = 0; i < 100; ++i)
+      sum += irradiance_at(transport.light()[0],
+                           {0.095 * (i % 10) + 0.02, 0.19 * (i / 10) - 0.9, 0}, {0, 0, 1})
+                 .x;
+    light.push_back(sum / 100);
+  }
+  double worst = 0;
+  for (std::size_t i = 1; i + 1 < light.size(); ++i)
+    worst = std::max(worst, std::fabs(light[i - 1] - 2 * light[i] + light[i + 1]));
+  EXPECT_GT(light[50], 0.01);
+  EXPECT_LT(worst, 1e-3 * light[50]);
+}
+
 // Two facing squares as two targets light each other as one target of both does.
 TEST(Transport, TargetsLightEachOther) {
   world::World world;

@@ -36,4 +36,18 @@ Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const Su
                        const TransportLists& lists, std::span<const ModelReflectance::At> surfaces,
                        const DirectLights& lights, const Job& job);
 
+// Lobes of a target's surfels, as the Sun lights them.
+struct Glossy {
+  std::uint32_t target = 0;
+  std::span<const ModelReflectance::At> surfaces;
+  const DirectLights* lights = nullptr;
+  const Sources* sources = nullptr;
+};
+// Sets Sources::thrown and thrown_from: the same rays whatever the Sun, so that it may turn.
+//
+//   others  by slot
+// Throws Cancelled. Cost: one lobe a ray that meets a glossy surfel.
+void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const TransportLists& lists,
+                    std::span<const Glossy> others, Sources& to, const Job& job);
+
 }  // namespace panwright::transport
