@@ -154,7 +154,7 @@ void run_terrain(Context& context) {
 // Terrain of a pan file: made, checked, asked. The errors are of heights at posts, and of hits of
 // rays against the ground below them.
 void run_tiles(Context& context) {
-  const std::uint32_t width = context.quick() ? 1024 : 8192, height = width / 2;
+  const std::uint32_t width = context.quick() ? 1024 : 4096, height = width / 2;
   const auto path = write(context.scratch(), kFormats[0], width, height);
   const auto pan = context.scratch() / "ground.pan";
   DiagnosticLog log;
@@ -209,7 +209,7 @@ void run_tiles(Context& context) {
   row.setting = "heights, normals, slopes at places";
   row.speed_unit = "Mplaces/s";
   row.reference = "heights at posts";
-  row.must_error = 0.025 + 1e-6;  // half a stored step
+  row.must_error = 0.03125 + 6.2e-5;  // half a stored step, and the file's floats
   set_rate(row, timed([&] { ground.at(places, points); }, context.runs()), double(count) / 1e6);
   row.error = 0;
   for (std::size_t i = 0; i < count; ++i)
@@ -217,7 +217,7 @@ void run_tiles(Context& context) {
   context.add(row);
 
   // a view from 20 km, down to the horizon
-  const std::size_t side = context.quick() ? 64 : 512;
+  const std::size_t side = context.quick() ? 64 : 128;
   const Vec3 eye(1737400.0 + 20000, 0, 0);
   std::vector<std::optional<terrain::GroundHit>> hits(side * side);
   const auto cast = [&](std::size_t j) {

@@ -235,8 +235,7 @@ bool Tiles::check(DiagnosticLog& log, const Job& job) const {
   });
 }
 
-Map Tiles::map(std::uint32_t chart) const {
-  const ChartRecord& c = charts_[chart];
+Map map_of(const ChartRecord& c) {
   Map map;
   map.kind = static_cast<Map::Kind>(c.kind);
   map.radius = c.radius;

@@ -89,6 +89,9 @@ struct TilesTail {
 };
 static_assert(sizeof(TilesTail) == 64);
 
+// Map of a chart, in which post (i, j) is at column i + 0.5, row j + 0.5.
+Map map_of(const ChartRecord& chart);
+
 // Posts and tiles of a level, along one side of `posts` posts of level 0. The last post of each
 // level is the last of level 0.
 struct LevelSide {
@@ -145,8 +148,7 @@ class Tiles {
   // Fails: E9611; E0001. Cost: one pass over the tiles.
   bool check(DiagnosticLog& log, const Job& job = {}) const;
 
-  // Map of a chart, in which post (i, j) is at column i + 0.5, row j + 0.5.
-  Map map(std::uint32_t chart) const;
+  Map map(std::uint32_t chart) const { return map_of(charts_[chart]); }
 
  private:
   Tiles() = default;

@@ -22,21 +22,6 @@ namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-Map map_of(const ChartRecord& chart) {
-  Map map;
-  map.kind = static_cast<Map::Kind>(chart.kind);
-  map.radius = chart.radius;
-  map.polar_radius = chart.polar_radius;
-  map.center_longitude = chart.center_longitude;
-  map.standard_latitude = chart.standard_latitude;
-  map.north = chart.flags & kChartNorth;
-  map.dx = chart.dx;
-  map.dy = chart.dy;
-  map.left = chart.left - chart.dx / 2;
-  map.top = chart.top + chart.dy / 2;
-  return map;
-}
-
 // Largest distance of posts from the two triangles of one coarse cell, whose diagonal runs from the
 // first corner to the last. u, v: places of columns and rows in the cell, 0 to 1.
 struct Cell {
