@@ -183,6 +183,10 @@ Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOp
   if (!model) return failed;
   const Stopwatch watch(report, "check " + path.string());
   if (!model->check(log, job)) return failed;
+  for (const auto& entry : model->directory())
+    if (pan::kind_name(entry.kind) == "tiles")
+      log.report_file(Code("W9620"), path.string(), "images leave out its terrain",
+                      "panwright dem answers questions about it");
   // what the pan was made of, where it still lies beside it: no image may take its place
   if (log.files())
     for (const auto& input : model->inputs())

@@ -61,9 +61,13 @@ std::vector<std::string> crowd(const std::string& pan) {
 }
 
 // A pan file whose only tile has a wrong byte.
+std::string terrain_of(const TemporaryFolder& folder, const std::string& name) {
+  codes_of({"dem", kCrater, "-o", folder / name});
+  return folder / name;
+}
+
 std::string damaged_terrain(const TemporaryFolder& folder) {
-  const std::string path = folder / "ground.pan";
-  codes_of({"dem", kCrater, "-o", path});
+  const std::string path = terrain_of(folder, "ground.pan");
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(5000);
   file.put('\x55');
@@ -283,6 +287,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E9606", {"dem", folder.write("cut.tab", "v 0 0 0\nv 1 0\n"), "--unit", "m"}, {}},
       {"E9610", {"dem", pan}, {}},
       {"E9611", {"check", damaged_terrain(folder)}, {}},
+      {"W9620", {"render", terrain_of(folder, "sound.pan"), "-o", png}, {}},
       {"E9612", {"dem", kCrater, "--values", "plain", "-o", folder / "plain.pan"}, {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
