@@ -55,6 +55,63 @@ Shares shares_of(double centre, double sigma) {
   return out;
 }
 
+// Solid angles of the pixels of a rectangle in an image. A tenth pixel decides whether a surface of
+// second order through nine of them has them; if not, each is computed.
+class SolidAngles {
+ public:
+  // Pixels from `first` to `last`, these included.
+  SolidAngles(const world::Camera& camera, const std::int64_t (&first)[2],
+              const std::int64_t (&last)[2])
+      : camera_(camera) {
+    constexpr std::int64_t kFew = 6;  // on a side: not worth it
+    if (last[0] - first[0] < kFew || last[1] - first[1] < kFew) return;
+    for (int k = 0; k < 2; ++k) {
+      node_[k][0] = first[k];
+      node_[k][1] = (first[k] + last[k]) / 2;
+      node_[k][2] = last[k];
+    }
+    bool all = true;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) all = all && (value_[j][i] = exact(node_[0][i], node_[1][j])) > 0;
+    constexpr double kSmooth = 1e-7;  // relative: about that of a float
+    const std::int64_t x = first[0] + 1, y = first[1] + 1;
+    const double between = exact(x, y);
+    smooth_ = all && std::fabs(by_nodes(x, y) - between) <= kSmooth * between;
+  }
+
+  double at(std::int64_t x, std::int64_t y) const {
+    return smooth_ ? by_nodes(x, y) : exact(x, y);
+  }
+
+ private:
+  double exact(std::int64_t x, std::int64_t y) const {
+    return world::pixel_solid_angle(camera_, static_cast<std::uint32_t>(x),
+                                    static_cast<std::uint32_t>(y));
+  }
+
+  double by_nodes(std::int64_t x, std::int64_t y) const {
+    const Vec3 across = weights(node_[0], static_cast<double>(x));
+    const Vec3 down = weights(node_[1], static_cast<double>(y));
+    double sum = 0;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) sum += down[j] * across[i] * value_[j][i];
+    return sum;
+  }
+
+  // Lagrange's polynomials of three nodes.
+  static Vec3 weights(const std::int64_t (&node)[3], double at) {
+    const auto a = static_cast<double>(node[0]), b = static_cast<double>(node[1]),
+               c = static_cast<double>(node[2]);
+    return {(at - b) * (at - c) / ((a - b) * (a - c)), (at - a) * (at - c) / ((b - a) * (b - c)),
+            (at - a) * (at - b) / ((c - a) * (c - b))};
+  }
+
+  const world::Camera& camera_;
+  std::int64_t node_[2][3] = {};
+  double value_[3][3] = {};
+  bool smooth_ = false;
+};
+
 }  // namespace
 
 Vec3 apparent_direction(const Star& star, double years, const Vec3& velocity) {
@@ -128,14 +185,21 @@ void add_point(const Vec2& pixel, const Vec3& irradiance, const world::Camera& c
   const auto height = static_cast<std::int64_t>(image.height);
   const Shares across = shares_of(pixel.x, psf_sigma);
   const Shares down = shares_of(pixel.y, psf_sigma);
+  const auto end_of = [](const Shares& shares) {
+    return shares.first + static_cast<std::int64_t>(shares.of.size()) - 1;
+  };
+  const std::int64_t first[] = {std::max<std::int64_t>(across.first, 0),
+                                std::max<std::int64_t>(down.first, 0)};
+  const std::int64_t last[] = {std::min(end_of(across), width - 1),
+                               std::min(end_of(down), height - 1)};
+  const SolidAngles angles(camera, first, last);
   for (std::size_t j = 0; j < down.of.size(); ++j) {
     const std::int64_t y = down.first + static_cast<std::int64_t>(j);
     if (y < 0 || y >= height) continue;
     for (std::size_t i = 0; i < across.of.size(); ++i) {
       const std::int64_t x = across.first + static_cast<std::int64_t>(i);
       if (x < 0 || x >= width) continue;
-      const double angle = world::pixel_solid_angle(camera, static_cast<std::uint32_t>(x),
-                                                    static_cast<std::uint32_t>(y));
+      const double angle = angles.at(x, y);
       if (!(angle > 0)) continue;
       float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + x)];
       for (int band = 0; band < 3; ++band)
