@@ -69,7 +69,7 @@ std::optional<Code> code_from_name(std::string_view name) {
 
 void DiagnosticLog::report(Code code, SourceSpan where, std::string message, std::string hint,
                            std::string object) {
-  const Severity severity = code_info(code).severity;
+  const Severity severity = code.severity();
   std::size_t& kept = severity == Severity::error ? kept_errors_ : kept_others_;
   ++(severity == Severity::error ? errors_ : severity == Severity::warning ? warnings_ : notes_);
   if (kept >= limit_) return;

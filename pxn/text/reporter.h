@@ -30,7 +30,7 @@ class Reporter {
               const Compose& compose) {
     // a problem in a repeat occurs in each run
     if (repetition_ != nullptr && !seen_.insert({code, where.file, where.begin}).second) return;
-    bool& full = code_info(code).severity == Severity::error ? errors_full_ : others_full_;
+    bool& full = code.severity() == Severity::error ? errors_full_ : others_full_;
     if (full) {
       log_.report(code, where, {});
       return;
