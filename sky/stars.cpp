@@ -79,9 +79,7 @@ class SolidAngles {
     smooth_ = all && std::fabs(by_nodes(x, y) - between) <= kSmooth * between;
   }
 
-  double at(std::int64_t x, std::int64_t y) const {
-    return smooth_ ? by_nodes(x, y) : exact(x, y);
-  }
+  double at(std::int64_t x, std::int64_t y) const { return smooth_ ? by_nodes(x, y) : exact(x, y); }
 
  private:
   double exact(std::int64_t x, std::int64_t y) const {

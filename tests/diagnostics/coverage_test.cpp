@@ -484,7 +484,7 @@ TEST(Coverage, EveryCodeIsProducedByAnInput) {
 // The explanations name no option or file that does not exist.
 TEST(Coverage, ExplanationsNameRealOptions) {
   std::string help;
-  for (const char* command : {"compile", "check", "info", "render", "run", "import"})
+  for (const char* command : {"compile", "check", "info", "render", "run", "import", "dem"})
     help += support::run({PANWRIGHT_BIN_DIR "/panwright", command, "--help"}).out;
   for (const CodeInfo& info : all_codes()) {
     const std::string_view text = info.explanation;
