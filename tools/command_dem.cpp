@@ -411,7 +411,7 @@ int run(const Options& options, const Host& host) {
 Command dem_command() {
   return command(
       "dem",
-      "Show what an elevation file or shape model holds; draw its hillshade, store it as terrain",
+      "Show elevation files and shape models; draw a hillshade; store them as terrain",
       command_dem::declare_all, command_dem::run);
 }
 

@@ -1,6 +1,7 @@
 // Files named by files: every format finds, guesses and refuses the same names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -76,7 +77,9 @@ std::vector<Naming> namings() {
 
 class Folder {
  public:
-  Folder() : path_(fs::temp_directory_path() / "panwright_named_files_test") {
+  // tests of one program run side by side
+  Folder()
+      : path_(fs::temp_directory_path() / ("panwright_named_files_" + std::to_string(::getpid()))) {
     fs::remove_all(path_);
     fs::create_directories(path_);
   }

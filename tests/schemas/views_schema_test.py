@@ -14,7 +14,8 @@ PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
 # of the process, not of a view; and other ways to name what a view has
 PROCESS = {"help", "explain", "json", "sarif", "quiet", "timings", "color", "threads", "gl", "views", "again", "root", "max-input", "max-error",
            "budget", "max-triangles", "no-cache", "units", "up-axis", "keep-hidden", "no-weld", "weld", "crease", "crease-normals",
-           "scene", "primitives", "deflection", "max-seconds", "assume", "recentre", "animation", "time", "joints"}
+           "scene", "primitives", "deflection", "max-seconds", "assume", "recentre", "animation", "time", "joints",
+           "labels"}
 
 
 def kinds(schema, value):

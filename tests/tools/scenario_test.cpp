@@ -195,10 +195,6 @@ TEST_F(Scenarios, MistakesInLabelsAreFoundBeforeImages) {
   };
   EXPECT_THAT(problem("parts = { lid = \"box/root/lids\" }\n"), HasSubstr("E9005"));
   EXPECT_THAT(problem("parts = { lid = \"box/root/lids\" }\n"), HasSubstr("did you mean 'lid'?"));
-  const std::string flow =
-      folder_.write("flow.toml", contents(scenario_) + "[labels]\nflow = true\n");
-  EXPECT_THAT(panwright({"run", flow, "-o", folder_ / "flow", "--line-time", "0.1"}).err,
-              HasSubstr("--line-time and flow cannot be combined"));
   EXPECT_THAT(problem("formats = [\"cocoa\"]\n"), HasSubstr("did you mean 'coco'?"));
   EXPECT_THAT(problem("formats = 3\n"), HasSubstr("a format is a number, expected its name"));
   EXPECT_THAT(problem("parts = { lid = 3 }\n"), HasSubstr("expected the path of a node"));

@@ -112,7 +112,7 @@ TEST(Storage, SectionsThatAreIgnoredAreNamed) {
   const std::string path =
       folder.write("m.pan", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   EXPECT_THAT(panwright({"info", path}).out,
-              HasSubstr("ignored   sections of this file: tiles, kind 1000\n"));
+              HasSubstr("ignored   sections of this file: kind 1000\nterrain   64 bytes of tiles"));
 }
 
 // A texture of 16384 x 16384 black texels in 4 MiB: the most that the format lets a file claim.
