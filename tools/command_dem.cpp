@@ -409,10 +409,9 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_dem
 
 Command dem_command() {
-  return command(
-      "dem",
-      "Show elevation files and shape models; draw a hillshade; store them as terrain",
-      command_dem::declare_all, command_dem::run);
+  return command("dem",
+                 "Show elevation files and shape models; draw a hillshade; store them as terrain",
+                 command_dem::declare_all, command_dem::run);
 }
 
 }  // namespace panwright::tools
