@@ -34,8 +34,10 @@ const Absent kAbsent[] = {
      "--ev STOPS, or --ev auto, sets the exposure of a PNG, --tone photo its curve; the other "
      "formats hold radiance; --exposure is that of a detector"},
     {{"labels", "label", "mask", "masks", "segmentation", "annotations", "boxes", "bbox",
-      "keypoints", "depth", "normals", "ids", "ground-truth"},
-     kLayers},
+      "keypoints"},
+     "--labels of 'render' and [labels] of a scenario write masks, boxes and keypoints "
+     "(docs/labels.md)"},
+    {{"depth", "normals", "ids", "ground-truth"}, kLayers},
     {{"distort", "lens", "k1", "k2", "calibration"},
      "--camera-file FILE or --distortion \"MODEL K…\" sets the distortion of the lens "
      "(docs/cameras.md)"},
