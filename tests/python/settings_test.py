@@ -90,7 +90,10 @@ class Settings(unittest.TestCase):
             for option, image, view in zip(options, renderer.frames(views), files, strict=True):
                 with self.subTest(option["name"]), np.load(view["output"]) as arrays:
                     names = sorted(name for name in arrays.files if name != "meta.json")
-                    self.assertEqual(names, sorted(image.keys()))
+                    if option["name"] == "layers":  # those of files: images in memory have all
+                        self.assertLess(set(names), set(image.keys()))
+                    else:
+                        self.assertEqual(names, sorted(image.keys()))
                     for name in names:
                         np.testing.assert_array_equal(arrays[name], image[name], name)
                     if option["name"] == "name":
@@ -100,7 +103,7 @@ class Settings(unittest.TestCase):
         self.assertGreater(changed, 30, "settings have no effect")
 
     def test_those_of_scenarios_are_the_program_s(self):
-        (self.path / "way.csv").write_text("time[s],camera.x[m],camera.y[m],camera.z[m]\n-5,-2,-12,2\n5,2,-12,2\n")
+        (self.path / "way.csv").write_text("time[s],camera.x[m],camera.y[m],camera.z[m]\n-5,-2,-12,0\n5,2,-12,0\n")
         (self.path / "run.toml").write_text(
             f'[targets]\nservicer = "{SERVICER.resolve()}"\n[[source]]\nfile = "way.csv"\n[view]\nsize = [24, 16]\nfov = 40\n'
             'quat = [0.70710678, -0.70710678, 0, 0]\nsamples = 1\nsun = [1, -1, 0.5]\n')
