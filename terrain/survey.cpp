@@ -299,7 +299,9 @@ Result<Survey> survey(const Dem& dem, const SurveyOptions& options, DiagnosticLo
   Survey out;
   Heights heights(out);
   std::optional<Slopes> slopes;
-  if (info.quantity != Quantity::plain) slopes.emplace(info);
+  // posts of no known distance have no slopes
+  if (info.quantity != Quantity::plain && info.map.dx != 0 && info.map.dy != 0)
+    slopes.emplace(info);
   Blocks blocks(info, options.hillshade);
   const bool good = dem.read(
       0, info.height,

@@ -195,6 +195,8 @@ class DemReport {
     out_["corner_m"] = {map_.left, map_.top};
     if (!info_.target.empty() || !info_.frame.empty())
       say("body             {}{}{}", info_.target, info_.frame.empty() ? "" : ", ", info_.frame);
+    if (!map_.is_placed() && (map_.dx == 0 || map_.dy == 0))
+      return say("place            none: pixels of unknown size");
     if (!map_.is_placed())
       return say("place            none: pixels of {} x {} m", map_.dx, map_.dy);
     out_["radius_m"] = map_.radius;
