@@ -26,12 +26,17 @@ struct Distribution {
   std::vector<std::string> choices;  // JSON of each, equally likely
 };
 
+struct NamedRecipe;
+
 // Value of a member of a view whose parts may be drawn.
 struct Recipe {
   // JSON of a constant; a law; members in order; those of an object, by name
-  std::variant<std::string, Distribution, std::vector<Recipe>,
-               std::vector<std::pair<std::string, Recipe>>>
-      of;
+  std::variant<std::string, Distribution, std::vector<Recipe>, std::vector<NamedRecipe>> of;
+};
+
+struct NamedRecipe {
+  std::string name;
+  Recipe recipe;
 };
 
 struct Cone {
@@ -65,7 +70,7 @@ struct DatasetPlan {
   bool has_lens = false;    // focal lengths and principal point differ from the camera's
   Distribution focal{Distribution::Kind::normal, 1, 0, {}};  // factor
   std::array<Distribution, 2> principal{};                   // pixels right and down
-  std::vector<std::pair<std::string, Recipe>> sample;        // members of views
+  std::vector<NamedRecipe> sample;                           // members of views
 
   std::string title;
   std::vector<std::pair<std::string, std::string>> licences;  // of models by target, of the set

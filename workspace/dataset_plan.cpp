@@ -341,11 +341,11 @@ class PlanReader {
       if (!read) return std::nullopt;
       return Recipe{*read};
     }
-    std::vector<std::pair<std::string, Recipe>> members;
+    std::vector<NamedRecipe> members;
     for (const auto& [key, item] : *map) {
       auto one = recipe(table, key, item, false);
       if (!one) return std::nullopt;
-      members.emplace_back(key, *std::move(one));
+      members.push_back({key, *std::move(one)});
     }
     return Recipe{std::move(members)};
   }
@@ -378,7 +378,7 @@ class PlanReader {
         continue;
       }
       auto read = recipe(table, member, value, (found->forms & kFormMap) != 0);
-      if (read) plan_.sample.emplace_back(member, *std::move(read));
+      if (read) plan_.sample.push_back({member, *std::move(read)});
     }
   }
 
@@ -391,9 +391,8 @@ class PlanReader {
     if (map == nullptr) return table.fail(*licences, "licences is not a table of texts by target");
     for (const auto& [name, value] : *map) {
       const auto* text = std::get_if<std::string>(&value.data);
-      const bool known = name == "set" || std::ranges::any_of(plan_.targets, [&](const auto& each) {
-                           return each.first == name;
-                         });
+      bool known = name == "set";
+      for (const auto& target : plan_.targets) known = known || target.first == name;
       if (text == nullptr || !known)
         table.fail(value, fmt::format("licences has {}, expected texts of targets and of 'set'",
                                       in_quotes(name)));
