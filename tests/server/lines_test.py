@@ -81,8 +81,9 @@ def by_render(views):
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def segments():
-    return {name for name in os.listdir("/dev/shm") if name.startswith("panwright-")}
+def segments(server):
+    """Names of a server's shared memory."""
+    return [name for name in os.listdir("/dev/shm") if name.startswith(f"panwright-{server.process.pid}-")]
 
 
 def same_answers():
@@ -137,7 +138,7 @@ def shared_images():
             expect(False, "an error of the server")
         except ServerError as error:
             expect("fov is '400'" in str(error), error)
-        expect(len(segments()) == 1 and os.stat("/dev/shm/" + segments().copy().pop()).st_mode & 0o777 == 0o600, segments())
+        expect(len(segments(server)) == 1 and os.stat("/dev/shm/" + segments(server)[0]).st_mode & 0o777 == 0o600, segments(server))
         with open("client.c", "w", encoding="utf-8") as file:
             file.write(C_CLIENT)
         subprocess.run([COMPILER, "-std=gnu89", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", "-Wno-long-long", "-I",
@@ -148,15 +149,15 @@ def shared_images():
             total = (31 * total + byte) % 1000000007
         expect(done.returncode == 0 and done.stdout.split() == ["24", "16", "3", str(total)] and "fov is '400'" in done.stderr, done)
     for _ in range(100):
-        if not segments():
+        if not segments(server):
             break
         time.sleep(0.02)
-    expect(not segments(), "memory goes with its client")
+    expect(not segments(server), "memory goes with its client")
     # a server that is killed: its client removes the name, or the next server does
     for client_too in (False, True):
         client = server.connect()
         client.image(VIEWS[0])
-        expect(len(segments()) == 1, segments())
+        expect(len(segments(server)) == 1, segments(server))
         server.process.send_signal(signal.SIGKILL)
         server.process.wait()
         if not client_too:
@@ -165,11 +166,11 @@ def shared_images():
                 expect(False, "a lost server")
             except (ConnectionError, OSError):
                 pass
-            if segments():  # where the write fails, the read is not tried
+            if segments(server):  # where the write fails, the read is not tried
                 client._remove_left_over()
         client.close()
-        server = Server("--socket", os.path.abspath("wire"))  # also takes the place of the socket left over
-        expect(not segments(), "memory of killed servers is removed")
+        killed, server = server, Server("--socket", os.path.abspath("wire"))  # also takes the place of the socket left over
+        expect(not segments(killed), "memory of killed servers is removed")
     server.end()
 
 
