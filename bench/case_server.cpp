@@ -105,7 +105,7 @@ void run_server(Context& context) {
   if (model.empty()) return context.note("no servicer: the rows are missing");
   DiagnosticLog log;
   server::ServerOptions options;
-  options.port = 0;
+  options.listen.port = 0;
   options.stage.targets = {model};
   options.stage.open.prune = false;
   workspace::Settings& settings = options.stage.defaults;
@@ -120,7 +120,7 @@ void run_server(Context& context) {
 
   const Job job{JobOptions{}};
   std::promise<std::uint16_t> port;
-  options.ready = [&](const std::string&, std::uint16_t bound) { port.set_value(bound); };
+  options.listen.ready = [&](const std::string&, std::uint16_t bound) { port.set_value(bound); };
   DiagnosticLog server_log;
   std::thread thread([&] {
     if (!server::serve(options, server_log, job)) port.set_value(0);  // before it was ready

@@ -1,14 +1,9 @@
 // Files of LiDARs: docs/lidar.md.
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 #include <memory>
-#include <span>
 
-#include "base/config_text.h"
 #include "base/number_rows.h"
-#include "base/text.h"
+#include "instruments/internal/bounded_table.h"
 #include "instruments/lidar.h"
 
 namespace panwright::instruments {
@@ -18,69 +13,6 @@ namespace {
 constexpr Code kLidarCode = Code("E0261");
 constexpr Code kRowsCode = Code("E0262");
 
-// Numbers of one table within bounds.
-class LidarTable : public ConfigTable {
- public:
-  LidarTable(const ConfigValue& value, std::string_view what, DiagnosticLog& log)
-      : ConfigTable(value, what, kLidarCode, log) {}
-
-  // Sets a number, in units of `unit`. Bounds: those of the file, both included.
-  void number(std::string_view name, double& value, double least, double most, double unit = 1) {
-    const ConfigValue* member = find(name);
-    const auto given = ConfigTable::number(member, name);
-    if (!given) return;
-    if (*given >= least && *given <= most)
-      value = *given * unit;
-    else
-      fail(*member, fmt::format("{} is {}, expected {} to {}", name, *given, least, most));
-  }
-
-  void count(std::string_view name, std::uint32_t& value, std::uint32_t least, std::uint32_t most) {
-    const ConfigValue* member = find(name);
-    const auto given = ConfigTable::number(member, name);
-    if (!given) return;
-    if (*given >= least && *given <= most && *given == std::floor(*given))
-      value = static_cast<std::uint32_t>(*given);
-    else
-      fail(*member, fmt::format("{} is {}, expected a whole number from {} to {}", name, *given,
-                                least, most));
-  }
-
-  // Two numbers; of one, `both` of them.
-  void pair(std::string_view name, Vec2& value, double least, double most, double unit) {
-    const ConfigValue* member = find(name);
-    const auto given = numbers(member, name, {2});
-    if (!given) return;
-    for (const double each : *given)
-      if (!(each >= least && each <= most)) {
-        fail(*member, fmt::format("{} has {}, expected {} to {}", name, each, least, most));
-        return;
-      }
-    value = unit * Vec2((*given)[0], (*given)[1]);
-  }
-
-  void flag(std::string_view name, bool& value) {
-    if (const auto given = ConfigTable::flag(name)) value = *given;
-  }
-
-  // Sets the number of the chosen word; the first word is 0.
-  template <class Choice>
-  void choose(std::string_view name, std::span<const std::string_view> words, Choice& value) {
-    const ConfigValue* member = find(name);
-    const auto given = text(member, name);
-    if (!given) return;
-    const auto at = std::ranges::find(words, *given);
-    if (at != words.end()) {
-      value = static_cast<Choice>(at - words.begin());
-      return;
-    }
-    const auto near = nearest_name(*given, words);
-    fail(*member,
-         fmt::format("{} is {}, expected {}", name, in_quotes(*given), fmt::join(words, ", ")),
-         near ? fmt::format("did you mean '{}'?", *near) : "");
-  }
-};
-
 constexpr std::string_view kPatterns[] = {"flash",     "raster",   "spiral",
                                           "lissajous", "rotating", "file"};
 constexpr std::string_view kMethods[] = {"threshold", "fraction", "peak", "centroid"};
@@ -89,7 +21,7 @@ constexpr std::string_view kBands[] = {"red", "green", "blue"};
 constexpr std::string_view kModes[] = {"linear", "photon"};
 constexpr double kMostAngle = 180;  // degrees
 
-void read_channels(LidarTable& table, Scan& scan) {
+void read_channels(BoundedTable& table, Scan& scan) {
   const ConfigValue* member = table.require("elevations_deg");
   if (member == nullptr) return;
   const auto* list = std::get_if<ConfigValue::List>(&member->data);
@@ -107,7 +39,7 @@ void read_channels(LidarTable& table, Scan& scan) {
   }
 }
 
-bool read_table(LidarTable& table, const std::filesystem::path& folder, Scan& scan,
+bool read_table(BoundedTable& table, const std::filesystem::path& folder, Scan& scan,
                 DiagnosticLog& log) {
   const ConfigValue* member = table.require("file");
   const auto file = table.text(member, "file");
@@ -133,41 +65,41 @@ bool read_table(LidarTable& table, const std::filesystem::path& folder, Scan& sc
 
 bool read_scan(const ConfigValue& value, const std::filesystem::path& folder, Scan& scan,
                DiagnosticLog& log) {
-  LidarTable table(value, "[scan]", log);
+  BoundedTable table(value, "[scan]", kLidarCode, log);
   if (table.require("pattern") == nullptr) return false;
   table.choose("pattern", kPatterns, scan.pattern);
   const auto pulses = static_cast<std::uint32_t>(kMostPulses);
   bool good = true;
   if (scan.pattern != ScanPattern::flash && scan.pattern != ScanPattern::file)
-    table.number("rate_hz", scan.rate_hz, 1e-3, 1e9);
+    table.set("rate_hz", scan.rate_hz, 1e-3, 1e9);
   switch (scan.pattern) {
     case ScanPattern::flash:
-      table.count("columns", scan.columns, 1, 8192);
-      table.count("rows", scan.rows, 1, 8192);
-      table.number("fov_deg", scan.fov, 1e-4, 170, kDegree);
+      table.set_count("columns", scan.columns, 1, 8192);
+      table.set_count("rows", scan.rows, 1, 8192);
+      table.set("fov_deg", scan.fov, 1e-4, 170, kDegree);
       break;
     case ScanPattern::raster:
-      table.count("columns", scan.columns, 1, pulses);
-      table.count("rows", scan.rows, 1, pulses);
-      table.pair("azimuth_deg", scan.azimuth, -kMostAngle, kMostAngle, kDegree);
-      table.pair("elevation_deg", scan.elevation, -90, 90, kDegree);
-      table.flag("zigzag", scan.zigzag);
+      table.set_count("columns", scan.columns, 1, pulses);
+      table.set_count("rows", scan.rows, 1, pulses);
+      table.set_pair("azimuth_deg", scan.azimuth, -kMostAngle, kMostAngle, kDegree);
+      table.set_pair("elevation_deg", scan.elevation, -90, 90, kDegree);
+      table.set_flag("zigzag", scan.zigzag);
       break;
     case ScanPattern::spiral:
-      table.count("pulses", scan.pulses, 1, pulses);
-      table.number("radius_deg", scan.radius, 0, 90, kDegree);
-      table.number("turns", scan.turns, 0, 1e6);
+      table.set_count("pulses", scan.pulses, 1, pulses);
+      table.set("radius_deg", scan.radius, 0, 90, kDegree);
+      table.set("turns", scan.turns, 0, 1e6);
       break;
     case ScanPattern::lissajous:
-      table.count("pulses", scan.pulses, 1, pulses);
-      table.pair("amplitude_deg", scan.amplitude, 0, 90, kDegree);
-      table.pair("frequency_hz", scan.frequency_hz, 0, 1e9, 1);
-      table.number("phase_deg", scan.phase, -360, 360, kDegree);
+      table.set_count("pulses", scan.pulses, 1, pulses);
+      table.set_pair("amplitude_deg", scan.amplitude, 0, 90, kDegree);
+      table.set_pair("frequency_hz", scan.frequency_hz, 0, 1e9, 1);
+      table.set("phase_deg", scan.phase, -360, 360, kDegree);
       break;
     case ScanPattern::rotating:
       scan.azimuth = Vec2(-kPi, kPi);
-      table.count("columns", scan.columns, 1, pulses);
-      table.pair("azimuth_deg", scan.azimuth, -360, 360, kDegree);
+      table.set_count("columns", scan.columns, 1, pulses);
+      table.set_pair("azimuth_deg", scan.azimuth, -360, 360, kDegree);
       read_channels(table, scan);
       break;
     case ScanPattern::file:
@@ -184,37 +116,36 @@ bool read_scan(const ConfigValue& value, const std::filesystem::path& folder, Sc
 }
 
 bool read_beam(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
-  LidarTable table(value, "[beam]", log);
-  table.number("wavelength_nm", lidar.wavelength, 200, 20000, 1e-9);
-  table.number("pulse_energy_j", lidar.pulse_energy, 1e-15, 1e3);
-  table.number("eye_safe_energy_j", lidar.eye_safe_energy, 1e-15, 1e3);
-  table.number("pulse_ns", lidar.pulse_fwhm, 1e-3, 1e6, 1e-9);
+  BoundedTable table(value, "[beam]", kLidarCode, log);
+  table.set("wavelength_nm", lidar.wavelength, 200, 20000, 1e-9);
+  table.set("pulse_energy_j", lidar.pulse_energy, 1e-15, 1e3);
+  table.set("eye_safe_energy_j", lidar.eye_safe_energy, 1e-15, 1e3);
+  table.set("pulse_ns", lidar.pulse_fwhm, 1e-3, 1e6, 1e-9);
   if (lidar.scan.pattern != ScanPattern::flash)
-    table.number("divergence_mrad", lidar.divergence, 0, 200, 1e-3);
-  table.count("sub_rays", lidar.sub_rays, 1, 1024);
+    table.set("divergence_mrad", lidar.divergence, 0, 200, 1e-3);
+  table.set_count("sub_rays", lidar.sub_rays, 1, 1024);
   table.choose("band", kBands, lidar.band);
   table.finish();
   return table.ok();
 }
 
 bool read_receiver(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
-  LidarTable table(value, "[receiver]", log);
+  BoundedTable table(value, "[receiver]", kLidarCode, log);
   int mode = lidar.photon_counting ? 1 : 0;
   table.choose("mode", kModes, mode);
   lidar.photon_counting = mode == 1;
-  table.number("aperture_mm", lidar.aperture, 0.1, 1e4, 1e-3);
-  table.number("efficiency", lidar.efficiency, 1e-6, 1);
-  table.number("quantum_efficiency", lidar.quantum_efficiency, 1e-6, 1);
-  if (lidar.scan.pattern != ScanPattern::flash)
-    table.number("field_mrad", lidar.field, 0, 1000, 1e-3);
-  table.number("filter_nm", lidar.filter_nm, 0, 1000);
-  table.number("response_ns", lidar.response_fwhm, 0, 1e6, 1e-9);
-  table.number("sample_ns", lidar.sample, 1e-4, 1e6, 1e-9);
-  table.number("saturation_e", lidar.saturation_e, 0, 1e15);
-  table.number("recovery_m", lidar.recovery, 0, 1e6);
+  table.set("aperture_mm", lidar.aperture, 0.1, 1e4, 1e-3);
+  table.set("efficiency", lidar.efficiency, 1e-6, 1);
+  table.set("quantum_efficiency", lidar.quantum_efficiency, 1e-6, 1);
+  if (lidar.scan.pattern != ScanPattern::flash) table.set("field_mrad", lidar.field, 0, 1000, 1e-3);
+  table.set("filter_nm", lidar.filter_nm, 0, 1000);
+  table.set("response_ns", lidar.response_fwhm, 0, 1e6, 1e-9);
+  table.set("sample_ns", lidar.sample, 1e-4, 1e6, 1e-9);
+  table.set("saturation_e", lidar.saturation_e, 0, 1e15);
+  table.set("recovery_m", lidar.recovery, 0, 1e6);
   if (lidar.scan.pattern == ScanPattern::flash) {
-    table.count("bloom_pixels", lidar.bloom_pixels, 0, 32);
-    table.number("bloom_share", lidar.bloom_share, 0, 1);
+    table.set_count("bloom_pixels", lidar.bloom_pixels, 0, 32);
+    table.set("bloom_share", lidar.bloom_share, 0, 1);
   }
   const double fwhm =
       std::sqrt(lidar.pulse_fwhm * lidar.pulse_fwhm + lidar.response_fwhm * lidar.response_fwhm);
@@ -227,31 +158,31 @@ bool read_receiver(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
 }
 
 bool read_noise(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
-  LidarTable table(value, "[noise]", log);
-  table.number("electronics_e", lidar.electronics_e, 0, 1e12);
-  table.number("excess_noise", lidar.excess_noise, 0, 1e4);
-  table.number("dark_e_per_s", lidar.dark_e_per_s, 0, 1e15);
-  table.flag("sun", lidar.sun);
-  table.number("sun_w_m2_nm", lidar.sun_w_m2_nm, 0, 100);
-  table.number("jitter_mm", lidar.jitter, 0, 1e6, 1e-3);
-  table.number("drop_outs", lidar.drop_outs, 0, 1);
+  BoundedTable table(value, "[noise]", kLidarCode, log);
+  table.set("electronics_e", lidar.electronics_e, 0, 1e12);
+  table.set("excess_noise", lidar.excess_noise, 0, 1e4);
+  table.set("dark_e_per_s", lidar.dark_e_per_s, 0, 1e15);
+  table.set_flag("sun", lidar.sun);
+  table.set("sun_w_m2_nm", lidar.sun_w_m2_nm, 0, 100);
+  table.set("jitter_mm", lidar.jitter, 0, 1e6, 1e-3);
+  table.set("drop_outs", lidar.drop_outs, 0, 1);
   table.finish();
   return table.ok();
 }
 
 bool read_detection(const ConfigValue& value, Lidar& lidar, DiagnosticLog& log) {
-  LidarTable table(value, "[detection]", log);
+  BoundedTable table(value, "[detection]", kLidarCode, log);
   table.choose("method", kMethods, lidar.method);
-  table.number("threshold_e", lidar.threshold_e, 1e-6, 1e15);
+  table.set("threshold_e", lidar.threshold_e, 1e-6, 1e15);
   table.choose("echoes", kChoices, lidar.echoes);
-  table.count("max_echoes", lidar.max_echoes, 1, 16);
-  table.pair("gate_m", lidar.gate, 0, 1e9, 1);
+  table.set_count("max_echoes", lidar.max_echoes, 1, 16);
+  table.set_pair("gate_m", lidar.gate, 0, 1e9, 1);
   if (!(lidar.gate.x < lidar.gate.y))
     table.fail(value, "gate_m has no length, expected [nearest, farthest]");
-  table.number("walk_reference", lidar.walk_reference, 1, 1e9);
-  table.number("walk_residual", lidar.walk_residual, 0, 1);
-  table.number("bias_mm", lidar.bias, -1e6, 1e6, 1e-3);
-  table.number("resolution_mm", lidar.resolution, 0, 1e6, 1e-3);
+  table.set("walk_reference", lidar.walk_reference, 1, 1e9);
+  table.set("walk_residual", lidar.walk_residual, 0, 1);
+  table.set("bias_mm", lidar.bias, -1e6, 1e6, 1e-3);
+  table.set("resolution_mm", lidar.resolution, 0, 1e6, 1e-3);
   table.finish();
   return table.ok();
 }
@@ -266,7 +197,7 @@ Result<Lidar> read_lidar(std::string_view text, const std::string& name,
   const FileId file = log.sources().add(std::move(source));
   const auto root = parse_config(text, ConfigFormat::toml, file, kLidarCode, log);
   if (!root) return failed;
-  LidarTable table(*root, "a LiDAR", log);
+  BoundedTable table(*root, "a LiDAR", kLidarCode, log);
   Lidar lidar;
   lidar.name = table.text("name").value_or("");
   const ConfigValue* scan = table.require("scan");

@@ -95,7 +95,7 @@ void Worker::draw(Batch& batch, workspace::Runner& runner, workspace::FrameMaker
     const std::lock_guard lock(mutex_);
     info_ = info;
   };
-  options.listener.kept = [&](workspace::Kept kept) {
+  options.listener.kept = [&](workspace::Kept& kept) {
     const workspace::Frame& frame = frames[kept.what.frame];
     const workspace::View& view = batch.views[kept.what.frame];
     auto picture = std::make_shared<Picture>();

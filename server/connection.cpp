@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "server/messages.h"
-
 namespace panwright::server {
 
 namespace {
@@ -13,8 +11,12 @@ namespace {
 constexpr double kGreetingSeconds = 5;     // and for the first bytes of a request
 constexpr double kBytesPerSecond = 65536;  // slowest client, in both directions
 constexpr double kDrainSeconds = 1;
-constexpr std::uint32_t kHttpGet = 0x47455420;  // "GET "
-constexpr std::size_t kMostHttp = 8192;         // bytes of a request line with its headers
+constexpr std::string_view kHttpGet = "GET ";
+constexpr std::size_t kMostHttp = 8192;  // bytes of a request line with its headers
+
+std::string_view text_of(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 }  // namespace
 
@@ -22,7 +24,13 @@ void Connection::start() {
   asio::error_code ignored;
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::keep_alive(true), ignored);
-  set_deadline(kGreetingSeconds, false);
+  if (protocol_.greets()) {
+    set_deadline(kGreetingSeconds, false);
+  } else if (!host_.admit(*this)) {
+    return refuse(protocol_.crowded());
+  } else {
+    admitted_ = true;
+  }
   read();
 }
 
@@ -41,7 +49,7 @@ void Connection::set_deadline(double seconds, bool says_so) {
   deadline_.async_wait([self = shared_from_this(), says_so](const asio::error_code& error) {
     if (error || !self->socket_.is_open()) return;
     if (says_so && !self->ended_)
-      self->refuse(WireError::deadline, "the rest of the request did not come in time");
+      self->refuse(self->protocol_.late());
     else
       self->close();
   });
@@ -59,84 +67,75 @@ void Connection::read() {
   });
 }
 
-// The version, or a request for metrics.
-void Connection::process_greeting() {
-  constexpr std::size_t kWord = 4;
-  if (buffer_.size() < kWord) {
-    read();
-    return;
+// A request for metrics.
+void Connection::process_http() {
+  const std::string_view text = text_of(buffer_);
+  if (text.find("\r\n\r\n") == text.npos && buffer_.size() < kMostHttp) return read();
+  const bool known = text.starts_with("GET /metrics ");
+  const std::string body = known ? host_.metrics() + "\n" : "expected /metrics\n";
+  const std::string answer = fmt::format(
+      "HTTP/1.0 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{}",
+      known ? "200 OK" : "404 Not Found", known ? "application/json" : "text/plain", body.size(),
+      body);
+  send(Bytes(answer.begin(), answer.end()), true);
+}
+
+// Removes bytes from the front.
+void Connection::take(std::size_t bytes) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(bytes));
+}
+
+void Connection::greeted(Step step) {
+  take(step.bytes);
+  asked_ = true;
+  if (!host_.admit(*this)) return refuse(protocol_.crowded());
+  admitted_ = true;
+  send(std::move(step.reply), false);
+}
+
+// The deadline follows from what has come, not from when it came.
+void Connection::wait_for_rest() {
+  if (admitted_) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!waits_) begun_ = now;
+    waits_ = true;
+    const double allowed = kGreetingSeconds + static_cast<double>(buffer_.size()) / kBytesPerSecond;
+    const double passed = std::chrono::duration<double>(now - begun_).count();
+    set_deadline(std::max(allowed - passed, 0.0), true);
   }
-  const std::uint32_t version = word_at(buffer_);
-  if (version == kHttpGet) {
-    const std::string_view text(reinterpret_cast<const char*>(buffer_.data()), buffer_.size());
-    if (text.find("\r\n\r\n") == text.npos && buffer_.size() < kMostHttp) {
-      read();
-      return;
-    }
-    const bool known = text.starts_with("GET /metrics ");
-    const std::string body = known ? host_.metrics() + "\n" : "expected /metrics\n";
-    const std::string answer = fmt::format(
-        "HTTP/1.0 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{}",
-        known ? "200 OK" : "404 Not Found", known ? "application/json" : "text/plain", body.size(),
-        body);
-    send(Bytes(answer.begin(), answer.end()), true);
-    return;
-  }
-  if (version >> 8 != 1) {
-    refuse(WireError::version,
-           fmt::format("version 0x{:x} of the protocol, expected 0x1xx", version));
-    return;
-  }
-  buffer_.erase(buffer_.begin(), buffer_.begin() + kWord);
-  greeted_ = true;
-  if (!host_.admit(*this)) {
-    refuse(WireError::clients, "the server has as many clients as it takes");
-    return;
-  }
-  send(okay(), false);
+  read();
 }
 
 void Connection::process() {
-  if (!greeted_) {
-    process_greeting();
-    return;
-  }
   if (buffer_.empty()) {
     // a client may think for as long as it likes
     waits_ = false;
     deadline_.cancel();
     return read();
   }
-  const RequestSize size = request_size(buffer_, host_.most_request());
-  switch (size.state) {
-    case RequestSize::State::unknown:
-      return refuse(WireError::request, fmt::format("unknown request {}", word_at(buffer_)));
-    case RequestSize::State::too_large:
-      return refuse(WireError::size, fmt::format("a request of {} bytes, expected at most {}",
-                                                 size.bytes, host_.most_request()));
-    case RequestSize::State::incomplete: {
-      const auto now = std::chrono::steady_clock::now();
-      if (!waits_) begun_ = now;
-      waits_ = true;
-      // the deadline follows from what has come, not from when it came
-      const double allowed =
-          kGreetingSeconds + static_cast<double>(buffer_.size()) / kBytesPerSecond;
-      const double passed = std::chrono::duration<double>(now - begun_).count();
-      set_deadline(std::max(allowed - passed, 0.0), true);
-      return read();
-    }
-    case RequestSize::State::complete:
+  const std::string_view text = text_of(buffer_).substr(0, kHttpGet.size());
+  if (!asked_ && text == kHttpGet) return process_http();
+  if (!asked_ && kHttpGet.starts_with(text)) return wait_for_rest();
+  Step step = protocol_.next(buffer_, admitted_);
+  switch (step.kind) {
+    case Step::Kind::more:
+      return wait_for_rest();
+    case Step::Kind::greeted:
+      return greeted(std::move(step));
+    case Step::Kind::refused:
+      return refuse(std::move(step.reply));
+    case Step::Kind::request:
       break;
   }
+  asked_ = true;
   waits_ = false;
   deadline_.cancel();
-  const auto end = buffer_.begin() + static_cast<std::ptrdiff_t>(size.bytes);
   Bytes request;
-  if (end == buffer_.end()) {
+  if (step.bytes == buffer_.size()) {
     request.swap(buffer_);
   } else {
-    request.assign(buffer_.begin(), end);
-    buffer_.erase(buffer_.begin(), end);
+    request.assign(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(step.bytes));
+    take(step.bytes);
   }
   host_.submit(shared_from_this(), std::move(request));
 }
@@ -144,13 +143,13 @@ void Connection::process() {
 void Connection::reply(Reply reply) {
   if (!socket_.is_open()) return;
   if (reply.then == Reply::Then::quit) host_.quit(*this);
+  if (reply.silent) return process();
   if (reply.bytes.empty()) return drain();
   send(std::move(reply.bytes), reply.then != Reply::Then::next);
 }
 
 void Connection::send(Bytes bytes, bool last) {
-  const bool error = greeted_ && bytes.size() >= 4 && word_at(bytes) == reply::kError;
-  host_.count(0, bytes.size(), error);
+  host_.count(0, bytes.size(), asked_ && protocol_.is_error(bytes));
   sent_ = std::move(bytes);
   set_deadline(kGreetingSeconds + static_cast<double>(sent_.size()) / kBytesPerSecond, false);
   asio::async_write(socket_, asio::buffer(sent_),
@@ -165,11 +164,11 @@ void Connection::send(Bytes bytes, bool last) {
                     });
 }
 
-void Connection::refuse(WireError error, std::string_view text) {
+void Connection::refuse(Bytes bytes) {
   ended_ = true;
   asio::error_code ignored;
   socket_.cancel(ignored);  // the read under way
-  send(error_reply(error, text), true);
+  send(std::move(bytes), true);
 }
 
 // Ends the connection so that the client reads what was sent: what still comes is dropped.

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "server/messages.h"
-
 namespace panwright::server {
 
 void LatencyHistogram::add(double seconds) {
@@ -35,9 +33,8 @@ std::string Metrics::json() const {
   out["bytes_in"] = bytes_in;
   out["bytes_out"] = bytes_out;
   out["requests"] = nlohmann::ordered_json::object();
-  for (const auto& [number, histogram] : latency) {
-    const RequestKind* const kind = request_kind(number);
-    auto& one = out["requests"][std::string(kind != nullptr ? kind->name : "unknown")];
+  for (const auto& [name, histogram] : latency) {
+    auto& one = out["requests"][name];
     one["count"] = histogram.count();
     // upper bounds of bins
     one["median_ms"] = 1e3 * histogram.quantile(0.5);

@@ -25,11 +25,11 @@ class LatencyHistogram {
 };
 
 struct Metrics {
-  std::map<std::uint32_t, LatencyHistogram> latency;  // by request
-  std::uint64_t accepted = 0;                         // connections
-  std::uint64_t refused = 0;                          // above the limit of clients
-  std::uint64_t errors = 0;                           // error replies
-  std::uint64_t ignored = 0;                          // requests without effect
+  std::map<std::string, LatencyHistogram> latency;  // by request
+  std::uint64_t accepted = 0;                       // connections
+  std::uint64_t refused = 0;                        // above the limit of clients
+  std::uint64_t errors = 0;                         // error replies
+  std::uint64_t ignored = 0;                        // requests without effect
   std::uint64_t bytes_in = 0, bytes_out = 0;
   std::size_t clients = 0;  // now
   std::size_t waiting = 0;  // requests in the queue now

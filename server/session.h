@@ -28,7 +28,8 @@ struct Reply {
   enum class Then : std::uint8_t { next, close, quit };  // quit: of the server
   Bytes bytes;
   Then then = Then::next;
-  std::string note;  // of what was ignored; empty: nothing
+  std::string note;     // of what was ignored; empty: nothing
+  bool silent = false;  // there is no reply, and the session goes on
 };
 
 // Session over a state of its own, or one that it shares. A reply depends on the requests to the

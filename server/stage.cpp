@@ -235,7 +235,7 @@ Result<Drawing> Stage::draw(const State& state, const world::Camera& camera, con
   std::optional<Drawing> out;
   workspace::RunOptions options;
   options.context = options_.context;
-  options.listener.kept = [&](workspace::Kept kept) {
+  options.listener.kept = [&](workspace::Kept& kept) {
     auto& product = std::get<workspace::ImageProduct>(kept.product);
     out = Drawing{std::move(product.image), 0};
   };

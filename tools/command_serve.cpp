@@ -1,14 +1,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "server/lines.h"
 #include "server/request_log.h"
 #include "server/server.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/print.h"
+#include "tools/view_lines.h"
 
 namespace panwright::tools {
 
@@ -36,7 +39,7 @@ constexpr SettingId kSettings[] = {SettingId::camera,       SettingId::look_at,
                                    SettingId::samples,      SettingId::pixel_error,
                                    SettingId::engine,       SettingId::shadows,
                                    SettingId::levels,       SettingId::imposters,
-                                   SettingId::psf};
+                                   SettingId::psf,          SettingId::max_image_memory};
 
 struct Options {
   CommonOptions common;
@@ -48,6 +51,9 @@ struct Options {
   std::string format = "ppm";
   bool grey = false;
   bool shared = false;
+  bool json_lines = false;
+  std::string path;
+  std::string folder;
   std::uint32_t most_clients = 16;
   std::uint64_t most_request = std::uint64_t{16} << 20;
   double most_seconds = 60;
@@ -74,6 +80,21 @@ void declare_all(Arguments& arguments, Options& options) {
           "Address to listen on (default 127.0.0.1: this machine alone); any other warns, as there "
           "is no password")
       .type("ADDRESS")
+      .group(group);
+  arguments
+      .add("--socket", options.path,
+           "Listen on a Unix socket of this name, which this user alone can open, in place of TCP")
+      .type("PATH")
+      .group(group);
+  arguments
+      .flag("--json-lines", options.json_lines,
+            "Speak JSON Lines in place of the PANGU protocol: each line is a view, and is answered "
+            "as by render --views -")
+      .group(group);
+  arguments
+      .add("--folder", options.folder,
+           "With --json-lines: folder of outputs that views name (default: they can name none)")
+      .type("DIR")
       .group(group);
   arguments
       .add("--format", options.format,
@@ -153,14 +174,101 @@ Result<server::ServerOptions> options_of(const Options& options, DiagnosticLog& 
                               : options.format == "float" ? server::WireFormat::floats
                                                           : server::WireFormat::ppm;
   out.session.images.grey = options.grey;
+  out.shared = options.shared;
+  out.log = options.log;
+  return out;
+}
+
+// Options of one protocol that the other lacks.
+bool check_protocol(const Options& options, DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  const auto refuse = [&](bool given, const char* name) {
+    if (given)
+      log.report(Code("E0201"), {},
+                 fmt::format("{} {} --json-lines", name,
+                             options.json_lines ? "cannot be combined with" : "requires"));
+  };
+  if (options.json_lines) {
+    refuse(options.format != "ppm", "--format");
+    refuse(options.grey, "--grey");
+    refuse(options.shared, "--shared");
+    refuse(!options.log.empty(), "--log");
+    refuse(!options.replay.empty(), "--replay");
+  } else {
+    refuse(!options.folder.empty(), "--folder");
+  }
+  std::error_code ignored;
+  if (!options.folder.empty() && !std::filesystem::is_directory(options.folder, ignored))
+    log.report_file(Code("E0101"), options.folder, "folder not found", "create it");
+  return log.errors() == errors;
+}
+
+server::ListenOptions listen_of(const Options& options) {
+  server::ListenOptions out;
   out.address = options.address;
   out.port = static_cast<std::uint16_t>(options.port);
-  out.shared = options.shared;
+  out.path = options.path;
   out.most_clients = options.most_clients;
   out.most_request = options.most_request;
   out.most_seconds = options.most_seconds;
-  out.log = options.log;
+  out.ready = [&options](const std::string& where, std::uint16_t port) {
+    const bool is_path = !options.path.empty();
+    if (options.common.json)
+      print("{}\n", is_path ? Json{{"socket", where}}.dump()
+                            : Json{{"address", where}, {"port", port}}.dump());
+    else
+      print("listening on {}\n", is_path ? where : fmt::format("{}:{}", where, port));
+    std::fflush(stdout);
+    if (!is_path && !where.starts_with("127.") && where != "::1")
+      print(stderr,
+            "panwright: warning: any machine that reaches {} can use this server, without a "
+            "password\n",
+            where);
+  };
   return out;
+}
+
+// A client of JSON Lines.
+class Lines final : public server::LineSession {
+ public:
+  Lines(workspace::ViewSession& session, const ViewLineOptions& options, const DiagnosticLog& log)
+      : views_(session, options, log) {}
+  std::string answer(std::string_view line, const Job& job) override {
+    return views_.answer(line, job);
+  }
+
+ private:
+  ViewLines views_;
+};
+
+void serve_lines(const Options& options, const server::ServerOptions& from,
+                 CommandContext& context) {
+  DiagnosticLog& log = context.log();
+  ViewLineOptions views;
+  views.defaults = from.stage.defaults;
+  if (!options.targets.empty()) views.defaults.targets = options.targets;
+  if (!from.stage.open.parameters.empty()) views.defaults.define = from.stage.open.parameters;
+  views.foreign = true;
+  views.folder = options.folder;
+  std::optional<workspace::ViewSession> session;
+  server::LineServerOptions server;
+  server.listen = listen_of(options);
+  server.listen.most_request =
+      std::min<std::uint64_t>(options.most_request, workspace::kMaxViewLine);
+  server.open = [&] {
+    server::SharedImages::remove_left_over();
+    session.emplace(from.stage.open, from.stage.context);
+    return session->world(views.defaults, {}, log, context.job()) != nullptr;
+  };
+  server.begin = [&] { return std::make_unique<Lines>(*session, views, log); };
+  server.end = [&] { session.reset(); };
+  server.refusal = [](std::string_view why) {
+    return Json{{"ok", false},
+                {"errors", 1},
+                {"diagnostics", {{{"code", "E0203"}, {"severity", "error"}, {"message", why}}}}}
+        .dump();
+  };
+  (void)server::serve_lines(server, log, context.job());
 }
 
 int replay_log(const Options& options, const server::ServerOptions& server,
@@ -191,23 +299,15 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   auto server = options_of(options, log);
-  if (!server) return context.finish();
+  if (!server || !check_protocol(options, log)) return context.finish();
   if (!options.replay.empty()) return replay_log(options, *server, context);
   if (!options.log.empty() && !context.files().will_write(options.log, "--log", log))
     return context.finish();
-  server->ready = [&](const std::string& address, std::uint16_t port) {
-    if (options.common.json)
-      print("{}\n", Json{{"address", address}, {"port", port}}.dump());
-    else
-      print("listening on {}:{}\n", address, port);
-    std::fflush(stdout);
-    if (!address.starts_with("127.") && address != "::1")
-      print(stderr,
-            "panwright: warning: any machine that reaches {} can use this server, without a "
-            "password\n",
-            address);
-  };
-  (void)server::serve(*server, log, context.job());
+  server->listen = listen_of(options);
+  if (options.json_lines)
+    serve_lines(options, *server, context);
+  else
+    (void)server::serve(*server, log, context.job());
   return context.finish();
 }
 

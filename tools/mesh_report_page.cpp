@@ -17,6 +17,7 @@
 #include "importers/clean.h"
 #include "pan/model.h"
 #include "tools/report_page.h"
+#include "tools/words.h"
 #include "workspace/drawer.h"
 
 namespace panwright::tools {
@@ -28,19 +29,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t kSide = 360;         // pixels of an image
 constexpr std::size_t kTexturesOfAKind = 6;  // the worst
 constexpr double kRing = 0.16;               // of the image: the ring's radius
-
-std::string base64(std::string_view bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
 
 void draw_ring(image::Image& image) {
   const double middle = kSide / 2.0, radius = kRing * kSide;

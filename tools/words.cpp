@@ -62,4 +62,18 @@ std::string bytes_words(std::uint64_t bytes) {
                                : fmt::format("{:.3g} GB", number / 1e9);
 }
 
+std::string base64(std::string_view bytes) {
+  constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out((bytes.size() + 2) / 3 * 4, '=');
+  for (std::size_t i = 0, at = 0; i < bytes.size(); i += 3, at += 4) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k <= count; ++k) out[at + k] = kDigits[word >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
 }  // namespace panwright::tools

@@ -21,4 +21,7 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 // Returns "1.2 MB".
 std::string bytes_words(std::uint64_t bytes);
 
+// Returns bytes in base64 (RFC 4648).
+std::string base64(std::string_view bytes);
+
 }  // namespace panwright::tools

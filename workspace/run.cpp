@@ -275,7 +275,9 @@ class Run {
     const auto& kept = scope_.options.listener.kept;
     if (kept && writing->ok) {
       ++done_;
-      kept({std::move(writing->what), std::move(writing->product), std::move(writing->labels)});
+      Kept all{std::move(writing->what), std::move(writing->product), std::move(writing->labels)};
+      kept(all);
+      writing->run->recycle(all.what, std::move(all.product));
       return true;
     }
     writing->run->recycle(writing->what, std::move(writing->product));

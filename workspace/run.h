@@ -65,8 +65,8 @@ struct RunListener {
   std::function<void(const Written&)> written;
   std::function<void(const Step&)> step;  // after it
   // Takes the products in place of files, in order. Frames need no outputs then, and have ground
-  // truth as their setting `layers` says.
-  std::function<void(Kept)> kept;
+  // truth as their setting `layers` says. The memory of an image that is left there is used again.
+  std::function<void(Kept&)> kept;
 };
 
 struct RunOptions {

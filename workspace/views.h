@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,6 +19,9 @@
 
 namespace panwright::workspace {
 
+// Way of an image to who asks for it: files, or with the answer to a line of a stream.
+enum class ImageReply : std::uint8_t { files, inlined, shared };
+
 struct View {
   View() = default;
   View(Settings from) : settings(std::move(from)) {}
@@ -26,6 +30,7 @@ struct View {
   std::string label;  // name in diagnostics, as "view 3 ('far')"; empty: options of a command
   std::string file;   // views file of origin; empty: none
   std::shared_ptr<const ViewLabels> labels;  // to write; null: none
+  ImageReply reply = ImageReply::files;      // of a stream, as its member `image` says
   // Of a scenario: the settings at a time after this view's, seconds; fails as it does. Empty: at
   // no other time is anything known.
   std::function<std::optional<Settings>(double, DiagnosticLog&)> motion;
@@ -44,7 +49,8 @@ Result<std::vector<View>> read_views(const std::filesystem::path& path, const Se
 Result<std::vector<View>> parse_views(std::string_view text, const std::string& name,
                                       const Settings& defaults, DiagnosticLog& log);
 
-// Parses one view, an object, as a line of a stream.
+// Parses one view, an object, as a line of a stream. It may have `image` in place of outputs:
+// "inline" or "shared".
 //
 //   index  its number in the stream
 //   view   its readable part; name and label in any case

@@ -34,8 +34,9 @@ std::optional<SettingId> find_member(std::string_view name) {
 // Reads the members of one view.
 class OneViewReader {
  public:
-  OneViewReader(std::size_t index, const std::string& file, DiagnosticLog& log)
-      : index_(index), log_(log) {
+  // streams: a line of a stream, with the members of one
+  OneViewReader(std::size_t index, const std::string& file, bool streams, DiagnosticLog& log)
+      : index_(index), streams_(streams), log_(log) {
     view_.file = file;
     view_.label = view_label(index, {});
   }
@@ -64,7 +65,9 @@ class OneViewReader {
       std::string member = key;
       std::replace(member.begin(), member.end(), '_', '-');
       const auto id = find_member(member);
-      if (!id)
+      if (streams_ && key == "image")
+        read_reply(value);
+      else if (!id)
         unknown(key, member);
       else if (!given_.insert({*id, key}).second)
         fail(fmt::format("{} and {} are one option", in_quotes(given_[*id]), in_quotes(key)));
@@ -73,6 +76,9 @@ class OneViewReader {
     }
     if (given_.contains(SettingId::output) && given_.contains(SettingId::outputs))
       fail("expected output or outputs, not both");
+    if (view_.reply != ImageReply::files &&
+        (given_.contains(SettingId::output) || given_.contains(SettingId::outputs)))
+      fail("expected an output or image, not both");
   }
 
   void require_output() {
@@ -97,6 +103,15 @@ class OneViewReader {
                           : std::string());
   }
 
+  void read_reply(const json& value) {
+    if (value == "inline")
+      view_.reply = ImageReply::inlined;
+    else if (value == "shared")
+      view_.reply = ImageReply::shared;
+    else
+      fail("'image' has another value than 'inline' or 'shared'");
+  }
+
   void read_member(SettingId id, const std::string& key, const json& value) {
     if (const std::string wrong = wrong_type(id, value); !wrong.empty())
       return fail(in_quotes(key) + wrong);
@@ -108,6 +123,7 @@ class OneViewReader {
   }
 
   std::size_t index_;
+  bool streams_;
   DiagnosticLog& log_;
   View view_;
   std::map<SettingId, std::string> given_;  // and as it is written there
@@ -165,7 +181,7 @@ Result<std::vector<View>> parse_views(std::string_view text, const std::string& 
   bool good = true;
   std::size_t repeated = 0;
   for (const json& item : list) {
-    OneViewReader reader(views.size(), name, log);
+    OneViewReader reader(views.size(), name, false, log);
     reader.name(item);
     for (; repeated < parsed->repeated.size() && parsed->repeated[repeated].item == views.size();
          ++repeated)
@@ -191,7 +207,7 @@ bool parse_view(std::string_view text, std::size_t index, const Settings& defaul
     log.report_file(Code("E0203"), {}, view.label + ": " + problem.message, problem.hint);
     return false;
   }
-  OneViewReader reader(index, {}, log);
+  OneViewReader reader(index, {}, true, log);
   reader.name(parsed->value);
   for (const JsonText::Repeated& each : parsed->repeated) reader.repeated(each.member);
   reader.read(parsed->value);

@@ -7,10 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 
+#include "server/internal/protocol.h"
 #include "server/packing.h"
-#include "server/replies.h"
 #include "server/session.h"
 
 namespace panwright::server {
@@ -21,7 +20,7 @@ class Connection;
 class Host {
  public:
   virtual ~Host() = default;
-  // A client has sent its version. False: there are too many.
+  // A client has begun. False: there are too many.
   virtual bool admit(Connection& connection) = 0;
   // Answers a whole request by Connection::reply().
   virtual void submit(std::shared_ptr<Connection> connection, Bytes request) = 0;
@@ -31,15 +30,19 @@ class Host {
   virtual void quit(Connection& connection) = 0;
   virtual std::string metrics() = 0;
   virtual void count(std::size_t bytes_in, std::size_t bytes_out, bool error) = 0;
-  virtual std::uint64_t most_request() const = 0;
 };
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(asio::ip::tcp::socket socket, Host& host, std::uint64_t number)
+  // Of TCP or a path.
+  using Socket = asio::generic::stream_protocol::socket;
+
+  // Expects: host and protocol outlive the connection.
+  Connection(Socket socket, Host& host, const Protocol& protocol, std::uint64_t number)
       : socket_(std::move(socket)),
         deadline_(socket_.get_executor()),
         host_(host),
+        protocol_(protocol),
         number_(number) {}
 
   void start();
@@ -51,22 +54,27 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void read();
   void process();
-  void process_greeting();
+  void process_http();
+  void take(std::size_t bytes);
+  void greeted(Step step);
+  void wait_for_rest();
   void send(Bytes bytes, bool last);
-  void refuse(WireError error, std::string_view text);
+  void refuse(Bytes bytes);
   void drain();
   void set_deadline(double seconds, bool says_so);
 
-  asio::ip::tcp::socket socket_;
+  Socket socket_;
   asio::steady_timer deadline_;
   Host& host_;
+  const Protocol& protocol_;
   const std::uint64_t number_;
   std::array<std::uint8_t, 1 << 16> chunk_;
   Bytes buffer_;                                 // received, not yet answered
   Bytes sent_;                                   // under way
   std::chrono::steady_clock::time_point begun_;  // of the request that is incomplete
   bool waits_ = false;                           // for the rest of one
-  bool greeted_ = false;
+  bool admitted_ = false;
+  bool asked_ = false;  // a greeting or a request has come
   bool ended_ = false;  // nothing more is read as a request
 };
 

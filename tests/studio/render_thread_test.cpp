@@ -41,7 +41,7 @@ workspace::Kept rendered(const world::World& world, const workspace::Settings& s
   workspace::Kept out;
   const auto frame = workspace::FrameMaker(world).frame(settings, log);
   workspace::RunOptions options{preview::ContextKind::osmesa, {}, {}};
-  options.listener.kept = [&](workspace::Kept kept) { out = std::move(kept); };
+  options.listener.kept = [&](workspace::Kept& kept) { out = std::move(kept); };
   if (frame) (void)workspace::run_frames(world, std::span(&*frame, 1), options, log);
   return out;
 }

@@ -1,0 +1,36 @@
+// Service of one protocol: connections on one thread, answers on another. Private to server.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "server/internal/protocol.h"
+#include "server/listen.h"
+#include "server/session.h"
+
+namespace panwright::server {
+
+// Answers of all clients. All calls come from the worker's thread; none throws, but open().
+class Answerer {
+ public:
+  virtual ~Answerer() = default;
+  // False: failed, and reported.
+  virtual bool open() = 0;
+  virtual void begin(std::uint64_t client) = 0;
+  virtual Reply answer(std::uint64_t client, std::span<const std::uint8_t> request,
+                       const Job& job) = 0;
+  virtual void leave(std::uint64_t client) = 0;
+  // Frees what open() and clients have.
+  virtual void end() = 0;
+};
+
+// Serves until the job is cancelled or a client quits it.
+//
+//   returns  true: ended as it should
+// Fails: E0201 for an address, a port or a path that is not free; as the answerer.
+bool run_service(const ListenOptions& options, const Protocol& protocol, Answerer& answerer,
+                 DiagnosticLog& log, const Job& job);
+
+}  // namespace panwright::server
