@@ -339,6 +339,17 @@ std::optional<world::World> Project::readable(const Reading& reading,
   return *std::move(part);
 }
 
+// A file may be written again between its notice and its reading: the last change counts.
+void Project::count_later_changes(const std::vector<workspace::FileStamp>& stamps) {
+  if (saved_ == 0) return;
+  std::int64_t last = saved_;
+  for (const workspace::FileStamp& now : stamps)
+    for (const workspace::FileStamp& known : watched_)
+      if (known.path == now.path && known != now) last = std::max(last, now.time);
+  noticed_ = std::max(0.0, noticed_ - 1e-9 * static_cast<double>(last - saved_));
+  saved_ = last;
+}
+
 void Project::publish(Reading reading, const Job& job) {
   const DiagnosticLog& log = reading.log;
   const bool bad = !reading.world || log.has_errors();
@@ -353,6 +364,7 @@ void Project::publish(Reading reading, const Job& job) {
   // half-written files: wait for the rest
   if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return pending_ || ending_; });
   if (job.cancelled() || (bad && pending_)) return;
+  count_later_changes(reading.stamps);
   watched_ = std::move(reading.stamps);
   state_.messages = messages_of(log);
   state_.failed = bad;

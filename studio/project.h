@@ -88,6 +88,7 @@ class Project {
                  const Job& job);
   std::optional<world::World> readable(const Reading& reading, const workspace::OpenOptions& open,
                                        const Job& job, std::set<std::filesystem::path>& inputs);
+  void count_later_changes(const std::vector<workspace::FileStamp>& stamps);
   void publish(Reading reading, const Job& job);
 
   std::vector<std::string> files_;
