@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""The shipped clients steer to docking, from Python, C89 and Octave: the same steps. clients_test.py PANWRIGHT SOURCE_DIR CC [OCTAVE]
+"""The shipped clients steer to docking, from Python, C89 and Octave: the same steps; the S-function steps in Octave.
+
+    clients_test.py PANWRIGHT SOURCE_DIR CC [OCTAVE]
 
 Octave is left out where it or its package sockets is not installed, and it says so.
 """
@@ -14,6 +16,7 @@ import tempfile
 PROGRAM, SOURCE, COMPILER = sys.argv[1:4]
 OCTAVE = sys.argv[4] if len(sys.argv) > 4 and "NOTFOUND" not in sys.argv[4] else None
 LOOP = pathlib.Path(SOURCE) / "examples" / "closed_loop"
+SFUN = pathlib.Path(SOURCE) / "tests" / "server" / "sfun" / "run_sfun.m"
 
 
 def expect(condition, what):
@@ -33,27 +36,42 @@ def steered(words):
     return steps, end.group()
 
 
+def started(size):
+    server = subprocess.Popen([PROGRAM, "serve", str(LOOP.parent / "client" / "client.pxn"), "--port", "0", "--size", size, "--samples", "2",
+                               "--clients", "4"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    line = server.stdout.readline()
+    if not line:
+        error = server.stderr.read()
+        if "E5007" in error or "E5001" in error:
+            print("skipped: no OpenGL")
+            sys.exit(77)
+        expect(False, error)
+    return server, line.rsplit(":", 1)[1].strip()
+
+
+def check_s_function():
+    server, port = started("64x48")
+    try:
+        done = subprocess.run([OCTAVE, "-qf", str(SFUN), str(pathlib.Path(SOURCE) / "server" / "clients"), port], capture_output=True, text=True,
+                              timeout=200)
+        expect("the S-function steps\n" in done.stdout, done.stdout + done.stderr)
+    finally:
+        server.kill()
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         program = os.path.join(folder, "docking")
         subprocess.run([COMPILER, "-std=c89", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", str(LOOP / "docking.c"), "-lm", "-o", program],
                        check=True)
-        server = subprocess.Popen([PROGRAM, "serve", str(LOOP.parent / "client" / "client.pxn"), "--port", "0", "--size", "64x64", "--samples", "2",
-                                   "--clients", "2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        server, port = started("64x64")
         try:
-            line = server.stdout.readline()
-            if not line:
-                error = server.stderr.read()
-                if "E5007" in error or "E5001" in error:
-                    print("skipped: no OpenGL")
-                    sys.exit(77)
-                expect(False, error)
-            port = line.rsplit(":", 1)[1].strip()
             by_python = steered([sys.executable, str(LOOP / "docking.py"), port])
             expect(steered([program, port]) == by_python, "C steers as Python does")
             has_sockets = OCTAVE and subprocess.run([OCTAVE, "--eval", "pkg load sockets"], capture_output=True).returncode == 0
             if has_sockets:
                 expect(steered([OCTAVE, "-qf", str(LOOP / "docking.m"), port]) == by_python, "Octave steers as Python does")
+                check_s_function()
             else:
                 print("without Octave: it or its package sockets is not installed")
             server.terminate()
