@@ -13,13 +13,18 @@
 
 #include "base/axis_box.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "image/arrays.h"
+#include "image/whole.h"
 
 namespace panwright::instruments {
 
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
+
+constexpr std::size_t kPcdPoint = 58, kPlyPoint = 79;  // bytes
+constexpr std::size_t kMostHeader = 4096;
 
 // Numbers one after the other, little-endian.
 class ByteList {
@@ -319,11 +324,58 @@ bool write_las(const LidarCloud& cloud, const std::filesystem::path& path,
   return write_file(path, out.bytes(), log);
 }
 
+// ---- completeness
+
+// Returns the number behind a word of a header; none: no such word.
+std::optional<double> number_after(std::string_view header, std::string_view word) {
+  const std::size_t at = header.find(word);
+  if (at == header.npos) return std::nullopt;
+  header.remove_prefix(at + word.size());
+  return parse_double(header.substr(0, header.find('\n')));
+}
+
+// Of a header as text up to a last line, and then points of one size.
+bool is_whole_listing(std::string_view text, std::string_view last_line, std::string_view word,
+                      std::size_t size) {
+  const std::size_t end = text.substr(0, kMostHeader).find(last_line);
+  if (end == text.npos) return false;
+  const auto count = number_after(text.substr(0, end), word);
+  text.remove_prefix(end + last_line.size());
+  return count && static_cast<double>(text.size()) == *count * static_cast<double>(size);
+}
+
+bool is_whole_las(std::string_view text) {
+  const auto field = [&](std::size_t at, auto value) {
+    std::memcpy(&value, text.data() + at, sizeof value);
+    return value;
+  };
+  if (text.size() < kLasHeader || !text.starts_with("LASF")) return false;
+  const auto begin = field(96, std::uint32_t{});
+  const auto length = field(105, std::uint16_t{});
+  if (begin > text.size() || length == 0) return false;
+  const std::size_t points = text.size() - begin;
+  return points % length == 0 && points / length == field(247, std::uint64_t{});
+}
+
 }  // namespace
 
 bool is_point_file(const std::filesystem::path& path) {
   constexpr std::string_view kTypes[] = {".npz", ".pcd", ".ply", ".csv", ".las"};
   return std::ranges::find(kTypes, path.extension().string()) != std::end(kTypes);
+}
+
+bool is_whole_point_file(const std::filesystem::path& path) {
+  const std::string type = path.extension().string();
+  if (type == ".npz") return image::is_whole(path);
+  DiagnosticLog none;
+  const auto file = MappedFile::open(path, none);
+  if (!file) return false;
+  const std::string_view text(reinterpret_cast<const char*>(file->bytes().data()),
+                              file->bytes().size());
+  if (type == ".pcd") return is_whole_listing(text, "\nDATA binary\n", "\nPOINTS ", kPcdPoint);
+  if (type == ".ply")
+    return is_whole_listing(text, "\nend_header\n", "\nelement vertex ", kPlyPoint);
+  return type == ".las" ? is_whole_las(text) : text.ends_with('\n');
 }
 
 bool write_points(const LidarCloud& cloud, const std::filesystem::path& path,

@@ -17,6 +17,9 @@ inline constexpr std::string_view kPointFileTypes = ".npz, .pcd, .ply, .csv or .
 // Returns whether write_points() has a format for a file name.
 bool is_point_file(const std::filesystem::path& path);
 
+// Returns whether a file that write_points() wrote is whole: as far as its header and its end tell.
+bool is_whole_point_file(const std::filesystem::path& path);
+
 // Writes the points of a cloud, atomically, in the format of the extension. The bytes depend on the
 // arguments alone.
 //

@@ -13,6 +13,7 @@
 #include "image/arrays.h"
 #include "image/image.h"
 #include "image/srgb.h"
+#include "image/whole.h"
 
 namespace panwright::instruments {
 
@@ -116,6 +117,13 @@ bool is_histogram_file(const std::filesystem::path& path) {
   const auto type = image::image_format(path);
   return path.extension() == ".csv" || type == image::ImageFormat::png ||
          type == image::ImageFormat::exr || type == image::ImageFormat::npz;
+}
+
+bool is_whole_histogram_file(const std::filesystem::path& path) {
+  if (image::image_format(path)) return image::is_whole(path);
+  DiagnosticLog none;
+  const auto file = MappedFile::open(path, none);
+  return file && !file->bytes().empty() && file->bytes().back() == std::byte{'\n'};
 }
 
 bool write_histogram(const RadarHistogram& histogram, const std::filesystem::path& path,

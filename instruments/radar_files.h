@@ -12,6 +12,8 @@ namespace panwright::instruments {
 
 inline constexpr std::string_view kHistogramFileTypes = ".npz, .csv, .png or .exr";
 bool is_histogram_file(const std::filesystem::path& path);
+// Returns whether a file that write_histogram() wrote is whole, as far as its end tells.
+bool is_whole_histogram_file(const std::filesystem::path& path);
 
 // Writes a histogram in the format of its extension, atomically.
 //

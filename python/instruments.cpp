@@ -1,9 +1,12 @@
-// Look-ups and LiDARs.
+// Look-ups, LiDARs and RADARs.
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "base/file.h"
 #include "instruments/lidar.h"
 #include "instruments/lookup.h"
+#include "instruments/radar.h"
 #include "python/bindings.h"
 #include "python/model.h"
 #include "workspace/frame.h"
@@ -255,6 +258,81 @@ py::dict lidar(const Targets& targets, const workspace::View& view,
   return arrays_of(*cloud);
 }
 
+using Motion = std::optional<std::pair<workspace::View, workspace::View>>;
+
+py::array_t<double> plane_of(const instruments::RadarHistogram& h,
+                             const std::vector<double>& values) {
+  py::array_t<double> out({static_cast<py::ssize_t>(h.speeds), static_cast<py::ssize_t>(h.ranges)});
+  std::ranges::copy(values, out.mutable_data());
+  return out;
+}
+
+py::array_t<double> axis_of(double first, double step, std::uint32_t count) {
+  py::array_t<double> out(static_cast<py::ssize_t>(count));
+  for (std::uint32_t i = 0; i < count; ++i) out.mutable_data()[i] = first + step * i;
+  return out;
+}
+
+py::dict arrays_of(const instruments::RadarHistogram& h) {
+  py::dict out;
+  out["power_w"] = plane_of(h, h.power);
+  out["mean_power_w"] = plane_of(h, h.mean_power);
+  out["azimuth_rad"] = plane_of(h, h.azimuth);
+  out["elevation_rad"] = plane_of(h, h.elevation);
+  out["range_m"] = axis_of(h.first_range, h.range_step, h.ranges);
+  out["speed_m_s"] = axis_of(h.first_speed, h.speed_step, h.speeds);
+  out["response_sum"] = h.response_sum;
+  out["noise_w"] = h.noise;
+  out["gain"] = h.gain;
+  out["echo_power_w"] = h.echo_power;
+  out["outside"] = h.outside;
+  py::dict targets;
+  for (const instruments::RadarTarget& each : h.targets) {
+    py::dict target;
+    target["cross_section_m2"] = each.cross_section;
+    target["range_m"] = each.range;
+    target["speed_m_s"] = each.speed;
+    targets[py::str(each.name)] = target;
+  }
+  out["targets"] = targets;
+  out["altitude_m"] = h.altitude ? py::cast(*h.altitude) : py::none();
+  return out;
+}
+
+py::dict radar(const Targets& targets, const workspace::View& view, const Motion& motion,
+               const std::filesystem::path& file, bool ideal, std::size_t threads) {
+  constexpr std::uint64_t kMostBytes = 1 << 20;
+  const world::World world = world_of(targets);
+  const auto moment_of = [&](const workspace::View& of, workspace::Settings* settings) {
+    const Shown shown = shown_by(world, of);
+    if (settings != nullptr) *settings = shown.frame.settings;
+    const world::Camera& camera = shown.frame.camera();
+    return instruments::RadarMoment{shown.world, {camera.position, camera.world_from_camera}};
+  };
+  workspace::Settings settings;
+  const instruments::RadarMoment moment = moment_of(view, &settings);
+  std::optional<instruments::RadarMotion> moving;
+  if (motion)
+    moving.emplace(instruments::RadarMotion{moment_of(motion->first, nullptr),
+                                            moment_of(motion->second, nullptr)});
+  DiagnosticLog log;
+  Result<instruments::Radar> radar = failed;
+  if (const auto text = read_file(file, kMostBytes, log))
+    radar = instruments::read_radar(*text, file.string(), log);
+  settle(log);
+  instruments::RadarOptions options;
+  options.ideal = ideal;
+  options.seed = *settings.noise_seed;
+  options.frame = *settings.frame_number;
+  Result<instruments::RadarHistogram> found = failed;
+  const Job job({threads, {}});
+  without_gil(job, [&] {
+    found = instruments::measure(*radar, moment, moving ? &*moving : nullptr, options, log, job);
+  });
+  settle(log);
+  return arrays_of(*found);
+}
+
 }  // namespace
 
 void bind_instruments(py::module_& module) {
@@ -270,6 +348,8 @@ void bind_instruments(py::module_& module) {
       .def("keypoints", &LookupsOf::keypoints, py::arg("slack"));
   module.def("lidar", &lidar, py::arg("targets"), py::arg("view"), py::arg("file"),
              py::arg("frame"), py::arg("ideal"), py::arg("threads"));
+  module.def("radar", &radar, py::arg("targets"), py::arg("view"), py::arg("motion"),
+             py::arg("file"), py::arg("ideal"), py::arg("threads"));
 }
 
 }  // namespace panwright::python

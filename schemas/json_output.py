@@ -201,7 +201,10 @@ COMMANDS = {
                                      "collisions": "object[]: a and b, paths of colliding nodes; first and last value; positions"}]),
     },
     "render": IMAGES,
-    "run": IMAGES,
+    "run": IMAGES | {
+        "measured?": ("by instruments, a frame after the other", [{
+            "outputs": "string[]: the files", "pulses?": "integer: of a LiDAR", "points?": "integer: of its cloud",
+            "ranges?": "integer: columns of a RADAR's histogram", "speeds?": "integer: its rows"}])},
     "scenario": {
         "epoch?": "string: of time 0, where the scenario has dates", "time_system?": "string: of the epoch: UTC, TAI, TT, TDB or GPS",
         "channels": "string[]: members of frames that sources give",

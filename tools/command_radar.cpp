@@ -13,7 +13,7 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/instrument_world.h"
-#include "workspace/record.h"
+#include "tools/radar_json.h"
 
 namespace panwright::tools {
 
@@ -108,40 +108,9 @@ class RadarRun {
   }
 
   void report(const RadarHistogram& found, const RadarOptions& how) {
-    auto& out = context_.result();
-    out["radar"] = radar_.name;
-    out["ranges"] = {
-        {"count", found.ranges}, {"first_m", found.first_range}, {"step_m", found.range_step}};
-    out["speeds"] = {
-        {"count", found.speeds}, {"first_m_s", found.first_speed}, {"step_m_s", found.speed_step}};
-    out["gain"] = found.gain;
-    out["echo_power_w"] = found.echo_power;
-    out["outside"] = found.outside;
-    out["noise_w"] = found.noise;
-    out["response_sum"] = found.response_sum;
-    out["rays"] = found.rays;
-    out["hits"] = found.hits;
-    out["ray_spacing_rad"] = found.spacing;
-    auto& targets = out["targets"] = nlohmann::ordered_json::array();
-    for (const auto& each : found.targets) {
-      auto& target = targets.emplace_back(
-          nlohmann::ordered_json{{"name", each.name}, {"cross_section_m2", each.cross_section}});
-      if (std::isnan(each.range)) continue;
-      target["range_m"] = each.range;
-      target["speed_m_s"] = each.speed;
-    }
-    if (found.altitude) out["altitude_m"] = *found.altitude;
-    nlohmann::ordered_json record{
-        {"program", workspace::recorded_program()},
-        {"command", "radar"},
-        {"radar_file", std::filesystem::path(options_.radar).filename().string()},
-        {"ideal", how.ideal},
-        {"noise_seed", how.seed},
-        {"frame_number", how.frame}};
-    for (const char* name : {"radar", "ranges", "speeds", "gain", "echo_power_w", "outside",
-                             "noise_w", "response_sum", "targets", "altitude_m"})
-      if (out.contains(name)) record[name] = out[name];
-    record_ = record.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+    const auto facts = radar_json(radar_, found);
+    context_.result().update(facts);
+    record_ = radar_record("radar", options_.radar, how, facts);
     if (!options_.common.json && !options_.common.quiet) say(found);
   }
 

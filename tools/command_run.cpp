@@ -16,6 +16,7 @@
 #include "tools/render_report.h"
 #include "tools/run_album.h"
 #include "tools/run_folder.h"
+#include "tools/run_instruments.h"
 #include "tools/scenario_options.h"
 #include "workspace/lamp_text.h"
 #include "workspace/record.h"
@@ -115,6 +116,9 @@ class SequenceRun {
     if (!workspace::lamps_of(any.settings, *world,
                              options_.view.lamps.empty() ? settings_file : std::string(), log_))
       return false;
+    RunInstruments instruments(opened_->scenario, context_);
+    instruments_ = &instruments;
+    if (!instruments.open(*world)) return false;
     RunFolder folder(options_.folder, types_, labelling_);
     folder_ = &folder;
     std::string manifest, settings;
@@ -292,12 +296,26 @@ class SequenceRun {
         images_.push_back(std::filesystem::path(options_.folder) / (stem + ".png"));
       if (k == 0 && !(find_shutter(*frame, number, world, session) && check_labels(world)))
         return false;
-      if (!is_covered(opened_->times[k])) return false;
+      if (!is_covered(opened_->times[k]) || !instruments_->is_covered(opened_->times[k]))
+        return false;
       Json line = frame_json(*frame, number);
       line["outputs"] = folder_->outputs_of(stem);
+      if (instruments_->any()) {
+        line["measured"] = instruments_->outputs_of(stem);
+        folder_->add_files(instruments_->outputs_of(stem));
+      }
       if (labelling_ != nullptr) line["labels"] = folder_->labels_of(stem);
       manifest += line.dump() + "\n";
     }
+    for (const auto& instrument : opened_->scenario.instruments)
+      for (const std::string& stem : stems_) {
+        if (!stems_.contains(stem + "." + instrument.name)) continue;
+        log_.report_file(Code("E8013"), options_.input.file,
+                         fmt::format("the frame {} has the name of what {} measures of {}",
+                                     in_quotes(stem + "." + instrument.name),
+                                     in_quotes(instrument.name), in_quotes(stem)));
+        return false;
+      }
     return true;
   }
 
@@ -323,6 +341,7 @@ class SequenceRun {
                        {"flow", labelling_->flow}};
       if (!labelling_->formats.empty()) out["labels"]["formats"] = labelling_->formats;
     }
+    if (instruments_->any()) out["instruments"] = instruments_->settings();
     if (settings.camera_file) {
       constexpr std::uint64_t kMostBytes = 1 << 20;
       const auto camera = read_file(*settings.camera_file, kMostBytes, log_);
@@ -365,8 +384,13 @@ class SequenceRun {
       const auto frame = workspace::frame_at(opened_->scenario, opened_->times[k], log_);
       if (!frame) return false;
       const std::string stem = stem_of(*frame, number);
+      const bool measured = options_.resume && instruments_->has_frame(folder_->path(), stem);
+      if (!measured &&
+          !instruments_->measure(session, world, opened_->times[k], number, folder_->path(), stem))
+        return false;
       if (options_.resume && folder_->has_frame(stem, k > 0, k + 1 < opened_->times.size())) {
-        ++kept_;
+        kept_ += measured ? 1 : 0;
+        renewed_ += measured ? 0 : 1;
       } else {
         if (options_.resume && folder_->has_part(stem)) ++renewed_;
         auto view = workspace::view_of(opened_->scenario, *frame, number, world, log_);
@@ -413,6 +437,7 @@ class SequenceRun {
   std::set<std::string> stems_;                // of all frames' files
   std::vector<std::filesystem::path> images_;  // of the contact sheet and the video, in order
   RunFolder* folder_ = nullptr;
+  RunInstruments* instruments_ = nullptr;
   std::size_t kept_ = 0;
   std::size_t renewed_ = 0;
 };

@@ -90,7 +90,10 @@ bool InstrumentWorld::open_scenario(workspace::Settings settings) {
 Result<workspace::View> InstrumentWorld::view_at(double time, DiagnosticLog& log) const {
   const auto frame = workspace::frame_at(*scenario_, time, log);
   if (!frame) return failed;
-  return workspace::view_of(*scenario_, *frame, 0, *world_, log);
+  auto view = workspace::view_of(*scenario_, *frame, 0, *world_, log);
+  // no frame of a run: its noise is that of --frame-number
+  if (view) view->settings.frame_number = scenario_->settings.frame_number;
+  return view;
 }
 
 }  // namespace panwright::tools

@@ -117,6 +117,7 @@ bool RunFolder::is_free(const std::set<std::string>& stems, DiagnosticLog& log) 
   };
   for (const std::string& stem : stems)
     for (const std::string& file : files_of(stem)) look(file);
+  for (const std::string& file : more_) look(file);
   if (!found.empty())
     return refuse(
         fmt::format("the folder has a file {} of no run{}", in_quotes(found[0]),
@@ -135,6 +136,7 @@ void RunFolder::remove_unfinished(const std::set<std::string>& stems) const {
   std::set<std::string> files = {std::string(kFrames), std::string(kSettingsFile)};
   for (const std::string& stem : stems)
     for (std::string& file : files_of(stem)) files.insert(std::move(file));
+  files.insert(more_.begin(), more_.end());
   remove_unfinished_files(path_, files);
 }
 

@@ -33,6 +33,11 @@ class RunFolder {
   // Its labels, by the file that is written last.
   std::string labels_of(const std::string& stem) const;
 
+  // Adds files of frames beside images and labels.
+  void add_files(const std::vector<std::string>& files) {
+    more_.insert(more_.end(), files.begin(), files.end());
+  }
+
   // Makes the folder, and keeps other runs out of it for the life of this object.
   //
   // Fails: E0103; E8014 while another run has it.
@@ -63,6 +68,7 @@ class RunFolder {
   std::filesystem::path path_;
   std::vector<std::string> types_;
   std::shared_ptr<const workspace::Labelling> labelling_;
+  std::vector<std::string> more_;
   int lock_ = -1;
 };
 

@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "scenario/sequence.h"
 #include "workspace/labelling.h"
+#include "workspace/scenario_instrument.h"
 #include "workspace/views.h"
 
 namespace panwright::workspace {
@@ -38,6 +39,7 @@ struct Scenario {
   std::optional<double> step;        // seconds between frames; none: frames of the sequence
   std::vector<std::string> files;    // files it was read from, itself first
   std::optional<Labelling> labels;   // of every frame; none: not asked for
+  std::vector<ScenarioInstrument> instruments;
 };
 
 // Returns whether a file is one for open_scenario(), by its extension or its first word.

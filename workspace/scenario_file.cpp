@@ -20,6 +20,7 @@
 #include "scenario/simulators.h"
 #include "scenario/sun.h"
 #include "workspace/internal/config_json.h"
+#include "workspace/internal/scenario_instruments.h"
 #include "workspace/internal/scenario_source.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/quantities.h"
@@ -68,14 +69,15 @@ class ScenarioReader {
     read_look_at(reader, sequence);
     read_view(reader, settings);
     read_labels(reader);
+    good_ = read_instruments(reader, folder_, instruments_, log_) && good_;
     read_sources(reader);
     reader.finish();
     if (!reader.ok() || !good_) return failed;
     place_others(settings);
     auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
     if (!made) return failed;
-    return Scenario{*std::move(made),  std::move(settings), begin, end, step,
-                    std::move(files_), std::move(labels_)};
+    return Scenario{*std::move(made),   std::move(settings),    begin, end, step, std::move(files_),
+                    std::move(labels_), std::move(instruments_)};
   }
 
  private:
@@ -491,6 +493,7 @@ class ScenarioReader {
   std::optional<scenario::Epoch> epoch_;  // of the scenario
   scenario::TimeSystem system_ = scenario::TimeSystem::utc;
   std::optional<Labelling> labels_;
+  std::vector<ScenarioInstrument> instruments_;
   bool good_ = true;
 };
 
@@ -558,7 +561,7 @@ Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& opti
     if (!source) return failed;
     auto sequence = scenario::Sequence::of({{*source, 0}}, {}, log);
     if (!sequence) return failed;
-    return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}, {}};
+    return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}, {}, {}};
   }
   const auto text = scenario::read_text(path, log);
   if (!text) return failed;

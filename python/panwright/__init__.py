@@ -18,11 +18,11 @@ from __future__ import annotations
 from ._core import Camera, Image, Joint, Keypoint, Model, Thing, material_names
 from ._core import version as __version__
 from ._diagnostics import Cancelled, Diagnostic, Error, PanwrightWarning
-from ._instruments import Lookups, lidar
+from ._instruments import Lookups, lidar, radar
 from ._render import Renderer, Scenario, command, frames, material, open, record, sheet
 from ._views import View
 
 __all__ = [
     "Camera", "Cancelled", "Diagnostic", "Error", "Image", "Joint", "Keypoint", "Lookups", "Model", "PanwrightWarning", "Renderer", "Scenario",
-    "Thing", "View", "__version__", "command", "frames", "lidar", "material", "material_names", "open", "record", "sheet",
+    "Thing", "View", "__version__", "command", "frames", "lidar", "material", "material_names", "open", "radar", "record", "sheet",
 ]

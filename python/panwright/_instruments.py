@@ -1,4 +1,4 @@
-"""Look-ups and LiDARs."""
+"""Look-ups, LiDARs and RADARs."""
 
 from __future__ import annotations
 
@@ -72,3 +72,25 @@ def lidar(targets: Target | Mapping[str, Target], file: Path, *, frame: str = "i
     Returns the arrays of a .npz file. Raises Error.
     """
     return _core.lidar(_models(targets, threads), _core.view(_text(settings), 0, False), os.fspath(file), frame, ideal, threads)
+
+
+def radar(targets: Target | Mapping[str, Target], file: Path, *, begin: Mapping[str, Any] | None = None,
+          end: Mapping[str, Any] | None = None, ideal: bool = False, threads: int = 0, **settings: Any) -> dict[str, Any]:
+    """Measures targets with a RADAR (docs/radar.md), whose axes are those of the view's camera.
+
+    settings: members of a view in the middle of the dwell; noise_seed and frame_number choose the noise.
+    begin, end: members that differ at the begin and the end of the dwell, from which speeds follow; neither: nothing moves.
+    ideal: the mean power, without speckle and noise.
+    Returns power_w, mean_power_w, azimuth_rad and elevation_rad (speeds, ranges), range_m and speed_m_s (of the cells'
+    centres), response_sum, noise_w (mean of a cell), gain, echo_power_w (of all echoes), outside (their share outside of
+    the histogram), targets (by name: cross_section_m2, range_m, speed_m_s; NaN: no echo), altitude_m (None: not found, or
+    no altimeter). Raises Error; ValueError for one of begin and end.
+    """
+    if (begin is None) != (end is None):
+        raise ValueError("begin and end of the dwell come together")
+
+    def view(more: Mapping[str, Any]) -> _core.View:
+        return _core.view(_text({**settings, **more}), 0, False)
+
+    motion = None if begin is None or end is None else (view(begin), view(end))
+    return _core.radar(_models(targets, threads), view({}), motion, os.fspath(file), ideal, threads)

@@ -75,6 +75,33 @@ class Instruments(unittest.TestCase):
         with self.assertRaises(pw.Error):
             pw.lidar(CLIENT, "none.toml")
 
+    def test_radar_is_the_program_s(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "a.npz"
+            radar = EXAMPLES / "radar/docking_x_band.toml"
+            run("radar", CLIENT, "--radar", radar, "--camera", "6 -9 3", "--noise-seed", "3", "-o", file)
+            echoes = pw.radar(CLIENT, radar, camera=[6, -9, 3], noise_seed=3)
+            with np.load(file) as arrays:
+                record = json.loads(arrays["record"].tobytes())
+                for name in set(arrays.files) - {"record", "response_sum"}:
+                    np.testing.assert_array_equal(arrays[name], echoes[name], name)
+                self.assertEqual(arrays["response_sum"], echoes["response_sum"])
+        for name in ("noise_w", "gain", "echo_power_w", "outside"):
+            self.assertEqual(record[name], echoes[name])
+        target = echoes["targets"]["client"]
+        self.assertEqual([{"name": "client"} | target], record["targets"])
+        self.assertIsNone(echoes["altitude_m"])
+        self.assertEqual(target["speed_m_s"], 0)
+        # the instrument comes nearer by 0.16 m in the dwell of 0.08 s
+        unit = np.array([6, -9, 3]) / 126 ** 0.5
+        place = lambda metres: {"camera": list(np.array([6, -9, 3]) + metres * unit)}
+        moved = pw.radar(CLIENT, radar, begin=place(0.08), end=place(-0.08), camera=[6, -9, 3], ideal=True)
+        self.assertAlmostEqual(moved["targets"]["client"]["speed_m_s"], -2, delta=0.1)
+        with self.assertRaises(ValueError):
+            pw.radar(CLIENT, radar, begin={"camera": [0, 0, 9]})
+        with self.assertRaises(pw.Error):
+            pw.radar(CLIENT, "none.toml")
+
 
 class AgainstTheProgram(unittest.TestCase):
     @classmethod
