@@ -14,7 +14,7 @@ install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_D
 install(DIRECTORY base image ephemeris terrain geometry mli materials light sensor scene pan world trace sky transport scenario labels instruments importers exporters compiler pxn preview workspace server schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats|terrain/gdal|server/clients)$" EXCLUDE)
+        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|reader)|preview/(gl|model|frame)|labels/formats|terrain/gdal|server/(clients|page))$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json schemas/labels.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")

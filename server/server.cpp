@@ -5,7 +5,9 @@
 #include <map>
 
 #include "server/internal/service.h"
+#include "server/internal/web_page.h"
 #include "server/messages.h"
+#include "server/metrics.h"
 #include "server/request_log.h"
 
 namespace panwright::server {
@@ -75,6 +77,14 @@ class PanguAnswerer final : public Answerer {
       if (!made) return false;
       request_log_ = *std::move(made);
     }
+    if (options_.web) {
+      const std::string address =
+          options_.listen.path.empty() ? options_.listen.address : "127.0.0.1";
+      auto page = WebPage::open(address, *options_.web, log_);
+      if (!page) return false;
+      page_ = *std::move(page);
+      if (options_.web_ready) options_.web_ready(address, page_->port());
+    }
     auto stage = Stage::open(options_.stage, log_, job_);
     if (!stage) return false;
     stage_ = *std::move(stage);
@@ -86,7 +96,16 @@ class PanguAnswerer final : public Answerer {
   void begin(std::uint64_t client) override {
     auto state = options_.shared && shared_ ? shared_ : std::make_shared<State>(stage_->initial());
     if (options_.shared) shared_ = state;
-    sessions_[client] = std::make_unique<Session>(*stage_, state, options_.session);
+    SessionOptions session = options_.session;
+    if (page_)
+      session.shown = [this, client](Drawing&& drawing, const world::Camera& camera,
+                                     const State& of, double seconds) {
+        latency_.add(seconds);
+        const Shown shown{client, latency_.count(), seconds, latency_.quantile(0.5),
+                          latency_.quantile(0.99)};
+        page_->show(std::move(drawing), text_of(shown, camera, of));
+      };
+    sessions_[client] = std::make_unique<Session>(*stage_, state, session);
     if (request_log_) request_log_->begin(client, options_.shared ? 0 : client);
   }
 
@@ -101,6 +120,7 @@ class PanguAnswerer final : public Answerer {
 
   void end() override {
     sessions_.clear();
+    page_.reset();
     stage_.reset();
   }
 
@@ -112,6 +132,8 @@ class PanguAnswerer final : public Answerer {
   std::shared_ptr<State> shared_;
   std::map<std::uint64_t, std::unique_ptr<Session>> sessions_;
   std::unique_ptr<RequestLog> request_log_;
+  std::unique_ptr<WebPage> page_;  // null: none
+  LatencyHistogram latency_;       // of images
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,9 +20,14 @@
 
 namespace panwright::server {
 
+// A drawn image that is no longer needed, and what it took.
+using ShownImage = std::function<void(Drawing&& drawing, const world::Camera& camera,
+                                      const State& state, double seconds)>;
+
 struct SessionOptions {
   WireImages images;
   std::uint64_t most_reply = std::uint64_t{64} << 20;  // bytes, of look-ups and echoes
+  ShownImage shown;                                    // called after each image; empty: no page
 };
 
 struct Reply {

@@ -1,7 +1,9 @@
 // Requests that images answer, and those of objects, frames and cameras.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "scenario/fli.h"
 #include "server/session.h"
 
@@ -37,6 +39,7 @@ WireWriter doubles_reply(std::span<const double> values, bool valid) {
 
 Bytes Session::image_at(const world::Camera& camera, const Lens* lens, const Job& job) {
   DiagnosticLog log;
+  const auto begin = std::chrono::steady_clock::now();
   const bool fog = state().fog.mode != FogMode::none;
   state_->image_time = state().time;
   auto drawing = stage_.draw(state(), camera, lens, fog, log, job);
@@ -48,6 +51,7 @@ Bytes Session::image_at(const world::Camera& camera, const Lens* lens, const Job
   add_sky_and_fog(state(), drawing->white, drawing->image, job);
   WireWriter out;
   append_image(*drawing, options_.images, out, job);
+  if (options_.shown) options_.shown(*std::move(drawing), camera, state(), seconds_since(begin));
   return out.take();
 }
 

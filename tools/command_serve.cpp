@@ -41,6 +41,8 @@ constexpr SettingId kSettings[] = {SettingId::camera,       SettingId::look_at,
                                    SettingId::levels,       SettingId::imposters,
                                    SettingId::psf,          SettingId::max_image_memory};
 
+constexpr std::uint32_t kNoPage = ~0u;
+
 struct Options {
   CommonOptions common;
   ReadOptions read;
@@ -52,6 +54,7 @@ struct Options {
   bool grey = false;
   bool shared = false;
   bool json_lines = false;
+  std::uint32_t web = kNoPage;
   std::string path;
   std::string folder;
   std::uint32_t most_clients = 16;
@@ -129,6 +132,12 @@ void declare_all(Arguments& arguments, Options& options) {
       .flag("--coverage", options.coverage,
             "List the requests of the protocol and what of them has no meaning yet, and end")
       .group(group);
+  arguments
+      .add("--web", options.web,
+           "Show the last image and its state on a page for browsers, on this port; 0: a free one")
+      .range(0u, 65535u)
+      .type("PORT")
+      .group(group);
   for (const SettingId id : kSettings) declare(arguments, options.view, id);
   arguments.add("--gl", options.gl, "OpenGL context: auto (default), egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
@@ -176,6 +185,17 @@ Result<server::ServerOptions> options_of(const Options& options, DiagnosticLog& 
   out.session.images.grey = options.grey;
   out.shared = options.shared;
   out.log = options.log;
+  if (options.web != kNoPage) out.web = static_cast<std::uint16_t>(options.web);
+  out.web_ready = [&options](const std::string& address, std::uint16_t port) {
+    const bool is_six = address.find(':') != address.npos;
+    const std::string page =
+        fmt::format("http://{}{}{}:{}/", is_six ? "[" : "", address, is_six ? "]" : "", port);
+    if (options.common.json)
+      print("{}\n", Json{{"page", page}}.dump());
+    else
+      print("page on {}\n", page);
+    std::fflush(stdout);
+  };
   return out;
 }
 
@@ -192,6 +212,7 @@ bool check_protocol(const Options& options, DiagnosticLog& log) {
     refuse(options.format != "ppm", "--format");
     refuse(options.grey, "--grey");
     refuse(options.shared, "--shared");
+    refuse(options.web != kNoPage, "--web");
     refuse(!options.log.empty(), "--log");
     refuse(!options.replay.empty(), "--replay");
   } else {
