@@ -298,8 +298,11 @@ std::optional<std::vector<double>> ConfigTable::numbers(const ConfigValue* membe
   if (member == nullptr) return std::nullopt;
   std::vector<double> out;
   if (!add_numbers(*member, out)) {
-    fail(*member, fmt::format("{} is {}, expected {}", name, type_name(*member),
-                              std::max(counts) == 1 ? "a number" : "numbers"));
+    const auto* number = std::get_if<double>(&member->data);  // not finite
+    fail(*member, fmt::format("{} is {}, expected {}{}{}", name,
+                              number ? fmt::format("{}", *number) : std::string(type_name(*member)),
+                              std::max(counts) > 1 ? "" : "a ", number ? "finite " : "",
+                              std::max(counts) == 1 ? "number" : "numbers"));
     return std::nullopt;
   }
   if (std::ranges::find(counts, out.size()) == counts.end()) {

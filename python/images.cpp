@@ -137,10 +137,11 @@ struct ThingIn {
 };
 
 std::vector<ThingIn> things(const Picture& picture) {
+  if (!picture.labels)
+    throw py::value_error("the image has no labels, expected one drawn with labels=True");
   std::vector<ThingIn> out;
-  if (picture.labels)
-    for (const labels::Thing& each : picture.labels->things)
-      out.push_back({each, picture.what.width, picture.what.height});
+  for (const labels::Thing& each : picture.labels->things)
+    out.push_back({each, picture.what.width, picture.what.height});
   return out;
 }
 

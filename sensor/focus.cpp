@@ -15,22 +15,80 @@ namespace {
 // Discs smaller than this are three by three pixels of the same second moment.
 constexpr double kSmallDisc = 2.45;
 
-// Depth of the nearest surface at a pixel, or around it where it has none itself.
+bool is_surface(float depth) { return depth > 0 && std::isfinite(depth); }
+
+// Gives pixels beyond the edge of a surface its depth, if their light is what the Gaussian of the
+// image brings there of it, at most.
+class Tails {
+ public:
+  Tails(const DepthImage& image, std::vector<double>& depths)
+      : image_(image),
+        depths_(depths),
+        reach_(static_cast<long>(std::ceil(kReach * image.psf_px)) + 1),
+        nearest_(depths.size(), INFINITY) {}
+
+  void spread() {
+    const long width = image_.width, height = image_.height;
+    for (long y = 0; y < height; ++y)
+      for (long x = 0; x < width; ++x)
+        if (is_edge(x, y)) spread(x, y);
+  }
+
+ private:
+  static constexpr double kReach = 7;  // of the renderer's Gaussian
+
+  std::size_t index(long x, long y) const { return static_cast<std::size_t>(y * image_.width + x); }
+  float light(std::size_t i) const {
+    return std::max(
+        {image_.radiance[3 * i], image_.radiance[3 * i + 1], image_.radiance[3 * i + 2]});
+  }
+
+  bool is_edge(long x, long y) const {
+    if (!is_surface(image_.depth[index(x, y)])) return false;
+    const auto open = [&](long i, long j) {
+      return i >= 0 && j >= 0 && i < image_.width && j < image_.height &&
+             !is_surface(image_.depth[index(i, j)]);
+    };
+    return open(x - 1, y) || open(x + 1, y) || open(x, y - 1) || open(x, y + 1);
+  }
+
+  template <class Use>
+  void around(long x, long y, const Use& use) const {
+    for (long j = std::max(y - reach_, 0l); j <= std::min<long>(y + reach_, image_.height - 1); ++j)
+      for (long i = std::max(x - reach_, 0l); i <= std::min<long>(x + reach_, image_.width - 1);
+           ++i)
+        use(index(i, j), static_cast<double>((i - x) * (i - x) + (j - y) * (j - y)));
+  }
+
+  void spread(long x, long y) {
+    const auto depth = static_cast<double>(image_.depth[index(x, y)]);
+    float most = 0;
+    around(x, y, [&](std::size_t i, double) {
+      if (is_surface(image_.depth[i])) most = std::max(most, light(i));
+    });
+    around(x, y, [&](std::size_t i, double squares) {
+      if (is_surface(image_.depth[i])) return;
+      if (squares > nearest_[i] || (squares == nearest_[i] && depth >= depths_[i])) return;
+      // an edge is within a pixel of the centre of its last one
+      const double beyond = std::max(std::sqrt(squares) - 1, 0.0) / image_.psf_px;
+      if (squares > 2 && light(i) > 0.5 * det::exp(-0.5 * beyond * beyond) * double{most}) return;
+      nearest_[i] = squares;
+      depths_[i] = depth;
+    });
+  }
+
+  const DepthImage& image_;
+  std::vector<double>& depths_;
+  long reach_;                   // pixels
+  std::vector<double> nearest_;  // squared distance of the edge whose depth a pixel has
+};
+
+// Depth of the surface at a pixel, or of the nearest one whose light it has.
 std::vector<double> surface_depths(const DepthImage& image) {
-  const long width = image.width, height = image.height;
   std::vector<double> out(image.depth.begin(), image.depth.end());
-  parallel_for(image.height, [&](std::size_t row) {
-    for (long y = static_cast<long>(row), x = 0; x < width; ++x) {
-      double& at = out[static_cast<std::size_t>(y * width + x)];
-      if (at > 0 && std::isfinite(at)) continue;
-      at = INFINITY;
-      for (long j = std::max(y - 1, 0l); j <= std::min(y + 1, height - 1); ++j)
-        for (long i = std::max(x - 1, 0l); i <= std::min(x + 1, width - 1); ++i) {
-          const double near = image.depth[static_cast<std::size_t>(j * width + i)];
-          if (near > 0) at = std::min(at, near);
-        }
-    }
-  });
+  for (double& depth : out)
+    if (!(depth > 0)) depth = INFINITY;
+  Tails(image, out).spread();
   return out;
 }
 

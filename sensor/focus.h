@@ -23,11 +23,13 @@ struct DepthImage {
   std::uint32_t width = 0, height = 0;
   std::span<float> radiance;     // 3*width*height
   std::span<const float> depth;  // width*height, metres along the boresight; infinite: background
+  double psf_px = 0;             // Gaussian that the radiance has been convolved with, RMS
 };
 
 // Spreads the light of each pixel over the disc of its depth, in place. The sum stays, less what
 // leaves the image. A pixel without depth beside ones that have it takes the nearest of theirs:
-// edges of a target are blurred as it is.
+// edges of a target are blurred as it is. So do pixels farther off whose light may be the
+// Gaussian's.
 //
 // One behind the other: light of both is added, as if neither hid parts of the other's disc.
 //

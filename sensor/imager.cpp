@@ -92,7 +92,10 @@ class ImagerReader {
     if (*number >= least && *number <= most)
       to = *number;
     else
-      table.fail(*value, fmt::format("{} is {}, expected {} to {}", name, *number, least, most));
+      table.fail(*value, fmt::format("{} is {}, expected {} to {}", name, *number, least, most),
+                 std::string_view(name) == "focus_m"
+                     ? "without it, or with 0, all distances are sharp; 1e12 is infinity"
+                     : "");
   }
 
   void shares(ConfigTable& table, const char* name, std::array<double, kBands>& to) {

@@ -419,6 +419,8 @@ Result<Dem> Dem::open(const fs::path& path, const DemOptions& options, Diagnosti
                       "--radius METRES, as 1737400 of the Moon");
       return failed;
     }
+    if (options.spacing && info.map.kind == Map::Kind::none)
+      info.map.dx = info.map.dy = *options.spacing;
     Probe probe;
     if (!probe_rows(*found->rows, info, probe, log, job)) return failed;
     if (!Settler(opening, *found, probe).settle() || !check_place(opening, *found)) return failed;

@@ -247,6 +247,9 @@ Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem
     std::vector<TileRecord> records;
     std::uint64_t place = 0;
     for (const Dem& dem : dems) {
+      if (!(dem.info().map.dx > 0))
+        log.report_file(Code("W9671"), dem.info().files.front(),
+                        "the distance of pixels is not known: 1 m is taken", "--spacing METRES");
       ChartWriter chart(dem, step_of(options.error), *writer, place, log, job);
       if (!chart.run()) return failed;
       chart.chart().first_tile = static_cast<std::uint32_t>(records.size());

@@ -174,7 +174,9 @@ class Parser {
   void take_argument(const std::string& word) {
     for (Option& option : options_)
       if (option.argument && (option.repeatable || option.given == 0)) return set(option, word);
-    fail(fmt::format("{} is one argument too many: {}{}", in_quotes(word), command_, arguments()));
+    const bool is_model = word.find('=') != std::string::npos && named("--target") != nullptr;
+    fail(fmt::format("{} is one argument too many: {}{}{}", in_quotes(word), command_, arguments(),
+                     is_model ? "; models of targets are --target " + word : ""));
   }
 
   // " FILE FILE"

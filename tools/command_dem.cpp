@@ -27,7 +27,7 @@ struct Options {
   std::vector<std::string> files, places;
   std::string output, unit, values, positive, place, light = "315 45";
   double error = 0;
-  std::optional<double> radius, missing, data_offset;
+  std::optional<double> radius, spacing, missing, data_offset;
   std::uint32_t band = 1, size = 1024;
 };
 
@@ -73,6 +73,10 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("METRES")
       .finite()
       .positive();
+  arguments.add("--spacing", options.spacing, "Metres between pixels, of files without a map")
+      .type("METRES")
+      .finite()
+      .positive();
   arguments.add("--void", options.missing, "One more stored value that stands for no height")
       .type("VALUE");
   arguments.add("--positive", options.positive, "Direction in which longitudes count")
@@ -110,6 +114,7 @@ terrain::DemOptions dem_options(const Options& options, DiagnosticLog& log) {
   if (options.values == "radius") out.quantity = Quantity::radius;
   if (options.values == "plain") out.quantity = Quantity::plain;
   out.radius = options.radius;
+  out.spacing = options.spacing;
   out.missing = options.missing;
   if (!options.positive.empty()) out.positive_west = options.positive == "west";
   if (!options.place.empty()) out.place_by_bounds = options.place == "bounds";

@@ -113,6 +113,61 @@ bool read_places(const std::vector<std::string>& texts, CommandContext& context,
   return true;
 }
 
+// Latitudes and longitudes of a chart's posts, or y and x of a plane.
+std::string extent_of(const ChartRecord& chart) {
+  const Map map = terrain::map_of(chart);
+  const double right = chart.width - 0.5, bottom = chart.height - 0.5;
+  if (!map.is_placed()) {
+    const Vec2 low = map.point(0.5, bottom), high = map.point(right, 0.5);
+    return fmt::format("y {:.8g} to {:.8g} m, x {:.8g} to {:.8g} m", low.y, high.y, low.x, high.x);
+  }
+  if (map.kind == Map::Kind::polar) {
+    const auto corner = map.at(0.5, 0.5);
+    return fmt::format("around the {} pole, a corner at latitude {:.6g}",
+                       map.north ? "north" : "south", corner.latitude);
+  }
+  if (chart.flags & terrain::kChartWraps)
+    return fmt::format("latitudes {:.6g} to {:.6g}, all longitudes", map.at(0.5, bottom).latitude,
+                       map.at(0.5, 0.5).latitude);
+  return fmt::format("latitudes {:.6g} to {:.6g}, longitudes {:.6g} to {:.6g}",
+                     map.at(0.5, bottom).latitude, map.at(0.5, 0.5).latitude,
+                     map.at(0.5, 0.5).longitude, map.at(right, 0.5).longitude);
+}
+
+bool is_inside(const ChartRecord& chart, const terrain::LatLon& place) {
+  const Map map = terrain::map_of(chart);
+  Vec2 pixel((place.longitude - map.left) / map.dx, (map.top - place.latitude) / map.dy);
+  if (map.is_placed()) pixel = map.pixel(place, chart.width);
+  return pixel.x >= 0.5 && pixel.x <= chart.width - 0.5 && pixel.y >= 0.5 &&
+         pixel.y <= chart.height - 0.5;
+}
+
+// One warning for the places outside of all charts, one for those in voids.
+void warn_of_places(const terrain::Tiles& tiles, const std::vector<terrain::LatLon>& places,
+                    const std::vector<terrain::GroundPoint>& points, DiagnosticLog& log) {
+  std::vector<std::size_t> outside, voids;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (points[i]) continue;
+    const bool held = std::ranges::any_of(
+        tiles.charts(), [&](const ChartRecord& chart) { return is_inside(chart, places[i]); });
+    (held ? voids : outside).push_back(i);
+  }
+  const auto warn = [&](const std::vector<std::size_t>& at, const std::string& why) {
+    if (at.empty()) return;
+    const terrain::LatLon& first = places[at.front()];
+    log.report_file(
+        Code("W9670"), tiles.name(),
+        fmt::format(
+            "{}{:.8g} {:.8g} {}",
+            at.size() > 1 ? fmt::format("{} places have no ground, the first: ", at.size()) : "",
+            first.latitude, first.longitude, why));
+  };
+  const std::size_t charts = tiles.charts().size();
+  warn(outside, fmt::format("is outside of the terrain, {}{}", extent_of(tiles.charts().front()),
+                            charts > 1 ? fmt::format(" and {} more charts", charts - 1) : ""));
+  warn(voids, "is in a void");
+}
+
 void report_points(const std::vector<terrain::LatLon>& places,
                    const std::vector<terrain::GroundPoint>& points, CommandContext& context) {
   Json list = Json::array();
@@ -177,6 +232,7 @@ void show_terrain(const std::string& file, const std::vector<std::string>& place
   if (!done) return;
   report(ground.tiles(), context);
   report_points(wanted, points, context);
+  warn_of_places(ground.tiles(), wanted, points, context.log());
   for (std::uint32_t i = 0; i < ground.tiles().records().size(); ++i)
     if (ground.tiles().is_damaged(i))
       context.log().report_file(Code("E9611"), file,

@@ -240,7 +240,9 @@ void RenderReport::image(const Written& image) {
     // the progress line, which is drawn again
     if (many_ && isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1)
       print(stderr, "\r\x1b[K");
-    print("{}\n", line_of(image));
+    // what could be read is drawn where the user named the output
+    print("{}{}\n", line_of(image),
+          context_.log().has_errors() ? ", without the parts and materials that failed" : "");
     if (explain_) print("{}", explained(image));
     if (many_) std::fflush(stdout);
   }

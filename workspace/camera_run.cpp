@@ -430,8 +430,19 @@ class CameraRun : public InstrumentRun {
     if (reached == preview::kNothingLit) return;  // a side in the dark
     // the line of the image states what is less
     constexpr double kLimited = 0.1;
-    const double silent = report.limited ? std::max(asked, kLimited) : asked;
-    if (draw.samples > 0 || draw.gl.samples > 0 || reached <= silent) return;
+    const bool given = draw.samples > 0 || draw.gl.samples > 0;
+    const double silent = report.limited || given ? std::max(asked, kLimited) : asked;
+    if (reached <= silent || (given && draw.gl.adaptive)) return;
+    if (given) {
+      scope_.log.report_file(
+          Code("W5008"), name_of(frame),
+          fmt::format("{}the estimated error is {:.2g} % with --samples {}",
+                      frame.label.empty() ? "" : frame.label + ": ", 100 * reached,
+                      draw.gl.samples),
+          "--samples auto takes as many as --pixel-error asks for; --imposters always is for small "
+          "targets");
+      return;
+    }
     scope_.log.report_file(
         Code("W5008"), name_of(frame),
         fmt::format("{}the estimated error is {:.2g} %, expected at most {:.2g} % (--pixel-error)",

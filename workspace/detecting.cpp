@@ -178,7 +178,8 @@ Detected Detecting::develop(const Frame& frame, bool stages, image::Image& image
       (void)drawn_camera(frame, ignored);
     }
     if (needs_depth(frame)) {
-      sensor::DepthImage drawn{image.width, image.height, image.radiance, image.depth};
+      sensor::DepthImage drawn{image.width, image.height, image.radiance, image.depth,
+                               blur_->rendered_sigma()};
       sensor::defocus(optics, frame.camera().focal * double(blur_->fine()), drawn);
     }
     blur_->apply(image.radiance, image.width, image.height);

@@ -66,6 +66,12 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
       return false;
     }
   }
+  constexpr double kWidePixel = kDegree;
+  if (settings.ifov && *settings.ifov > kWidePixel && !log.contains(Code("W0270")))
+    log.report(
+        Code("W0270"), {},
+        fmt::format("--ifov is {:.4g} degrees, the angle of each pixel", *settings.ifov / kDegree),
+        fmt::format("--fov {:.4g} is the field of view of the image", *settings.ifov / kDegree));
   world::Camera camera;
   if (!set_lens(settings, camera)) return true;
   if (const char* why = preview::LensRenderer::refused(camera);

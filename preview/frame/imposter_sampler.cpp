@@ -87,17 +87,22 @@ bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::u
   for (int round = 0;; ++round) {
     place_imposter(draw.camera, imposter);
     if (!draw_texels(draw, imposter)) return false;
-    flux_error = flux_error_of(image);
+    const double coarser_error = std::exchange(flux_error, flux_error_of(image));
     const double before = std::exchange(flux, flux_of(image, 1 / imposter.rate()));
     // of coarser maps, an error of at least that size
     if (imposter.fine_shadows) relief_ = flux > 0 ? 2 * std::fabs(flux - before) / flux : 0;
     // Vertices are rounded to 1/256 texel, which widens booms that are hardly wider. That falls
     // with the texels' size or faster, and differences of neighbours do not show it. At most what
-    // warns nobody: it is a guess, too large where errors fall faster.
+    // warns nobody: it is a guess, too large where errors fall faster. What both draws are off by
+    // anyway tells nothing of it.
     const double growth = imposter.texels / std::exchange(texels, imposter.texels);
-    if (round > 0 && growth > kLeastGrowth && flux > 0)
+    if (round > 0 && growth > kLeastGrowth && flux > 0) {
+      const double change = (flux - before) / flux;
+      const double beyond =
+          change * change - flux_error * flux_error - coarser_error * coarser_error;
       flux_error = std::max(flux_error,
-                            std::min(std::fabs(flux - before) / (flux * (growth - 1)), kMostGuess));
+                            std::min(std::sqrt(std::max(beyond, 0.0)) / (growth - 1), kMostGuess));
+    }
     // both fall with the texels to 3/2
     double over = flux_error / asked.flux_error;
     if (imposter.tried) {

@@ -282,9 +282,9 @@ void put_blurred(const LensLight& light, double sigma, image::Image& image) {
     for (std::size_t x = 0; x < image.width; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(row) * image.width + x;
       for (std::size_t c = 0; c < 3; ++c)
-        image.radiance[3 * pixel + c] += static_cast<float>(sum[4 * x + c]);
-      image.coverage[pixel] =
-          std::min(1.0f, image.coverage[pixel] + static_cast<float>(sum[4 * x + 3]));
+        image.radiance[3 * pixel + c] += static_cast<float>(std::max(0.0, sum[4 * x + c]));
+      image.coverage[pixel] = static_cast<float>(
+          std::clamp(static_cast<double>(image.coverage[pixel]) + sum[4 * x + 3], 0.0, 1.0));
     }
   }
 }

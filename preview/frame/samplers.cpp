@@ -15,6 +15,9 @@ namespace {
 
 constexpr GLenum kSampleFormats[] = {GL_RGBA32F};
 
+// What is in view of no more pixels than this, along a side, has its errors stated with a given N.
+constexpr std::uint32_t kStatedPixels = 128;
+
 std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool places) {
   std::array<GLenum, kLayers> formats{};
   if (places) layers |= 1u << kPositionLayer;
@@ -79,6 +82,11 @@ bool Samplers::in_full(const FrameScene& scene, const RenderOptions& options, Pa
                        const TileSize& size, FramesInFlight& frames, FrameUnderWay& frame,
                        DiagnosticLog& log, const Job& job) {
   const unsigned samples = options.samples;
+  // of an image's small targets; of odd N there are no four grids
+  const TileScene all = tile_scene(scene, {0, 0, frame.image.width, frame.image.height});
+  const bool states = scene.texels == 0 && samples > 0 && samples % 2 == 0 &&
+                      std::max(all.tile.width, all.tile.height) <= kStatedPixels;
+  Sampling::Sums sums;
   for (Tiles whole(frame.image.width, frame.image.height, size.side); whole; whole.next()) {
     on_tile_.find(scene, *whole);
     const Tile& tile = on_tile_.tile;
@@ -97,6 +105,7 @@ bool Samplers::in_full(const FrameScene& scene, const RenderOptions& options, Pa
       if (drawn != ReadBack::Wait::done) return report_failure(device_, drawn, log);
     }
     passes_.shade(scene, on_tile_, samples, g_buffer_, samples > 1 ? color_ : *pixels);
+    if (states && !sampling_.add_errors(tile.width, tile.height, samples, sums, log)) return false;
     if (samples > 1 && !sampling_.resolve(*pixels, tile.width, tile.height, samples, false, log))
       return false;
     if (!frames.submit(TileKind::radiance, frame, *whole, tile, log)) {
@@ -104,6 +113,7 @@ bool Samplers::in_full(const FrameScene& scene, const RenderOptions& options, Pa
       return false;
     }
   }
+  if (states) sums.state(frame.report);
   return true;
 }
 

@@ -27,10 +27,8 @@ constexpr double kMuch = 4;
 // of the squares that may be left, how much is aimed at: one step should do
 constexpr double kAim = 0.8;
 
-// What N×N samples are off by, in parts of how far the four grids of N/2×N/2 in them lie apart; and
-// of how far they lie from the M×M before, times N/M: the larger one. Edges along the axes, which
-// all four may miss alike, halve with N.
-constexpr float kGain = 0.5f;
+// What N×N samples are off by is also this part of how far they lie from the M×M before, times N/M:
+// the larger of the two (kGain) holds.
 constexpr float kChange = 1.2f;
 // A change that many times what was predicted is a surprise; and what it tells of its neighbours.
 constexpr float kSurprise = 2;
@@ -54,7 +52,6 @@ constexpr double kBesideThin = 0.75;  // pixels, from a pixel's centre to their 
 constexpr double kThinShare = 0.5 / kPi;
 constexpr double kThinLeast = 0.1;
 
-constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
 constexpr GLenum kColorFormats[] = {GL_RGBA32F};
 
 // A tile of a part, in the image.

@@ -27,6 +27,17 @@ class Sampling {
   bool resolve(const RenderTarget& means, std::uint32_t width, std::uint32_t height,
                unsigned samples, bool spread, DiagnosticLog& log);
 
+  // Sums over the pixels of `color`, and of their errors, as estimated from N×N samples.
+  struct Sums {
+    double radiance = 0, squares = 0;      // as ImageSums
+    double errors = 0, error_squares = 0;  // of the mean of the channels
+    void state(SamplingReport& report) const;
+  };
+
+  // Adds width×height pixels to the sums. N: even. Expects: resolve() of them. Fails: E5001, E5003.
+  bool add_errors(std::uint32_t width, std::uint32_t height, unsigned samples, Sums& sums,
+                  DiagnosticLog& log);
+
   // Draws the radiance of an image that begins as background.
   //
   //   formats  of the layers needed by the scene

@@ -8,6 +8,13 @@
 
 namespace panwright::preview {
 
+// Error of N×N samples, in parts of how far the four grids of N/2×N/2 in them lie apart.
+// Edges along the axes, which all four may miss alike, halve with N.
+inline constexpr float kGain = 0.5f;
+
+// Means of N×N samples, and their spread.
+inline constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
+
 struct Sampling::Frame {
   const FrameScene& scene;
   const RenderOptions& options;

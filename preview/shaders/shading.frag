@@ -370,7 +370,7 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
       visibility = mix(vec2(1.0), visibility, clamp(dot(seen.normal, to_middle) / wide, 0.0, 1.0));
 #else
     vec2 visibility =
-        light_visibility(seen.place, dot(seen.normal, to_middle) < 0.0) * share_beyond_limb(seen.place);
+        light_visibility(seen.place, to_middle, disc_radius(from)) * share_beyond_limb(seen.place);
 #endif
     // what is left where the light does not shine
     vec3 shaded = emitted;

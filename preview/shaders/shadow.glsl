@@ -21,6 +21,8 @@ const float kReliefOfPlanes = 0.125;
 // A surface is followed down its slope by no more than so many texels: behind a wall that the Sun
 // grazes lies something else.
 const float kMostDown = 16.0;
+// Of cosines of packed normals
+const float kNormalSlack = 1e-4;
 
 // x, from 0 to 1: the share of the four texels around a sample that do not hide it, weighted by how near
 // they are. Whether one does: the texel and the sample are planes here; the texel's must lie above the
@@ -134,12 +136,16 @@ bool find_tile(inout vec3 place) {
 
 // The mean over the points of the light's disc that stand above the surface's horizon, by the light that they
 // bring: each looks along a direction of its own. In light space sheared by it rays to that point run
-// along z. below: the disc's centre is below the horizon. Of N×N samples, N a multiple of four, each takes
-// one of four parts of the disc: all four fall in each quarter of a pixel and on each of its rows.
-vec2 light_visibility(ivec2 sample_at, bool below) {
+// along z. to_middle, radius: of the disc. Of N×N samples, N a multiple of four, each takes one of four parts
+// of the disc: all four fall in each quarter of a pixel and on each of its rows.
+vec2 light_visibility(ivec2 sample_at, vec3 to_middle, float radius) {
   uvec4 found = texelFetch(position_samples, sample_at, 0);
   vec3 at = uintBitsToFloat(found.xyz);
   vec3 normal = unpacked_normal(found.w);
+  // the horizon is the surface's own: a mean normal may face the light where its triangle does not
+  float cosine = dot(normal, to_middle);
+  if (cosine < -radius - kNormalSlack) return vec2(0.0);
+  bool below = cosine < 0.0;
   vec4 on_map = light.map_from_sample * vec4(at, 1.0);
   vec3 place = on_map.xyz / on_map.w;
   float texel_depth = light.texel_depth / on_map.w;

@@ -446,6 +446,19 @@ BackMaterial Loader::back_of(File& file, std::uint32_t element, std::size_t whic
   return {};
 }
 
+// The library's material of a name, or whose name ends with it after "_"; empty: none, or several.
+std::string_view preset_named(std::string_view name) {
+  std::string_view found;
+  for (const std::string_view each : preset_names()) {
+    if (each == name) return each;
+    if (name.size() < 4 || !each.ends_with(name) || each[each.size() - name.size() - 1] != '_')
+      continue;
+    if (!found.empty()) return {};
+    found = each;
+  }
+  return found;
+}
+
 // The library's material that a named one starts from; nullptr where it names none.
 const Preset* Loader::preset_of(File& file, std::uint32_t element) {
   const auto name = file.values->text(element, attribute::named_material_preset);
@@ -475,8 +488,13 @@ Definition* Loader::look_up(File& file, std::uint32_t element, std::size_t attri
         std::vector<std::string_view> names;
         for (const auto& [other, definition] : known) names.push_back(other);
         const auto near = nearest_name(*name, names);
+        const auto preset = what == "material" ? preset_named(*name) : std::string_view();
         return {fmt::format("unknown {} {}", what, in_quotes(*name)),
-                near ? fmt::format("did you mean '{}'?", *near)
+                !preset.empty()
+                    ? fmt::format("the library has it: <material name=\"{}\" preset=\"{}\"/> below "
+                                  "the root",
+                                  *name, preset)
+                : near ? fmt::format("did you mean '{}'?", *near)
                 : names.empty()
                     ? fmt::format("define it with <{} name=\"{}\"> below the root", what, *name)
                     : ""};

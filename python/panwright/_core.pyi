@@ -139,7 +139,7 @@ class Image:
         """(4, 4) rigid transform; camera axes: right, down, along the boresight."""
     @property
     def things(self) -> list[Thing]:
-        """Labels, of an image drawn with labels=True."""
+        """Labels, of an image drawn with labels=True; ValueError of another."""
     @property
     def forward_flow(self) -> NDArray[np.float32] | None:
         """(H, W, 2) motion right and down to the next frame, pixels; NaN: background. None: not drawn with flow=True, or the last frame."""

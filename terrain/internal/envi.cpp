@@ -147,8 +147,12 @@ class EnviReader {
     Map& m = info.map;
     const WktPlace place = read_wkt(text_view("coordinate system string"), info);
     const auto map = parts_of(text_view("map info"));
-    if (map.size() < 7) return o_.warn("the header has no map info: heights have no places");
-    if (info.projection.empty()) info.projection = map[0];
+    if (map.size() < 7)
+      return o_.warn("the header has no map info: heights have no places", "--spacing METRES");
+    if (info.projection.empty()) {
+      info.projection = map[0];
+      read_name(m);
+    }
     double n[6] = {};
     for (std::size_t k = 0; k < 6; ++k) n[k] = parse_double(map[k + 1]).value_or(0);
     bool degrees = place.degrees || upper_case(map[0]).starts_with("GEOGRAPHIC");
@@ -164,7 +168,7 @@ class EnviReader {
     if (!(n[4] > 0) || !(n[5] > 0)) {
       o_.warn("the pixels of the map have no size: heights have no places");
       m.kind = Map::Kind::none;
-      m.dx = m.dy = 1;
+      m.dx = m.dy = 0;
       return;
     }
     // the reference pixel counts from 1 at the outer corner of the first
@@ -174,6 +178,28 @@ class EnviReader {
     m.top = (y - place.false_northing) * place.metres;
     m.dx = n[4] * place.metres;
     m.dy = n[5] * place.metres;
+  }
+
+  // The projection of a map info without a coordinate system string.
+  void read_name(Map& m) const {
+    std::string name;
+    for (const char c : upper_case(found_.info.projection))
+      if (c >= 'A' && c <= 'Z') name += c;
+    if (name == "LOCAL" || name == "ARBITRARY" || name == "PIXEL" || name.starts_with("GEOGRAPHIC"))
+      return;
+    if (name.starts_with("EQUIRECTANGULAR") || name.starts_with("EQUIDISTANTCYLINDRICAL") ||
+        name == "PLATECARREE" || name == "SIMPLECYLINDRICAL") {
+      m.kind = Map::Kind::cylindrical;
+      return o_.warn(
+          "the header has no coordinate system string: x = 0 is taken as longitude 0, and scales "
+          "as "
+          "true at the equator",
+          "the parameters in WKT: coordinate system string = {PROJCS[…]}");
+    }
+    o_.warn(fmt::format("the projection {} is not read without a coordinate system string: heights "
+                        "have places in metres alone",
+                        in_quotes(found_.info.projection)),
+            "the projection in WKT: coordinate system string = {PROJCS[…]}");
   }
 
   Result<MappedFile> data_file() {

@@ -197,7 +197,7 @@ Result<Found> read_gdal(const Opening& o) {
   if (known < 6 || t[2] != 0 || t[4] != 0 || !(t[1] > 0) || !(t[5] < 0)) {
     o.warn("GDAL gives no place on a map, or one that is turned: heights have no places");
     m.kind = Map::Kind::none;
-    m.dx = m.dy = 1;
+    m.dx = m.dy = 0;
   } else if (place.degrees) {
     place_in_degrees(info, t[0], t[3], t[1], -t[5]);
   } else {

@@ -178,7 +178,7 @@ class GeoTiffReader {
     double x = 0, y = 0, dx = 0, dy = 0;
     if (!place(x, y, dx, dy)) {
       m.kind = Map::Kind::none;
-      m.dx = m.dy = 1;
+      m.dx = m.dy = 0;
       return o_.warn(
           "the TIFF has no place on a map (pixel scale and tie point): heights have none");
     }

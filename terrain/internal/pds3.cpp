@@ -274,7 +274,7 @@ class Pds3Reader {
             "the label does not place its map (LINE_PROJECTION_OFFSET, MAP_SCALE): heights "
             "have no places");
       m.kind = Map::Kind::none;
-      if (!(m.dx > 0)) m.dx = m.dy = 1;
+      if (!(m.dx > 0)) m.dx = m.dy = 0;
       return;
     }
     // offsets are those of the projection's origin from the centre of pixel (1, 1)

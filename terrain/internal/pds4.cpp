@@ -224,7 +224,7 @@ class Pds4Reader {
           "the label does not place its map (upperleft_corner_x, pixel_resolution_x): heights "
           "have no places");
       m.kind = Map::Kind::none;
-      if (!(m.dx > 0) || !(m.dy > 0)) m.dx = m.dy = 1;
+      if (!(m.dx > 0) || !(m.dy > 0)) m.dx = m.dy = 0;
       return;
     }
     m.left = *left;

@@ -61,6 +61,12 @@ std::vector<std::string> crowd(const std::string& pan) {
 }
 
 // A pan file whose only tile has a wrong byte.
+// Heights of two by two pixels, without a map.
+std::string bare_header(const TemporaryFolder& folder) {
+  (void)folder.write("bare.dat", std::string("\1\2\3\4", 4));
+  return folder.write("bare.hdr", "ENVI\nsamples = 2\nlines = 2\nbands = 1\ndata type = 1\n");
+}
+
 std::string terrain_of(const TemporaryFolder& folder, const std::string& name) {
   codes_of({"dem", kCrater, "-o", folder / name});
   return folder / name;
@@ -287,6 +293,9 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E9606", {"dem", folder.write("cut.tab", "v 0 0 0\nv 1 0\n"), "--unit", "m"}, {}},
       {"E9610", {"dem", pan}, {}},
       {"E9611", {"check", damaged_terrain(folder)}, {}},
+      {"W0270", {"render", pan, "-o", png, "--size", "8x8", "--ifov", "20"}, {}},
+      {"W9670", {"dem", terrain_of(folder, "sound.pan"), "--at", "89 0"}, {}},
+      {"W9671", {"dem", bare_header(folder), "-o", folder / "bare.pan"}, {}},
       {"W9620", {"render", terrain_of(folder, "sound.pan"), "-o", png}, {}},
       {"E9612", {"dem", kCrater, "--values", "plain", "-o", folder / "plain.pan"}, {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},

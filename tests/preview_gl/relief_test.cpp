@@ -79,5 +79,33 @@ TEST(Shadows, PanelsThinnerThanATexelShade) {
   EXPECT_EQ(most, 0);
 }
 
+// A thin box whose normals are smooth across its edges, seen from its dark side: some of its mean
+// normals face the Sun, none of its visible triangles does. Half a texel thick, the map cannot
+// tell.
+TEST(Shadows, TrianglesThatFaceAwayAreDark) {
+  geometry::Mesh mesh = box(Vec3(4, 2, 0.004));
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
+    mesh.normals[i] = glm::normalize(mesh.positions[i] / Vec3(2, 1, 0.002));
+  const pan::Model model = model_of(single(mesh, lambert(1)));
+  for (const Vec3& sun : {Vec3(-0.4, -0.1, 1), Vec3(-1, -0.3, 0.5)}) {
+    View view = looking_from({1, 0.4, -0.02}, 6, 0.8, 128);
+    view.to_sun = sun;
+    for (const Shadows shadows : {Shadows::hard, Shadows::soft}) {
+      RenderOptions options;
+      options.samples = 8;
+      options.shadow_side = 512;
+      options.shadows = shadows;
+      const Pair pair = both(model, view, options);
+      double with = 0, without = 0;
+      for (std::size_t i = 0; i < pair.with.radiance.size(); ++i) {
+        with += pair.with.radiance[i];
+        without += pair.without.radiance[i];
+      }
+      EXPECT_GT(without, 0.5);
+      EXPECT_EQ(with, 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace panwright::preview::relief_test

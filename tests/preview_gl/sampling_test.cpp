@@ -459,5 +459,42 @@ TEST(Sampling, ThinPartsOfTargetsAreThere) {
   }
 }
 
+// Small targets with a given N: what is stated holds against 64×64 samples. Of large ones, of one
+// sample and of odd numbers nothing is.
+TEST(GivenSamples, StateTheErrorsOfSmallTargets) {
+  const pan::Model model = model_of(single(sphere(60, 60), lambert(0.8)));
+  DiagnosticLog log;
+  const auto draw = [&](double pixels, unsigned samples, SamplingReport& report) {
+    const View view = looking_from({1, -2, 0.7}, 100, 0.02 * 64 / pixels, 64, 1.2);
+    support::ModelRenderer renderer(shared_device(), model);
+    RenderOptions options;
+    options.samples = samples;
+    const auto image = renderer.render(view, options, log);
+    report = renderer.renderer().sampling();
+    double sum = 0;
+    for (const float value : image->radiance) sum += double{value};
+    return sum;
+  };
+  SamplingReport report;
+  for (const double pixels : {1.3, 2.7, 6.1, 15.0}) {
+    const double whole = draw(pixels, 64, report);
+    for (const unsigned samples : {2u, 4u, 8u}) {
+      const double error = std::fabs(draw(pixels, samples, report) / whole - 1);
+      printf("%4.1f pixels, N = %u: flux off by %.4f, stated %.4f\n", pixels, samples, error,
+             report.flux);
+      EXPECT_LE(error, report.flux);
+      EXPECT_LT(report.rmse, 1);
+    }
+    for (const unsigned samples : {1u, 5u}) {
+      draw(pixels, samples, report);
+      EXPECT_EQ(report.flux, 0);
+    }
+  }
+  const View near = looking_from({1, -2, 0.7}, 3, 0.8, 256, 1.2);
+  support::ModelRenderer renderer(shared_device(), model);
+  ASSERT_TRUE(renderer.render(near, {.samples = 2}, log));
+  EXPECT_EQ(renderer.renderer().sampling().flux, 0);
+}
+
 }  // namespace
 }  // namespace panwright::preview::sampling_test

@@ -161,6 +161,13 @@ TEST(NamedMaterial, BadInput) {
             std::multiset<std::string>{"E1406"});
   EXPECT_EQ(wearing("", "preset=\"white_z39\"").summary(),
             "2:28 E1311 the library has no material 'white_z39' (did you mean 'white_z93'?)\n");
+  for (const char* name : {"mli_gold_kapton", "gold_kapton"})
+    EXPECT_NE(read_files({{"m.pxn", "<pangu_model ver=\"1\">\n<box size=\"1\" material=\"" +
+                                        std::string(name) + "\"/>\n</pangu_model>"}})
+                  .summary()
+                  .find("preset=\"mli_gold_kapton\"/> below the root"),
+              std::string::npos)
+        << name;
   EXPECT_EQ(wearing("<ggx>0.1</ggx><mirror/>").codes(), std::multiset<std::string>{"E1108"});
 }
 

@@ -174,6 +174,12 @@ class AgainstTheProgram(unittest.TestCase):
             seen += 1
         self.assertGreater(seen, 1)
 
+    def test_images_without_labels_say_so(self):
+        with pw.Renderer(self.model, gl="osmesa", size=8) as renderer:
+            image = renderer.render(camera=[3, -4, 2], samples=1)
+            with self.assertRaisesRegex(ValueError, "labels=True"):
+                image.things
+
     def test_flow(self):
         plain = (f'begin = 0\nend = 2\nstep = 1\nlook_at = "sat"\n[targets]\nsat = "{CUBESAT.resolve()}"\n[[source]]\nfile = "way.csv"\n'
                  '[[source]]\nformula = "fixed"\nsun = [1, -1, 0.5]\n[view]\nsize = "48x32"\nfov = 20\nsamples = 1\n')

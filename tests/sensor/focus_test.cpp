@@ -93,5 +93,28 @@ TEST(Focus, EdgesAreOfTheirSurface) {
   EXPECT_NEAR(std::accumulate(radiance.begin(), radiance.end(), 0.0), 1.5, 1e-6);
 }
 
+// A plate in focus whose edge a Gaussian of 1.2 pixels has blurred, before light at infinity.
+TEST(Focus, TailsOfSharpEdgesStay) {
+  constexpr std::uint32_t kSize = 64;
+  for (const float behind : {0.0f, 0.8f}) {
+    std::vector<float> radiance(3 * kSize * kSize), depths(kSize * kSize, INFINITY);
+    std::vector<double> before(kSize);
+    for (std::uint32_t y = 0; y < kSize; ++y)
+      for (std::uint32_t x = 0; x < kSize; ++x) {
+        const std::size_t i = std::size_t{y} * kSize + x;
+        if (x < 20) depths[i] = 8;
+        before[x] = 0.5 * std::erfc((x + 0.5 - 20) / (1.2 * std::sqrt(2.0)));
+        const float value = x < 50 ? static_cast<float>(before[x]) : behind;
+        std::fill_n(&radiance[3 * i], 3, value);
+      }
+    DepthImage image{kSize, kSize, radiance, depths, 1.2};
+    defocus(optics(), Vec2(kFocal), image);
+    // discs of infinity are 20 pixels wide: what stands beyond 50 reaches to 40
+    for (std::size_t x = 0; x < 36; ++x)
+      EXPECT_NEAR(radiance[3 * (32 * kSize + x)], before[x], 1e-6) << x << " " << behind;
+    if (behind > 0) EXPECT_NEAR(radiance[3 * (32 * kSize + 50)], 0.5 * behind, 0.05);
+  }
+}
+
 }  // namespace
 }  // namespace panwright::sensor::focus_test

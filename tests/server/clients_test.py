@@ -59,6 +59,20 @@ def check_s_function():
         server.kill()
 
 
+def by_page(port):
+    """The lines of Python in docs/server.md: an image with light, and the same distance by both look-ups."""
+    page = (pathlib.Path(SOURCE) / "docs" / "server.md").read_text(encoding="utf-8")
+    lines, = re.findall(r"```python\n(.*?)```", page, re.S)
+    expect("port=10363" in lines, "the page names the port")
+    done = subprocess.run([sys.executable, "-W", "error", "-c", lines.replace("port=10363", f"port={port}")],
+                          cwd=pathlib.Path(SOURCE) / "server" / "clients", capture_output=True, text=True, timeout=200)
+    expect(done.returncode == 0, done.stderr)
+    size, point, pulse = done.stdout.splitlines()
+    expect(size.startswith("64 64 ") and int(size.split()[2]) > 20, size)
+    (x, y, z), = eval(point)
+    expect(abs(x) + abs(y) < 0.2 and abs(eval(pulse)[0] - (14 - z)) < 1e-3, point + pulse)
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         program = os.path.join(folder, "docking")
@@ -74,6 +88,7 @@ def main():
                 check_s_function()
             else:
                 print("without Octave: it or its package sockets is not installed")
+            by_page(port)
             server.terminate()
             expect(server.wait(20) == 0, "the server ends cleanly")
         finally:

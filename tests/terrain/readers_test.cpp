@@ -315,6 +315,46 @@ TEST(Envi, ReferencePixelAndBytes) {
   EXPECT_EQ(read(folder / "a.dat").posts, ramp());
 }
 
+// Without a coordinate system string the name of the projection places the map.
+TEST(Envi, NamesOfProjections) {
+  const TemporaryFolder folder;
+  (void)folder.write("a.dat", float_file(ramp()));
+  const auto read_map = [&](const std::string& map, DemOptions options = {}) {
+    return read(folder.write("a.hdr",
+                             "ENVI\nsamples = 4\nlines = 3\nbands = 1\ndata type = 4\n"
+                             "byte order = 0\n" +
+                                 map + "\n"),
+                options);
+  };
+  DemOptions moon;
+  moon.radius = 1737400;
+  moon.unit = 1;
+  const std::string equirectangular =
+      "map info = {Equirectangular, 1, 1, 30322, 60644, 1000, 1000, D_Moon, units=Meters}";
+  const Read placed = read_map(equirectangular, moon);
+  ASSERT_TRUE(placed.good) << placed.log;
+  EXPECT_EQ(placed.info.map.kind, Map::Kind::cylindrical);
+  // metres over the radius
+  EXPECT_NEAR(placed.info.map.at(0, 0).longitude, 30322 / (1737400 * kDegree), 1e-9);
+  EXPECT_NEAR(placed.info.map.at(0, 0).latitude, 60644 / (1737400 * kDegree), 1e-9);
+  EXPECT_NE(placed.log.find("W9603"), std::string::npos) << placed.log;
+  // the radius settles it
+  const Read refused = read_map(equirectangular);
+  EXPECT_FALSE(refused.good);
+  EXPECT_NE(refused.log.find("--radius METRES"), std::string::npos) << refused.log;
+  const Read other = read_map("map info = {Sinusoidal, 1, 1, 0, 0, 1000, 1000}", moon);
+  EXPECT_EQ(other.info.map.kind, Map::Kind::none);
+  EXPECT_NE(other.log.find("the projection 'Sinusoidal' is not read"), std::string::npos)
+      << other.log;
+  const Read local = read_map("map info = {Arbitrary, 1, 1, 0, 0, 1000, 1000}", moon);
+  EXPECT_EQ(local.log.find("W9603"), std::string::npos) << local.log;
+  // no map: its pixels have the spacing that is given
+  DemOptions spaced = moon;
+  spaced.spacing = 12.5;
+  EXPECT_EQ(read_map("", spaced).info.map.dx, 12.5);
+  EXPECT_EQ(read_map("", moon).info.map.dx, 0);
+}
+
 TEST(Isis, TilesAreAssembled) {
   const TemporaryFolder folder;
   const std::string label =

@@ -77,6 +77,7 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"render", "a", "--engine", "openlg"}, "--engine is 'openlg', expected gl or reference"},
       {{"info", "a", "--color", "alwys"}, "did you mean 'always'?"},
       {{"info", "a", "b"}, "'b' is one argument too many: panwright info FILE"},
+      {{"run", "a.csv", "tug=b.pxn", "-o", "c"}, "models of targets are --target tug=b.pxn"},
       {{"info", "a", "--json=1"}, "--json takes no value"},
       {{"info"}, "FILE is missing: panwright info FILE"},
       {{"info", ""}, "an argument has an empty value, expected FILE"},

@@ -145,6 +145,12 @@ TEST(Focus, IsADistance) {
   const Outcome done = panwright({"camera", camera});
   EXPECT_NE(done.code, 0);
   EXPECT_THAT(done.err, testing::HasSubstr("focus_m is -3, expected 0 to"));
+  const std::string infinite =
+      folder.write("infinite.toml",
+                   "size = 32\nfocal_length_mm = 16\npixel_um = 10\n[optics]\naperture_mm = "
+                   "4\nfocus_m = inf\n[detector]\nexposure_s = 1e-6\n");
+  EXPECT_THAT(panwright({"camera", infinite}).err,
+              testing::HasSubstr("focus_m is inf, expected a finite number"));
   // D f = 6.4 pixels times metres: 1/z = 1/8 ± 1/6.4
   const std::string good = folder.write(
       "good.toml",

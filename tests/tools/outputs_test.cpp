@@ -367,5 +367,22 @@ TEST_F(Parameters, FoldersThatAreMissing) {
   EXPECT_THAT(outcome.err, testing::Not(HasSubstr("E1225")));
 }
 
+// An image where the user named it, of what could be read, says what it is of.
+TEST_F(Outputs, ImagesOfModelsWithErrorsSaySo) {
+  const std::string wrong = folder_.write(
+      "wrong.pxn",
+      "<pangu_model ver=\"1\">\n<sphere radius=\"1\" material=\"golld\"/>\n</pangu_model>");
+  const auto drawn = [&](const std::string& model) {
+    return panwright({"render", model, "-o", folder_ / "image.png", "--size", "16x16", "--engine",
+                      "reference", "--samples", "1"});
+  };
+  const Outcome outcome = drawn(wrong);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("E1311"));
+  EXPECT_THAT(outcome.out, HasSubstr(", without the parts and materials that failed\n"));
+  EXPECT_TRUE(fs::exists(folder_ / "image.png"));
+  EXPECT_THAT(drawn(part_).out, Not(HasSubstr("failed")));
+}
+
 }  // namespace
 }  // namespace panwright::outputs_test
