@@ -287,7 +287,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E9606", {"dem", folder.write("cut.tab", "v 0 0 0\nv 1 0\n"), "--unit", "m"}, {}},
       {"E9610", {"dem", pan}, {}},
       {"E9611", {"check", damaged_terrain(folder)}, {}},
-      {"W9620", {"render", terrain_of(folder, "sound.pan"), "-o", png}, {}},
+      {"W9620", {"lookup", terrain_of(folder, "sound.pan"), "--elevation", "0 0"}, {}},
       {"E9612", {"dem", kCrater, "--values", "plain", "-o", folder / "plain.pan"}, {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
