@@ -151,36 +151,7 @@ void run_terrain(Context& context) {
   }
 }
 
-// A view from 20 km, down to the horizon.
-void add_rays(Row row, const terrain::Ground& ground, Context& context) {
-  const std::size_t side = context.quick() ? 64 : 128;
-  const Vec3 eye(1737400.0 + 20000, 0, 0);
-  std::vector<std::optional<terrain::GroundHit>> hits(side * side);
-  const auto cast = [&](std::size_t j) {
-    for (std::size_t i = 0; i < side; ++i) {
-      const double x = (double(i) + 0.5) / double(side) - 0.5, y = double(j) / double(side);
-      hits[j * side + i] = ground.nearest(eye, glm::normalize(Vec3(-0.05 - y, x, 0.7)));
-    }
-  };
-  row.setting = fmt::format("{} x {} rays from 20 km", side, side);
-  row.speed_unit = "Mrays/s";
-  row.reference = "the ground below the hits";
-  row.must_error = 1e-6;
-  set_rate(row, timed([&] { parallel_for(side, cast); }, context.runs()),
-           double(side) * double(side) / 1e6);
-  row.error = 0;
-  for (const auto& hit : hits) {
-    if (!hit) continue;
-    const Vec3 p = hit->point.position;
-    const terrain::GroundPoint below = ground.at(
-        {std::atan2(p.z, std::hypot(p.x, p.y)) / kDegree, std::atan2(p.y, p.x) / kDegree});
-    row.error = std::max(row.error, below ? std::fabs(below.height - hit->point.height) : 1e9);
-  }
-  context.add(row);
-}
-
-// Terrain of a pan file: made, checked, asked. The errors are of heights at posts, and of hits of
-// rays against the ground below them.
+// Terrain of a pan file: made, checked, asked. The errors are of heights at posts.
 void run_tiles(Context& context) {
   const std::uint32_t width = context.quick() ? 1024 : 4096, height = width / 2;
   const auto path = write(context.scratch(), kFormats[0], width, height);
@@ -243,11 +214,10 @@ void run_tiles(Context& context) {
   for (std::size_t i = 0; i < count; ++i)
     row.error = std::max(row.error, points[i] ? std::fabs(points[i].height - want[i]) : 1e9);
   context.add(row);
-  add_rays(row, ground, context);
 }
 
 const bool kTilesAdded =
-    add_case({"terrain_tiles", "terrain of a pan file: made, checked, asked, rays", run_tiles});
+    add_case({"terrain_tiles", "terrain of a pan file: made, checked, asked", run_tiles});
 const bool kAdded = add_case({"terrain", "elevation files: rows and statistics", run_terrain});
 
 }  // namespace

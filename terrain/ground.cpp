@@ -7,15 +7,25 @@
 
 #include "base/parallel.h"
 #include "terrain/internal/chart_surface.h"
+#include "terrain/internal/tree_cache.h"
 
 namespace panwright::terrain {
 
+using internal::AcceptHit;
 using internal::ChartSurface;
+using internal::GroundWalk;
+using internal::TerrainRay;
+using internal::TreeCache;
 using internal::TriangleHit;
 
 struct Ground::State {
+  State(std::shared_ptr<const Tiles> given, std::size_t bytes)
+      : tiles(std::move(given)), trees(*tiles, bytes) {}
+
   std::shared_ptr<const Tiles> tiles;
   std::vector<ChartSurface> charts;
+  mutable TreeCache trees;
+  double lowest = std::numeric_limits<double>::infinity();  // metres, from the centre; of planes z
 
   // Whether a chart before `chart` has ground at a place of that one.
   bool is_covered(std::uint32_t chart, const Vec3& position) const {
@@ -24,28 +34,47 @@ struct Ground::State {
     return false;
   }
 
-  std::optional<GroundHit> cast(const Vec3& origin, const Vec3& direction, double least,
-                                double most, bool any) const {
-    std::optional<GroundHit> best;
+  std::optional<GroundHit> cast(const TerrainRay& ray, bool any, const GroundLevels* levels) const {
+    const TreeCache::Use use(trees);
+    std::optional<TriangleHit> best;
+    std::uint32_t best_chart = 0;
+    const auto refined =
+        levels ? std::span<const std::uint8_t>(levels->refined_) : std::span<const std::uint8_t>();
     for (std::uint32_t c = 0; c < charts.size(); ++c) {
-      const auto accept = [&](const TriangleHit& hit) {
-        return c == 0 || !is_covered(c, origin + hit.distance * direction);
+      const AcceptHit accept = [&](const TriangleHit& hit) {
+        return !is_covered(c, ray.origin + hit.distance * ray.direction);
       };
-      const auto hit =
-          charts[c].cast({origin, direction, least, best ? best->distance : most}, any, accept);
-      if (!hit) continue;
-      best = GroundHit{hit->distance, charts[c].point_of(*hit, origin + hit->distance * direction)};
+      GroundWalk walk{ray, any, c > 0 ? &accept : nullptr, best ? best->distance : ray.most, {}};
+      charts[c].cast(walk, refined, trees);
+      if (!walk.best) continue;
+      best = walk.best;
+      best_chart = c;
       if (any) break;
     }
-    return best;
+    if (!best) return {};
+    const Vec3 position = ray.origin + best->distance * ray.direction;
+    if (any) return GroundHit{best->distance, {}};
+    return GroundHit{best->distance, charts[best_chart].point_of(*best, position)};
+  }
+
+  // Whether a ray without a hit comes below all ground.
+  bool goes_below(const TerrainRay& ray) const {
+    if (charts.front().is_plane())
+      return ray.direction.z < 0 &&
+             ray.origin.z + std::min(ray.most, 1e18) * ray.direction.z < lowest;
+    const double t = std::clamp(-glm::dot(ray.origin, ray.direction), ray.least, ray.most);
+    const Vec3 p = ray.origin + t * ray.direction;
+    return glm::dot(p, p) < lowest * lowest;
   }
 };
 
-Ground::Ground(std::shared_ptr<const Tiles> tiles) {
-  auto state = std::make_unique<State>();
-  state->tiles = std::move(tiles);
-  for (std::uint32_t c = 0; c < state->tiles->charts().size(); ++c)
+Ground::Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes) {
+  auto state = std::make_unique<State>(std::move(tiles), tree_bytes);
+  for (std::uint32_t c = 0; c < state->tiles->charts().size(); ++c) {
     state->charts.emplace_back(*state->tiles, c);
+    const ChartRecord& chart = state->tiles->charts()[c];
+    state->lowest = std::min(state->lowest, std::min(chart.radius, chart.polar_radius) + chart.low);
+  }
   state_ = std::move(state);
 }
 
@@ -72,14 +101,34 @@ void Ground::at(std::span<const LatLon> places, std::span<GroundPoint> points,
                job);
 }
 
-std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& direction, double least,
-                                         double most) const {
-  return state_->cast(origin, direction, least, most, false);
+GroundLevels Ground::levels(const Vec3& observer, double angle) const {
+  GroundLevels out;
+  const auto records = tiles().records();
+  out.refined_.resize(records.size());
+  for (const ChartSurface& chart : state_->charts) {
+    const ChartRecord& record = chart.record();
+    for (std::uint32_t t = record.first_tile; t < record.first_tile + record.tile_count; ++t) {
+      const double reach = angle * chart.distance_to(t, observer);
+      out.refined_[t] = !(double(records[t].error) <= reach && chart.spacing(t) <= reach);
+    }
+  }
+  return out;
 }
 
-bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least,
-                        double most) const {
-  return state_->cast(origin, direction, least, most, true).has_value();
+std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& direction, double least,
+                                         double most, const GroundLevels* levels) const {
+  const TerrainRay ray{origin, direction, least, most};
+  auto hit = state_->cast(ray, false, levels);
+  if (levels == nullptr) return hit;
+  const bool gap = hit ? glm::dot(hit->point.normal, direction) > 0 : state_->goes_below(ray);
+  return gap ? state_->cast(ray, false, nullptr) : hit;
 }
+
+bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,
+                        const GroundLevels* levels) const {
+  return state_->cast({origin, direction, least, most}, true, levels).has_value();
+}
+
+std::size_t Ground::tree_bytes() const { return state_->trees.bytes(); }
 
 }  // namespace panwright::terrain

@@ -1,4 +1,5 @@
-// Questions to terrain: heights, normals, slopes, rays. Answers come from the triangles of level 0.
+// Questions to terrain: heights, normals, slopes, rays. Answers come from the triangles of level 0,
+// those of rays also from coarser ones within a stated angle.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +19,11 @@ namespace panwright::terrain {
 struct GroundPoint {
   double height = std::numeric_limits<double>::quiet_NaN();  // metres over the sphere; NaN: none
   Vec3 position{0};                                          // metres
-  Vec3 normal{0};                                // of the triangle, unit, away from the body
-  double slope = 0;                              // radians between normal and vertical
-  std::uint32_t chart = 0, column = 0, row = 0;  // the cell of level 0
-  std::uint32_t triangle = 0;                    // 0: right of the cell's diagonal; 1: left
+  Vec3 normal{0};    // of the triangle, unit, away from the body
+  double slope = 0;  // radians between normal and vertical
+  std::uint32_t chart = 0, level = 0;
+  std::uint32_t column = 0, row = 0;  // the cell, of its level
+  std::uint32_t triangle = 0;         // 0: right of the cell's diagonal; 1: left
 
   explicit operator bool() const { return height == height; }
 };
@@ -32,11 +34,23 @@ struct GroundHit {
   GroundPoint point;
 };
 
+// Levels of detail of the tiles of a Ground for an observer.
+class GroundLevels {
+ private:
+  friend class Ground;
+  std::vector<std::uint8_t> refined_;  // by tile
+};
+
 // Terrain, ready for questions. Thread-safe. Damaged tiles have no ground.
+//
+// Rays go through a tree of boxes of each tile, which is made when the first ray comes to it.
 class Ground {
  public:
+  static constexpr std::size_t kTreeBytes = std::size_t{1} << 29;
+  // tree_bytes: memory of trees, above which those that were not used for longest are dropped; the
+  // rays under way need some more.
   // Cost: O(tiles, columns and rows of posts).
-  explicit Ground(std::shared_ptr<const Tiles> tiles);
+  explicit Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes = kTreeBytes);
   ~Ground();
   Ground(Ground&&) noexcept;
 
@@ -49,13 +63,26 @@ class Ground {
   GroundPoint at(const LatLon& place) const;
   void at(std::span<const LatLon> places, std::span<GroundPoint> points, const Job& job = {}) const;
 
+  // Levels for rays from an observer: of each tile the coarsest whose triangles lie within an angle
+  // of those of level 0 for the observer (radians), and whose posts are no further apart.
+  //
+  // Cost: O(tiles).
+  GroundLevels levels(const Vec3& observer, double angle) const;
+
   // First point of a ray between two distances from its origin; from either side. Where charts
   // overlap, the first with a height counts, and its border is open by the difference of heights.
-  // Expects: a direction of length 1.
+  //
+  //   levels  null: level 0. A ray that comes below the ground has met a gap between levels, and is
+  //           answered by level 0
+  // Expects: a direction of length 1. Cost: about a microsecond, once the trees are there.
   std::optional<GroundHit> nearest(const Vec3& origin, const Vec3& direction, double least = 0,
-                                   double most = std::numeric_limits<double>::infinity()) const;
+                                   double most = std::numeric_limits<double>::infinity(),
+                                   const GroundLevels* levels = nullptr) const;
   // Returns whether anything stands between two distances; quicker than nearest().
-  bool is_blocked(const Vec3& origin, const Vec3& direction, double least, double most) const;
+  bool is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,
+                  const GroundLevels* levels = nullptr) const;
+  // Bytes of the trees that are there.
+  std::size_t tree_bytes() const;
 
  private:
   struct State;

@@ -13,6 +13,7 @@
 #include "tools/commands.h"
 #include "tools/print.h"
 #include "workspace/session.h"
+#include "workspace/targets.h"
 
 namespace panwright::tools {
 
@@ -167,6 +168,7 @@ class LookupRun {
     workspace::ViewSession session(*std::move(read), preview::ContextKind::automatic);
     const world::World* world = session.world(view, {}, log_, context_.job());
     if (world == nullptr || log_.has_errors()) return false;
+    workspace::warn_of_terrain(*world, "look-ups", log_);
     const auto frame = session.frame(view, log_);
     if (!frame) return false;
     camera_ = frame->camera();

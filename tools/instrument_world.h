@@ -9,6 +9,7 @@
 #include "tools/command_context.h"
 #include "workspace/scenario.h"
 #include "workspace/session.h"
+#include "workspace/targets.h"
 
 namespace panwright::tools {
 

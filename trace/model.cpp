@@ -14,7 +14,14 @@ Vec3 vec3(const double* v) { return Vec3(v[0], v[1], v[2]); }
 
 }  // namespace
 
-Model::Model(world::ModelPtr model, bool levels, const Job& job) : model_(std::move(model)) {
+Model::Model(world::ModelPtr model, bool levels, bool ground, const Job& job)
+    : model_(std::move(model)) {
+  if (ground) {
+    DiagnosticLog log;  // whoever opened the file has said what is wrong
+    if (auto tiles = terrain::Tiles::of(model_, log); tiles && *tiles)
+      ground_ = std::make_unique<const terrain::Ground>(
+          std::make_shared<const terrain::Tiles>(**std::move(tiles)));
+  }
   for (std::size_t i = 0; i < model_->textures().size(); ++i) {
     const layout::Texture& record = model_->textures()[i];
     textures_.emplace_back(model_->texels(i), record.width, record.height,

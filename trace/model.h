@@ -9,6 +9,7 @@
 #include "base/job.h"
 #include "geometry/ray/instances.h"
 #include "pan/model.h"
+#include "terrain/ground.h"
 #include "trace/mesh_point.h"
 #include "trace/placement.h"
 #include "trace/texture.h"
@@ -41,11 +42,11 @@ class Model {
     Vec2 repeat{1};            // of the texture coordinates, for the cutout
   };
 
-  // levels: makes trees of the levels of detail too.
+  // levels: makes trees of the levels of detail too. ground: has the terrain of the file, if any.
   //
   // Expects: checked. Throws Cancelled. Cost: O(T log T), about 150 bytes a triangle; textures are
   // read in place.
-  Model(world::ModelPtr model, bool levels, const Job& job);
+  Model(world::ModelPtr model, bool levels, bool ground, const Job& job);
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -57,6 +58,7 @@ class Model {
   std::span<const Texture> textures() const { return textures_; }  // the model's
   // Returns the search mesh of a placed mesh; null for others.
   const geometry::SearchMesh& search_mesh(std::uint32_t mesh) const { return meshes_[mesh]; }
+  const terrain::Ground* ground() const { return ground_.get(); }  // null: none
   Placement placement(std::uint32_t part, const PlacedNodes& nodes) const;
 
   // Returns false in a hole.
@@ -70,6 +72,7 @@ class Model {
   std::vector<Texture> textures_;
   std::vector<Part> parts_;
   std::vector<geometry::SearchMesh> meshes_;  // one per mesh
+  std::unique_ptr<const terrain::Ground> ground_;
 };
 
 }  // namespace panwright::trace

@@ -50,6 +50,22 @@ void for_rays(std::size_t count, const Job& job, const Answer& answer) {
   parallel_for((count + kRaysAtOnce - 1) / kRaysAtOnce, some, job);
 }
 
+// A box about terrain: of a body all of it.
+AxisBox box_of(const terrain::Ground& ground) {
+  AxisBox box;
+  for (const terrain::ChartRecord& chart : ground.tiles().charts()) {
+    if (chart.kind == static_cast<std::uint32_t>(terrain::Map::Kind::none)) {
+      box.add(Vec3(chart.left, chart.top - (chart.height - 1) * chart.dy, chart.low));
+      box.add(Vec3(chart.left + (chart.width - 1) * chart.dx, chart.top, chart.high));
+      continue;
+    }
+    const double reach = std::max(chart.radius, chart.polar_radius) + std::max(chart.high, 0.0);
+    box.add(Vec3(-reach));
+    box.add(Vec3(reach));
+  }
+  return box;
+}
+
 }  // namespace
 
 Target::Target(std::shared_ptr<const Model> model, const world::Instance& instance,
@@ -79,6 +95,11 @@ Target::Target(std::shared_ptr<const Model> model, const world::Instance& instan
     placements_.push_back(placement);
   }
   caster_.build(job);
+  if (model_->ground() == nullptr || nodes.visible.empty() || !nodes.visible[0]) return;
+  ground_ = model_->ground();
+  const AxisBox box = box_of(*ground_);
+  bounds_.add(box.low);
+  bounds_.add(box.high);
 }
 
 bool Target::hole_filter(const void* data, const geometry::InstanceHit& hit) {
@@ -104,6 +125,7 @@ bool Target::any(const geometry::Ray& ray, Insides insides) const {
 }
 
 Vec3 Target::normal(const Hit& hit, bool flat) const {
+  if (hit.part == Hit::kGround) return hit.front ? hit.normal : -hit.normal;
   const Model::Part& part = model_->parts()[hit.part];
   const MeshPoint at =
       point_of(part.mesh, place_of(part.mesh, hit.triangle, hit.barycentric), flat);
@@ -112,6 +134,10 @@ Vec3 Target::normal(const Hit& hit, bool flat) const {
 }
 
 Surface Target::surface(const Hit& hit) const {
+  if (hit.part == Hit::kGround) {
+    const Vec3 normal = hit.front ? hit.normal : -hit.normal;
+    return {hit.position, normal, normal, Vec2(0)};
+  }
   const Model::Part& part = model_->parts()[hit.part];
   const Placement& placed = placement(hit.part);
   const Place place = place_of(part.mesh, hit.triangle, hit.barycentric);
@@ -127,7 +153,7 @@ Surface Target::surface(const Hit& hit) const {
 
 std::shared_ptr<const Model> Scene::model_of(const world::ModelPtr& model, const Job& job) {
   if (const auto found = models_.find(model.get()); found != models_.end()) return found->second;
-  auto made = std::make_shared<const Model>(model, options_.footprint > 0, job);
+  auto made = std::make_shared<const Model>(model, options_.footprint > 0, options_.ground, job);
   models_[model.get()] = made;
   ++work_.models;
   return made;
@@ -155,7 +181,7 @@ void Scene::update(const world::World& world, const Job& job) {
       frame = frame_of(instance.pose());
       ++work_.poses;
     }
-    if (!state->parts().empty()) visible_.push_back(i);
+    if (!state->parts().empty() || state->ground()) visible_.push_back(i);
     targets_.push_back({state, frame, {}});
   }
   states_ = std::move(states);
@@ -165,13 +191,20 @@ void Scene::update(const world::World& world, const Job& job) {
   place_targets();
 }
 
-void Scene::place_observer(const world::Pose& world_from_observer) {
+void Scene::place_observer(const world::Pose& world_from_observer, double ground_angle) {
   observer_ = frame_of(world_from_observer);
+  ground_angle_ = ground_angle;
   place_targets();
 }
 
 void Scene::place_targets() {
-  for (Placed& placed : targets_) placed.from_observer = between(placed.frame, observer_);
+  ground_levels_.assign(targets_.size(), std::nullopt);
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    Placed& placed = targets_[i];
+    placed.from_observer = between(placed.frame, observer_);
+    if (const terrain::Ground* ground = placed.target->ground(); ground && ground_angle_ > 0)
+      ground_levels_[i] = ground->levels(placed.from_observer.offset, ground_angle_);
+  }
   std::vector<AxisBox> boxes(visible_.size());
   double far = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -220,6 +253,26 @@ void Scene::visit(const Ray& ray, const double& limit, const Look& look) const {
                });
 }
 
+// Sets a nearer hit on the terrain of a target.
+void Scene::meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best,
+                        double& limit) const {
+  const terrain::Ground* ground = targets_[target].target->ground();
+  if (ground == nullptr) return;
+  const auto& levels = ground_levels_[target];
+  const auto hit = ground->nearest(ray.origin, ray.direction, ray.min_distance, limit,
+                                   levels ? &*levels : nullptr);
+  if (!hit || (best && hit->distance >= best.distance)) return;
+  best = {};
+  best.distance = limit = hit->distance;
+  best.target = target;
+  best.part = Hit::kGround;
+  best.triangle = hit->point.triangle;
+  best.direction = ray.direction;
+  best.position = hit->point.position;
+  best.normal = hit->point.normal;
+  best.front = glm::dot(best.normal, ray.direction) <= 0;
+}
+
 // The nearest hit; of a scene of one target without its tree.
 Hit Scene::closest(const Ray& ray, Insides insides) const {
   Hit best;
@@ -229,11 +282,12 @@ Hit Scene::closest(const Ray& ray, Insides insides) const {
     const auto hit = looked.closest(there, insides);
     // at equal distances the lower target
     if (hit && (!best || hit->distance < limit || target < best.target)) {
-      best = {hit->distance,  target,           looked.parts()[hit->instance],
-              hit->triangle,  hit->barycentric, hit->front,
-              there.direction};
+      best = {hit->distance,   target,           looked.parts()[hit->instance],
+              hit->triangle,   hit->barycentric, hit->front,
+              there.direction, Vec3(0),          Vec3(0)};
       limit = hit->distance;
     }
+    meet_ground(target, there, best, limit);
     return false;
   };
   if (visible_.size() == 1)
@@ -250,13 +304,29 @@ Hit Scene::nearest(const Ray& ray, Insides insides) const {
   return hit && insides == Insides::pass && is_inside(hit) ? closest(ray, insides) : hit;
 }
 
+Hit Scene::nearest_ground(const Ray& ray) const {
+  Hit best;
+  double limit = ray.max_distance;
+  for (const std::uint32_t target : visible_)
+    if (targets_[target].target->ground() != nullptr)
+      meet_ground(target, local(ray, target), best, limit);
+  return best;
+}
+
 bool Scene::any(const Ray& ray, Insides insides) const {
   assert(is_sound(ray, targets_.size()));
-  if (visible_.size() == 1)
-    return targets_[visible_[0]].target->any(local(ray, visible_[0]), insides);
+  const auto blocks = [&](std::uint32_t target, const geometry::Ray& there) {
+    const Target& looked = *targets_[target].target;
+    const auto& levels = ground_levels_[target];
+    return looked.any(there, insides) ||
+           (looked.ground() != nullptr &&
+            looked.ground()->is_blocked(there.origin, there.direction, there.min_distance,
+                                        there.max_distance, levels ? &*levels : nullptr));
+  };
+  if (visible_.size() == 1) return blocks(visible_[0], local(ray, visible_[0]));
   bool found = false;
   visit(ray, ray.max_distance, [&](std::uint32_t target, const geometry::Ray& there) {
-    return found = targets_[target].target->any(there, insides);
+    return found = blocks(target, there);
   });
   return found;
 }
@@ -275,6 +345,7 @@ void Scene::any(std::span<const Ray> rays, std::span<std::uint8_t> found, Inside
 
 Ids Scene::ids(const Hit& hit) const {
   if (!hit) return {};
+  if (hit.part == Hit::kGround) return {hit.target + 1, 1, 0, 0};
   const Model& traced = targets_[hit.target].target->model();
   const pan::Model& model = *traced.model();
   const std::uint32_t index = traced.parts()[hit.part].instance;

@@ -39,15 +39,19 @@ struct Ray : geometry::Ray {
 // The inside of closed meshes without holes: rays pass, as in images; or it stops them, as light.
 enum class Insides : std::uint8_t { pass, stop };
 
-// Point at which a ray meets a triangle.
+// Point at which a ray meets a triangle, of a mesh or of terrain.
 struct Hit {
+  static constexpr std::uint32_t kGround = ~0u;
   double distance = std::numeric_limits<double>::infinity();  // metres from the origin; inf: none
   std::uint32_t target = 0;                                   // index in the world
-  std::uint32_t part = 0;      // of its trace::Model; below the model's instances: the instance
+  std::uint32_t part = 0;      // of its trace::Model; below the model's instances: the instance;
+                               // kGround: its terrain
   std::uint32_t triangle = 0;  // of the part's mesh
   Vec2 barycentric{0};         // weights of the second and third corner, in the triangle
   bool front = true;           // from outside: counter-clockwise in the mesh's frame
   Vec3 direction{0};           // the ray's, unit, in the frame of the target's model
+  // of terrain, in that frame: the point, and the normal of its triangle, unit, away from the body
+  Vec3 position{0}, normal{0};
 
   explicit operator bool() const { return distance < std::numeric_limits<double>::infinity(); }
 };
@@ -90,7 +94,10 @@ class Target {
     return placements_[number_of_[model_->parts()[part].instance]];
   }
   // Returns true for the inside of a closed mesh without holes.
-  bool is_inside(const Hit& hit) const { return !hit.front && model_->parts()[hit.part].closed; }
+  bool is_inside(const Hit& hit) const {
+    return !hit.front && hit.part != Hit::kGround && model_->parts()[hit.part].closed;
+  }
+  const terrain::Ground* ground() const { return ground_; }  // null: none, or hidden
   // As Surface::normal; flat: by the triangles' own normals.
   Vec3 normal(const Hit& hit, bool flat) const;
   Surface surface(const Hit& hit) const;
@@ -109,6 +116,7 @@ class Target {
   std::vector<std::uint32_t> number_of_;  // in parts_, by instance
   geometry::InstanceCaster caster_;
   AxisBox bounds_;
+  const terrain::Ground* ground_ = nullptr;
   bool has_holes_ = false;
 };
 
@@ -116,6 +124,8 @@ struct SceneOptions {
   // Metres, of a pixel or a beam on the targets: instances have the level of detail for it, as
   // images do. 0: their own meshes, the finest.
   double footprint = 0;
+  // Terrain of pan files is there, in the frame of their models. Else it is left out.
+  bool ground = false;
 };
 
 // Counts of what was built so far.
@@ -151,12 +161,15 @@ class Scene {
   // Cost: O(T log T) for new models, about 200 bytes a triangle; O(parts) for targets whose nodes
   // or joints changed.
   void update(const world::World& world, const Job& job = {});
-  // Expects: finite, a unit rotation. Cost: O(targets).
-  void place_observer(const world::Pose& world_from_observer);
+  //
+  //   ground_angle  radians: of terrain all rays see the levels for this angle at the observer
+  //                 (terrain::Ground::levels()); 0: the finest
+  // Expects: finite, a unit rotation. Cost: O(targets); with an angle O(tiles).
+  void place_observer(const world::Pose& world_from_observer, double ground_angle = 0);
 
   // One for each target of the world, hidden ones too.
   std::span<const Placed> targets() const { return targets_; }
-  // Indices of the targets with visible parts, ascending.
+  // Indices of the targets with visible parts or terrain, ascending.
   std::span<const std::uint32_t> visible() const { return visible_; }
   const RigidFrame& observer() const { return observer_; }
   const Work& work() const { return work_; }
@@ -164,6 +177,8 @@ class Scene {
   // Returns the nearest hit within the ray's range, both ends included; none: an infinite distance.
   // Expects: a finite ray of unit direction; a frame of the world. Cost: O(log T), expected.
   Hit nearest(const Ray& ray, Insides insides = Insides::pass) const;
+  // The same of terrain alone.
+  Hit nearest_ground(const Ray& ray) const;
   // Returns true if nearest() has a hit, faster.
   bool any(const Ray& ray, Insides insides = Insides::pass) const;
 
@@ -189,6 +204,7 @@ class Scene {
  private:
   std::shared_ptr<const Model> model_of(const world::ModelPtr& model, const Job& job);
   void place_targets();
+  void meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best, double& limit) const;
   Hit closest(const Ray& ray, Insides insides) const;
   geometry::Ray local(const Ray& ray, std::uint32_t target) const;
   template <class Look>
@@ -201,6 +217,8 @@ class Scene {
   std::vector<Placed> targets_;
   std::vector<std::uint32_t> visible_;
   RigidFrame observer_;
+  double ground_angle_ = 0;
+  std::vector<std::optional<terrain::GroundLevels>> ground_levels_;  // one for each target
   geometry::BoxTree tree_;  // of the visible targets, world axes about the observer
   Work work_;
 };

@@ -19,6 +19,7 @@
 #include "workspace/internal/forward.h"
 #include "workspace/internal/instrument_run.h"
 #include "workspace/internal/stopwatch.h"
+#include "workspace/targets.h"
 #include "world/inside.h"
 
 namespace panwright::workspace {
@@ -112,6 +113,7 @@ class CameraRun : public InstrumentRun {
   CameraRun(const RunScope& scope, Drawers& drawers) : scope_(scope), drawers_(drawers) {}
 
   bool prepare(const Frame& frame) override {
+    if (frame.labels) warn_of_terrain(scope_.world, "labels", scope_.log);
     return prepare(draw_options(frame.settings, scope_.options.context));
   }
 

@@ -7,7 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/text.h"
 #include "preview/lens_renderer.h"
+#include "preview/reference/ground_layer.h"
 #include "sky/backdrop.h"
 #include "sky/stars.h"
 #include "transport/transport.h"
@@ -57,8 +61,11 @@ struct Drawer::Impl {
     world::Camera camera;
     double psf_sigma = 0;
     std::vector<LampPoint> lamps;
+    std::optional<world::World> ground;  // with terrain that is not drawn yet
+    preview::GroundOptions ground_options;
   };
   std::deque<Behind> behind;
+  preview::GroundLayer ground;
 
   // Light between surfaces, of the last world that was drawn with it.
   struct Between {
@@ -77,6 +84,7 @@ struct Drawer::Impl {
 
   world::Evaluation evaluation;
   bool may_stand_before(const sky::Sky& sky, const world::World& world, const Vec3& camera);
+  void add_ground(const Behind& here, image::Image& image, DiagnosticLog& log, const Job& job);
   void add_sky(const Behind& here, image::Image& image, const Job& job);
   std::size_t in_flight() const { return done.size() + (renderer ? renderer->in_flight() : 0); }
   bool submit(const world::World& world, const world::Camera& camera, bool ground_truth,
@@ -233,12 +241,24 @@ bool Drawer::Impl::may_stand_before(const sky::Sky& sky, const world::World& wor
   return sky::may_hide(sky, camera, farthest);
 }
 
+void Drawer::Impl::add_ground(const Behind& here, image::Image& image, DiagnosticLog& log,
+                              const Job& job) {
+  ground.add(*here.ground, here.camera, here.ground_options, image, job);
+  if (std::ranges::all_of(image.coverage, [](float share) { return share == 0; }))
+    log.report_file(Code("W5006"), {}, "nothing is in view: no target and no terrain");
+  if (const auto shaded = ground.shaded_target(*here.ground); shaded >= 0)
+    log.report_file(Code("W9620"), {},
+                    fmt::format("the terrain's shadow on {} is left out",
+                                in_quotes((*here.ground)[static_cast<std::size_t>(shaded)].name())),
+                    "--engine reference draws it");
+}
+
 void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& job) {
   if (here.bodies && here.before)
     sky::add_around(*here.sky, here.camera, here.psf_sigma, image, job);
   else if (here.bodies)
     sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), image);
-  if (here.before && !here.truth) {
+  if ((here.before || here.ground) && !here.truth) {
     image.depth.clear();
     image.range.clear();
     image.normal.clear();
@@ -253,20 +273,27 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   constexpr double kReach = 6;  // of a PSF, in sigma
-  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}};
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, {}};
   next.psf_sigma =
       impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
   // the reference has bodies of its own
   next.bodies = world.has_sky() && impl_->renderer.has_value();
   if (next.bodies || next.stars.catalogue) next.sky.emplace(world);
+  if (impl_->renderer && preview::has_ground(world)) {
+    next.ground = world;
+    const unsigned samples = impl_->options.gl.samples;
+    next.ground_options.samples = samples > 0 ? samples : 2;
+    next.ground_options.psf_sigma = next.psf_sigma;
+  }
   next.before = next.bodies && impl_->may_stand_before(*next.sky, world, camera.position);
-  const bool good = run_job(job, log,
-                            [&] {
-                              next.lamps = lamp_points(world, camera, kReach * next.psf_sigma,
-                                                       impl_->reference, job);
-                              return true;
-                            }) &&
-                    impl_->submit(world, camera, ground_truth || next.before, log, job);
+  const bool good =
+      run_job(job, log,
+              [&] {
+                next.lamps =
+                    lamp_points(world, camera, kReach * next.psf_sigma, impl_->reference, job);
+                return true;
+              }) &&
+      impl_->submit(world, camera, ground_truth || next.before || next.ground, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   if (good) behind.push_back(std::move(next));
   while (behind.size() > impl_->in_flight()) behind.pop_front();
@@ -274,11 +301,16 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
 }
 
 Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
-  auto drawn = impl_->collect(log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
-  if (drawn && (behind.front().sky || !behind.front().lamps.empty())) {
+  DiagnosticLog apart = log.apart();
+  auto drawn = impl_->collect(apart, job);
+  // an image without targets may have terrain
+  const bool fills = drawn && behind.front().ground;
+  forward(apart, {}, {}, log, fills ? std::optional(Code("W5006")) : std::nullopt);
+  if (drawn && (behind.front().sky || behind.front().ground || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {
+      if (here.ground) impl_->add_ground(here, drawn->image, log, job);
       impl_->add_sky(here, drawn->image, job);
       for (const LampPoint& lamp : here.lamps)
         sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);

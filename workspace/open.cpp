@@ -15,6 +15,7 @@
 #include "importers/other_formats.h"
 #include "importers/palette.h"
 #include "pxn/pxn.h"
+#include "terrain/tiles.h"
 #include "workspace/budget.h"
 #include "workspace/internal/kept_import.h"
 #include "workspace/internal/kept_work.h"
@@ -183,15 +184,13 @@ Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOp
   if (!model) return failed;
   const Stopwatch watch(report, "check " + path.string());
   if (!model->check(log, job)) return failed;
-  for (const auto& entry : model->directory())
-    if (pan::kind_name(entry.kind) == "tiles")
-      log.report_file(Code("W9620"), path.string(), "images leave out its terrain",
-                      "panwright dem answers questions about it");
   // what the pan was made of, where it still lies beside it: no image may take its place
   if (log.files())
     for (const auto& input : model->inputs())
       log.files()->will_read(path.parent_path() / std::string(model->string(input.path)));
-  return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
+  world::ModelPtr shared = std::make_shared<const pan::Model>(*std::move(model));
+  if (!terrain::Tiles::of(shared, log)) return failed;
+  return shared;
 }
 
 }  // namespace

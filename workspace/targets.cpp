@@ -7,6 +7,8 @@
 #include <set>
 
 #include "base/text.h"
+#include "preview/reference/ground_layer.h"
+#include "terrain/tiles.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -118,6 +120,35 @@ std::optional<Outline> outline(const world::World& world, const world::Camera& c
   return out;
 }
 
+void warn_of_terrain(const world::World& world, std::string_view what, DiagnosticLog& log) {
+  for (const world::Instance& target : world.instances()) {
+    if (!preview::has_ground(target)) continue;
+    log.report_file(Code("W9620"), {},
+                    fmt::format("{} leave out the terrain of {}", what, in_quotes(target.name())),
+                    "images show it, and panwright dem answers questions about it");
+    return;
+  }
+}
+
+namespace {
+
+// The sphere about the terrain of a model; none: it has no terrain.
+std::optional<BoundingSphere> terrain_sphere(const world::ModelPtr& model) {
+  DiagnosticLog log;  // whoever opened the file has said what is wrong
+  const auto tiles = terrain::Tiles::of(model, log);
+  if (!tiles || !*tiles) return std::nullopt;
+  AxisBox box;
+  for (const terrain::ChartRecord& chart : (*tiles)->charts()) {
+    if (chart.radius > 0)
+      return BoundingSphere{Vec3(0), std::max(chart.radius, chart.polar_radius) + chart.high};
+    box.add(Vec3(chart.left, chart.top - (chart.height - 1) * chart.dy, chart.low));
+    box.add(Vec3(chart.left + (chart.width - 1) * chart.dx, chart.top, chart.high));
+  }
+  return BoundingSphere{box.centre(), std::max(0.5 * box.diagonal(), 1.0)};
+}
+
+}  // namespace
+
 BoundingSphere BoundingSpheres::of(const world::Instance& target) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const Known& each) { return each.stamp == target.shape_stamp(); });
@@ -127,6 +158,8 @@ BoundingSphere BoundingSpheres::of(const world::Instance& target) {
     std::optional<BoundingSphere> sphere;
     if (const auto bounds = target.visible() ? exact_bounds(target) : std::nullopt)
       sphere = {bounds->centre(), std::max(0.5 * bounds->diagonal(), kLeastRadius)};
+    else if (target.visible())
+      sphere = terrain_sphere(target.model());
     known = known_.insert(known_.end(), {target.shape_stamp(), sphere});
   }
   BoundingSphere sphere = known->sphere.value_or(BoundingSphere{});

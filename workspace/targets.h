@@ -35,6 +35,10 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
 
+// Says that something leaves out the terrain of a world, if there is any: "labels leave out the
+// terrain of 'moon'". Reports: W9620.
+void warn_of_terrain(const world::World& world, std::string_view what, DiagnosticLog& log);
+
 // Bounding sphere, world axes, metres.
 struct BoundingSphere {
   Vec3 centre{0};
@@ -52,7 +56,8 @@ std::optional<Outline> outline(const world::World& world, const world::Camera& c
 // Bounding spheres of targets, each computed once for the state of its nodes.
 class BoundingSpheres {
  public:
-  // Returns the sphere about the centre of the bounds of a posed target; for a fully hidden one, of
+  // Returns the sphere about the centre of the bounds of a posed target, its terrain left out where
+  // there are meshes; for a fully hidden one, of
   // radius 1 about its origin. Cost: O(vertices) the first time.
   BoundingSphere of(const world::Instance& target);
   // Returns the sphere around all visible targets; one alone: of(). Without any: about the origin.

@@ -191,7 +191,7 @@ const char* empty_because(const world::World& world, const trace::Scene& scene,
 }  // namespace
 
 struct Reference::Impl {
-  TraceScene scene;
+  TraceScene scene{true};
 };
 
 Reference::Reference() : impl_(std::make_unique<Impl>()) {}

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "terrain/internal/tile_tree.h"
+#include "terrain/internal/tree_cache.h"
+
 namespace panwright::terrain::internal {
 
 namespace {
-
-constexpr std::uint32_t kBlockCells = kTileCells / kMipBlocks;
 
 // Distance at which a ray meets a triangle, from either side, its edges included.
 std::optional<double> meet(const TerrainRay& ray, const std::array<Vec3, 3>& corners) {
@@ -31,45 +32,50 @@ Vec3 normal_of(const std::array<Vec3, 3>& corners) {
 
 }  // namespace
 
-struct ChartSurface::Walk {
-  const TerrainRay& ray;
-  bool any;
-  const AcceptHit& accept;
-  double most;
-  std::optional<TriangleHit> best;
-  bool done() const { return any && best; }
-};
-
 ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart)
     : tiles_(&tiles), chart_(chart), record_(&tiles.charts()[chart]), map_(tiles.map(chart)) {
   for (std::uint32_t k = 0; k < record_->levels; ++k) first_.push_back(tiles.index(chart, k, 0, 0));
-  if (!is_plane()) {
-    largest_radius_ = std::max(record_->radius, record_->polar_radius);
-    least_radius_ = std::min(record_->radius, record_->polar_radius);
+  is_sphere_ = record_->radius == record_->polar_radius;
+  if (map_.kind == Map::Kind::polar) {
+    const auto [s, c] = det::sincos(map_.center_longitude * kDegree);
+    centre_turn_ = {s, c};
+    scale_ = map_.radius * (1 + det::sin(std::fabs(map_.standard_latitude) * kDegree));
   }
-  if (map_.kind != Map::Kind::cylindrical) return;
-  const double along = map_.radius * det::cos(map_.standard_latitude * kDegree);
-  for (std::uint32_t i = 0; i < record_->width; ++i) {
-    const auto [s, c] =
-        det::sincos(map_.center_longitude * kDegree + (record_->left + i * record_->dx) / along);
-    columns_.push_back({s, c});
+  if (map_.kind == Map::Kind::cylindrical) {
+    const double along = map_.radius * det::cos(map_.standard_latitude * kDegree);
+    for (std::uint32_t i = 0; i < record_->width; ++i) {
+      const auto [s, c] =
+          det::sincos(map_.center_longitude * kDegree + (record_->left + i * record_->dx) / along);
+      columns_.push_back({s, c});
+    }
+    // the closing column of a whole turn is the first
+    if (record_->flags & kChartWraps) columns_.back() = columns_.front();
+    for (std::uint32_t j = 0; j < record_->height; ++j) {
+      const auto [s, c] = det::sincos((record_->top - j * record_->dy) / map_.radius);
+      rows_.push_back({s, c});
+      if (!is_sphere_) row_radii_.push_back(radius({c, 0, s}));
+    }
   }
-  // the closing column of a whole turn is the first
-  if (record_->flags & kChartWraps) columns_.back() = columns_.front();
-  for (std::uint32_t j = 0; j < record_->height; ++j) {
-    const auto [s, c] = det::sincos((record_->top - j * record_->dy) / map_.radius);
-    rows_.push_back({s, c});
-  }
+  for (std::uint32_t t = 0; t < record_->tile_count; ++t)
+    boxes_.push_back(box_of(record_->first_tile + t));
 }
 
-Vec3 ChartSurface::vertical(double column, double row) const {
-  if (map_.kind == Map::Kind::cylindrical && column == std::floor(column) &&
-      row == std::floor(row)) {
-    const Vec2 x = columns_[static_cast<std::size_t>(column)],
-               y = rows_[static_cast<std::size_t>(row)];
+Vec3 ChartSurface::vertical(PostIndex index) const {
+  if (map_.kind == Map::Kind::cylindrical) {
+    const Vec2 x = columns_[index.column], y = rows_[index.row];
     return {y.y * x.y, y.y * x.x, y.x};
   }
-  const LatLon place = map_.at(column + 0.5, row + 0.5);
+  if (is_sphere_) {
+    // the sphere from its stereographic map, without angles
+    const double a = (record_->left + index.column * record_->dx) / scale_;
+    double b = (record_->top - index.row * record_->dy) / scale_;
+    if (map_.north) b = -b;
+    const double square = a * a + b * b, inverse = 1 / (1 + square);
+    const double s = 2 * a * inverse, c = 2 * b * inverse, z = (1 - square) * inverse;
+    return {c * centre_turn_.y - s * centre_turn_.x, s * centre_turn_.y + c * centre_turn_.x,
+            map_.north ? z : -z};
+  }
+  const LatLon place = map_.at(index.column + 0.5, index.row + 0.5);
   const auto [sy, cy] = det::sincos(place.latitude * kDegree);
   const auto [sx, cx] = det::sincos(place.longitude * kDegree);
   return {cy * cx, cy * sx, sy};
@@ -81,64 +87,89 @@ double ChartSurface::radius(const Vec3& v) const {
   return a * b / std::sqrt(b * b * (v.x * v.x + v.y * v.y) + a * a * v.z * v.z);
 }
 
-Vec3 ChartSurface::point(double column, double row, double height) const {
+Vec3 ChartSurface::post(PostIndex index, double height) const {
   if (is_plane())
-    return {record_->left + column * record_->dx, record_->top - row * record_->dy, height};
-  const Vec3 v = vertical(column, row);
-  return (radius(v) + height) * v;
+    return {record_->left + index.column * record_->dx, record_->top - index.row * record_->dy,
+            height};
+  const Vec3 v = vertical(index);
+  const double r = !row_radii_.empty() ? row_radii_[index.row] : radius(v);
+  return (r + height) * v;
 }
 
-// Most metres on the sphere from the middle of a cell to its corners, twice.
-double ChartSurface::cell_reach(std::uint32_t y0, std::uint32_t y1) const {
-  if (is_plane()) return std::sqrt(record_->dx * record_->dx + record_->dy * record_->dy);
-  if (map_.kind == Map::Kind::cylindrical) {
-    const double top = record_->top - y0 * record_->dy, bottom = record_->top - y1 * record_->dy;
-    const double widest = top * bottom <= 0 ? 0 : std::min(std::fabs(top), std::fabs(bottom));
-    const double x = record_->dx * det::cos(std::min(widest / map_.radius, kPi / 2)) /
-                     det::cos(map_.standard_latitude * kDegree);
-    return std::sqrt(x * x + record_->dy * record_->dy);
-  }
-  // the scale of polar maps is least at the pole
-  const double f = (1 + det::sin(std::fabs(map_.standard_latitude) * kDegree)) / 2;
-  return std::sqrt(record_->dx * record_->dx + record_->dy * record_->dy) / f;
-}
-
-// Whether a ray may meet the ground of a node before `most`; sets its entry.
-bool ChartSurface::meets(const TerrainRay& ray, double most, Node& node) const {
-  const double middle = 0.5 * (node.low + node.high);
-  const std::uint32_t cx = node.x + node.nx / 2, cy = node.y + node.ny / 2;
-  const Vec3 centre = point(cx, cy, middle);
-  // from the post nearest to the middle to the furthest corner
-  const double cells = std::max(node.nx, node.ny) / 2 + 1;
-  const double stretch = is_plane() ? 1 : 1 + std::max(node.high, 0.0) / least_radius_;
-  // of an ellipsoid the radius changes within the node
-  const double reach = cell_reach(node.y, node.y + node.ny) * cells * stretch +
-                       0.5 * (node.high - node.low) + (largest_radius_ - least_radius_);
-  const Vec3 to = centre - ray.origin;
-  const double along = glm::dot(to, ray.direction);
-  const double aside = glm::dot(to, to) - along * along;
-  const double half2 = reach * reach - aside;
-  if (half2 < 0) return false;
-  const double half = std::sqrt(half2);
-  const double from = std::max(ray.least, along - half), until = std::min(most, along + half);
-  if (from > until) return false;
-  node.entry = from;
-  // the ray's height over the interval: convex on a sphere, so that its least is within or at an
-  // end
-  const auto height = [&](double t, double r) {
-    const Vec3 p = ray.origin + t * ray.direction;
-    return is_plane() ? p.z : std::sqrt(glm::dot(p, p)) - r;
+// The box about points of the tile at its least and largest height, and what the ground bends
+// between these: a bilinear interpolation errs by (u² |p_uu| + v² |p_vv|) / 8, and a body's radius
+// bounds the derivatives by angles (of a stereographic map by its unit: 4).
+ChartSurface::TileBox ChartSurface::box_of(std::uint32_t tile) const {
+  const TileRecord& record = tiles_->records()[tile];
+  const std::uint64_t x0 = std::uint64_t{record.column} * kTileCells << record.level,
+                      y0 = std::uint64_t{record.row} * kTileCells << record.level,
+                      side = std::uint64_t{kTileCells} << record.level;
+  const std::uint64_t x1 = std::min<std::uint64_t>(x0 + side, record_->width - 1),
+                      y1 = std::min<std::uint64_t>(y0 + side, record_->height - 1);
+  const std::uint64_t parts = is_plane() ? 1 : record.level < 3 ? 4 : 8;
+  const auto index = [&](std::uint64_t i, std::uint64_t j) {
+    return PostIndex{static_cast<std::uint32_t>(x0 + (x1 - x0) * i / parts),
+                     static_cast<std::uint32_t>(y0 + (y1 - y0) * j / parts)};
   };
-  constexpr double kSlack = 1e-6;  // metres, of rounding at the Moon's radius
-  const double turn = std::clamp(-glm::dot(ray.origin, ray.direction), from, until);
-  const double least =
-      is_plane() ? std::min(height(from, 0), height(until, 0)) : height(turn, largest_radius_);
-  if (least > node.high + kSlack) return false;
-  // facets sag below their corners
-  const double angle = is_plane() ? 0 : reach / least_radius_;
-  const double low =
-      node.low - (angle > 0 ? (largest_radius_ + node.high) * std::min(1.0, angle * angle) : 0);
-  return std::max(height(from, least_radius_), height(until, least_radius_)) >= low - kSlack;
+  const double low = record.low, high = record.high;
+  TileBox box;
+  const Vec3 middle = post(index(parts / 2, parts / 2), 0.5 * (low + high));
+  const Vec3 up = is_plane() ? Vec3(0, 0, 1) : middle / std::sqrt(glm::dot(middle, middle));
+  Vec3 across = post(index(parts, parts / 2), 0) - post(index(parts / 2, parts / 2), 0);
+  across -= glm::dot(across, up) * up;
+  // of a row at a pole there is no direction
+  if (!(glm::dot(across, across) > 0)) {
+    across = std::fabs(up.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    across -= glm::dot(across, up) * up;
+  }
+  across = glm::normalize(across);
+  box.axes = glm::transpose(Mat3(across, glm::cross(up, across), up));
+  Vec3 from(std::numeric_limits<double>::infinity()), to = -from;
+  for (std::uint64_t j = 0; j <= parts; ++j)
+    for (std::uint64_t i = 0; i <= parts; ++i)
+      for (const double h : {low, high}) {
+        const Vec3 p = box.axes * (post(index(i, j), h) - middle);
+        from = glm::min(from, p);
+        to = glm::max(to, p);
+      }
+  double slack = 1e-6;
+  if (!is_plane()) {
+    const double r = std::max(record_->radius, record_->polar_radius);
+    const double flat = std::fabs(record_->radius - record_->polar_radius) / r;
+    // posts between those above; one more for their rounded numbers
+    const double u = (double(x1 - x0) / double(parts) + 1) * record_->dx,
+                 v = (double(y1 - y0) / double(parts) + 1) * record_->dy;
+    const bool polar = map_.kind == Map::Kind::polar;
+    const double along = polar ? scale_ : map_.radius * det::cos(map_.standard_latitude * kDegree);
+    const double down = polar ? scale_ : map_.radius;
+    slack += (r + std::max(high, 0.0)) * (polar ? 4 : 1) * (1 + 10 * flat) / 8 *
+             (u * u / (along * along) + v * v / (down * down));
+  }
+  box.centre = middle + glm::transpose(box.axes) * (0.5 * (from + to));
+  box.half = 0.5 * (to - from) + slack;
+  box.radius = std::sqrt(glm::dot(box.half, box.half));
+  return box;
+}
+
+bool ChartSurface::meets(const TileBox& box, const GroundWalk& walk, double& entry) const {
+  const Vec3 to = box.centre - walk.ray.origin;
+  const double along = glm::dot(to, walk.ray.direction);
+  const Vec3 beside = along * walk.ray.direction - to;
+  const double left = box.radius * box.radius - glm::dot(beside, beside);
+  if (left < 0) return false;
+  const double half = std::sqrt(left);
+  double in = std::max(walk.ray.least - along, -half), out = std::min(walk.most - along, half);
+  if (in > out) return false;
+  const Vec3 from = box.axes * beside, direction = box.axes * walk.ray.direction;
+  for (int k = 0; k < 3; ++k) {
+    // finite, so that nothing becomes NaN
+    const double inverse = 1 / (std::fabs(direction[k]) > 1e-100 ? direction[k] : 1e-100);
+    const double a = (-box.half[k] - from[k]) * inverse, b = (box.half[k] - from[k]) * inverse;
+    in = std::max(in, std::min(a, b));
+    out = std::min(out, std::max(a, b));
+  }
+  entry = along + in;
+  return in <= out;
 }
 
 std::optional<TileView> ChartSurface::tile_of(std::uint32_t column, std::uint32_t row) const {
@@ -164,7 +195,7 @@ std::optional<TriangleHit> ChartSurface::triangle_on(const TileView& view, std::
     const auto* place = places[order[which][k]];
     const double h = view.height(place[0] - tx, place[1] - ty);
     if (std::isnan(h)) return {};
-    hit.corners[static_cast<std::size_t>(k)] = point(place[0], place[1], h);
+    hit.corners[static_cast<std::size_t>(k)] = post({place[0], place[1]}, h);
   }
   const auto distance = meet(ray, hit.corners);
   if (!distance) return {};
@@ -172,105 +203,60 @@ std::optional<TriangleHit> ChartSurface::triangle_on(const TileView& view, std::
   return hit;
 }
 
-void ChartSurface::visit_cells(Walk& walk, const TileView& view, const Node& node) const {
-  for (std::uint32_t y = node.y; y < node.y + node.ny; ++y)
-    for (std::uint32_t x = node.x; x < node.x + node.nx; ++x) {
-      Node cell{node.tile, x, y, 1, 1, node.low, node.high, 0};
-      if (!meets(walk.ray, walk.most, cell)) continue;
-      for (std::uint32_t which = 0; which < 2; ++which) {
-        const auto hit = triangle_on(view, x, y, which, walk.ray);
-        if (!hit || hit->distance < walk.ray.least || hit->distance >= walk.most ||
-            !walk.accept(*hit))
-          continue;
-        walk.best = hit;
-        walk.most = hit->distance;
-        if (walk.any) return;
-      }
-    }
-}
-
-// A square of blocks within a tile, from the nearest of its quarters.
-void ChartSurface::visit_block(Walk& walk, const TileView& view, const Node& node) const {
-  if (node.nx <= kBlockCells && node.ny <= kBlockCells) return visit_cells(walk, view, node);
-  const std::uint32_t tx = view.record->column * kTileCells, ty = view.record->row * kTileCells;
-  std::uint32_t half = kBlockCells;
-  while (2 * half < std::max(node.nx, node.ny)) half *= 2;
-  std::array<Node, 4> parts;
-  std::size_t count = 0;
-  for (std::uint32_t j = 0; j < node.ny; j += half)
-    for (std::uint32_t i = 0; i < node.nx; i += half) {
-      Node part{node.tile,
-                node.x + i,
-                node.y + j,
-                std::min(half, node.nx - i),
-                std::min(half, node.ny - j),
-                node.low,
-                view.record->low,
-                0};
-      for (std::uint32_t b = (part.y - ty) / kBlockCells; b * kBlockCells < part.y - ty + part.ny;
-           ++b)
-        for (std::uint32_t a = (part.x - tx) / kBlockCells; a * kBlockCells < part.x - tx + part.nx;
-             ++a)
-          part.high = std::max(part.high, view.mip(a, b));
-      if (meets(walk.ray, walk.most, part)) parts[count++] = part;
-    }
-  std::sort(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const Node& a, const Node& b) { return a.entry < b.entry; });
-  for (std::size_t k = 0; k < count && !walk.done(); ++k)
-    if (parts[k].entry < walk.most) visit_block(walk, view, parts[k]);
-}
-
-void ChartSurface::visit_tile(Walk& walk, std::uint32_t level, std::uint32_t column,
-                              std::uint32_t row) const {
-  if (level == 0) {
-    const std::uint32_t tile = first_[0] + row * level_side(record_->width, 0).tiles + column;
-    const auto view = tiles_->view(tile);
-    if (!view) return;
-    const Node node{tile,
-                    column * kTileCells,
-                    row * kTileCells,
-                    std::min(kTileCells, record_->width - 1 - column * kTileCells),
-                    std::min(kTileCells, record_->height - 1 - row * kTileCells),
-                    view->record->low,
-                    view->record->high,
-                    0};
-    return visit_block(walk, *view, node);
-  }
-  const LevelSide across = level_side(record_->width, level - 1),
-                  down = level_side(record_->height, level - 1);
-  struct Child {
-    Node node;
-    std::uint32_t column, row;
+// A tree of levels, from the nearest of the children of a tile.
+void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
+                        TreeCache& trees) const {
+  struct Entry {
+    double at;
+    std::uint32_t level, column, row;
   };
-  std::array<Child, 4> children;
+  std::array<Entry, 3 * 32 + 4> stack;
   std::size_t count = 0;
-  const std::uint64_t side = std::uint64_t{kTileCells} << (level - 1);
-  for (std::uint32_t r = 2 * row; r < std::min(2 * row + 2, down.tiles); ++r)
-    for (std::uint32_t c = 2 * column; c < std::min(2 * column + 2, across.tiles); ++c) {
-      const TileRecord& tile = tiles_->records()[first_[level - 1] + r * across.tiles + c];
-      const auto x = static_cast<std::uint32_t>(c * side), y = static_cast<std::uint32_t>(r * side);
-      Node node{0,
-                x,
-                y,
-                static_cast<std::uint32_t>(std::min<std::uint64_t>(side, record_->width - 1 - x)),
-                static_cast<std::uint32_t>(std::min<std::uint64_t>(side, record_->height - 1 - y)),
-                tile.low,
-                tile.high,
-                0};
-      if (meets(walk.ray, walk.most, node)) children[count++] = {node, c, r};
+  double entry = 0;
+  if (!meets(boxes_[first_.back() - record_->first_tile], walk, entry)) return;
+  stack[count++] = {entry, record_->levels - 1, 0, 0};
+  while (count > 0) {
+    const Entry here = stack[--count];
+    if (here.at > walk.most) continue;
+    const std::uint32_t tile =
+        first_[here.level] + here.row * level_side(record_->width, here.level).tiles + here.column;
+    if (here.level == 0 || (!refined.empty() && refined[tile] == 0)) {
+      trees.of(tile, *this).cast(walk);
+      if (walk.any && walk.best) return;
+      continue;
     }
-  std::sort(children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const Child& a, const Child& b) { return a.node.entry < b.node.entry; });
-  for (std::size_t k = 0; k < count && !walk.done(); ++k)
-    if (children[k].node.entry < walk.most)
-      visit_tile(walk, level - 1, children[k].column, children[k].row);
+    const std::uint32_t level = here.level - 1;
+    const std::uint32_t across = level_side(record_->width, level).tiles,
+                        down = level_side(record_->height, level).tiles;
+    const std::size_t begin = count;
+    for (std::uint32_t r = 2 * here.row; r < std::min(2 * here.row + 2, down); ++r)
+      for (std::uint32_t c = 2 * here.column; c < std::min(2 * here.column + 2, across); ++c) {
+        const std::uint32_t child = first_[level] + r * across + c;
+        if (!meets(boxes_[child - record_->first_tile], walk, entry)) continue;
+        // the nearest last
+        std::size_t at = count++;
+        for (; at > begin && stack[at - 1].at < entry; --at) stack[at] = stack[at - 1];
+        stack[at] = {entry, level, c, r};
+      }
+  }
 }
 
-std::optional<TriangleHit> ChartSurface::cast(const TerrainRay& ray, bool any,
-                                              const AcceptHit& accept) const {
-  Walk walk{ray, any, accept, ray.most, {}};
-  visit_tile(walk, record_->levels - 1, 0, 0);
-  return walk.best;
+double ChartSurface::distance_to(std::uint32_t tile, const Vec3& observer) const {
+  const TileBox& box = boxes_[tile - record_->first_tile];
+  const Vec3 p = glm::abs(box.axes * (observer - box.centre)) - box.half;
+  const Vec3 outside = glm::max(p, Vec3(0));
+  return std::sqrt(glm::dot(outside, outside));
+}
+
+double ChartSurface::spacing(std::uint32_t tile) const {
+  const TileRecord& record = tiles_->records()[tile];
+  const double posts = std::ldexp(1.0, static_cast<int>(record.level));
+  // nowhere larger: cylindrical maps shrink to the poles, polar ones from them
+  double stretch = 1;
+  if (map_.kind == Map::Kind::cylindrical) stretch = 1 / det::cos(map_.standard_latitude * kDegree);
+  if (map_.kind == Map::Kind::polar) stretch = 2 * map_.radius / scale_;
+  if (!is_plane()) stretch *= 1 + std::max(double(record.high), 0.0) / map_.radius;
+  return posts * stretch * std::sqrt(record_->dx * record_->dx + record_->dy * record_->dy);
 }
 
 LatLon ChartSurface::place_of(const Vec3& p) const {
@@ -286,6 +272,7 @@ GroundPoint ChartSurface::point_of(const TriangleHit& hit, const Vec3& position)
   out.chart = chart_;
   out.column = hit.column;
   out.row = hit.row;
+  out.level = hit.level;
   out.triangle = hit.triangle;
   const double distance = std::sqrt(glm::dot(position, position));
   const Vec3 up = is_plane() ? Vec3(0, 0, 1) : position / distance;

@@ -1,7 +1,9 @@
-// Triangles of level 0 of one chart in space, and rays against them. Private to terrain.
+// Triangles of one chart in space, and rays against them. Private to terrain.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -10,6 +12,8 @@
 
 namespace panwright::terrain::internal {
 
+class TreeCache;
+
 struct TerrainRay {
   Vec3 origin, direction;  // metres; unit
   double least, most;      // distances
@@ -17,6 +21,7 @@ struct TerrainRay {
 
 struct TriangleHit {
   double distance = 0;
+  std::uint32_t level = 0;  // column and row are those of its cells
   std::uint32_t column = 0, row = 0, triangle = 0;
   std::array<Vec3, 3> corners{};
 };
@@ -24,37 +29,59 @@ struct TriangleHit {
 // Returns false for a hit that does not count.
 using AcceptHit = std::function<bool(const TriangleHit&)>;
 
+// State of a ray on its way through a chart.
+struct GroundWalk {
+  const TerrainRay& ray;
+  bool any = false;                   // the first hit will do
+  const AcceptHit* accept = nullptr;  // null: all count
+  double most = 0;
+  std::optional<TriangleHit> best;
+};
+
 class ChartSurface {
  public:
   ChartSurface(const Tiles& tiles, std::uint32_t chart);
 
+  const ChartRecord& record() const { return *record_; }
+  bool is_plane() const { return map_.kind == Map::Kind::none; }
+  // Returns whether post() takes a microsecond: of polar maps of ellipsoids.
+  bool is_costly() const { return map_.kind == Map::Kind::polar && !is_sphere_; }
+  // Post of a level in space, at a height.
+  Vec3 post(std::uint32_t level, std::uint32_t column, std::uint32_t row, double height) const {
+    return post({std::min(column << level, record_->width - 1),
+                 std::min(row << level, record_->height - 1)},
+                height);
+  }
+
   GroundPoint at(const LatLon& place) const;
   // Place of a body-fixed point; of a plane x and y.
   LatLon place_of(const Vec3& position) const;
-  // Nearest accepted hit, or any.
-  std::optional<TriangleHit> cast(const TerrainRay& ray, bool any, const AcceptHit& accept) const;
+  // Sets the nearest accepted hit of a ray, or any.
+  //
+  //   refined  by tile of the file, 0: it is fine enough; empty: level 0
+  void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
   GroundPoint point_of(const TriangleHit& hit, const Vec3& position) const;
+  // Metres between an observer and the ground of a tile, at least; and between its posts, at most.
+  double distance_to(std::uint32_t tile, const Vec3& observer) const;
+  double spacing(std::uint32_t tile) const;
 
  private:
-  // A square of cells: bounding sphere about its middle, and range of heights.
-  struct Node {
-    std::uint32_t tile = 0;        // of level 0 within cells of one tile
-    std::uint32_t x = 0, y = 0;    // first cell of level 0
-    std::uint32_t nx = 0, ny = 0;  // cells
-    double low = 0, high = 0;      // metres
-    double entry = 0;              // distance at which the ray comes in
+  struct PostIndex {
+    std::uint32_t column, row;  // of level 0
   };
-  struct Walk;
+  // Box about the ground of a tile of any level, in axes of its own.
+  struct TileBox {
+    Vec3 centre{0};
+    Mat3 axes{1};  // to them
+    Vec3 half{0};
+    double radius = 0;
+  };
 
-  bool is_plane() const { return map_.kind == Map::Kind::none; }
-  Vec3 vertical(double column, double row) const;  // unit; post coordinates
-  double radius(const Vec3& vertical) const;       // of the ellipsoid, metres
-  Vec3 point(double column, double row, double height) const;
-  double cell_reach(std::uint32_t y0, std::uint32_t y1) const;
-  bool meets(const TerrainRay& ray, double most, Node& node) const;
-  void visit_tile(Walk& walk, std::uint32_t level, std::uint32_t column, std::uint32_t row) const;
-  void visit_block(Walk& walk, const TileView& view, const Node& node) const;
-  void visit_cells(Walk& walk, const TileView& view, const Node& node) const;
+  Vec3 post(PostIndex index, double height) const;
+  Vec3 vertical(PostIndex index) const;       // unit
+  double radius(const Vec3& vertical) const;  // of the ellipsoid, metres
+  TileBox box_of(std::uint32_t tile) const;
+  bool meets(const TileBox& box, const GroundWalk& walk, double& entry) const;
   std::optional<TriangleHit> triangle_on(const TileView& view, std::uint32_t column,
                                          std::uint32_t row, std::uint32_t which,
                                          const TerrainRay& ray) const;
@@ -66,7 +93,11 @@ class ChartSurface {
   Map map_;
   std::vector<std::uint32_t> first_;  // tile of each level
   std::vector<Vec2> columns_, rows_;  // of a cylindrical map: sine and cosine at posts
-  double largest_radius_ = 0, least_radius_ = 0;
+  std::vector<double> row_radii_;     // of one of an ellipsoid
+  std::vector<TileBox> boxes_;        // one for each tile of the chart
+  Vec2 centre_turn_{0, 1};            // of a polar map: sine and cosine of its longitude
+  double scale_ = 0;                  // of a polar map of a sphere: metres, 2 R f
+  bool is_sphere_ = false;
 };
 
 }  // namespace panwright::terrain::internal

@@ -13,7 +13,7 @@ LEVELS = [
     {"mli": ["geometry"], "light": ["materials"], "sensor": ["base"], "scene": ["geometry", "materials", "mli"], "pan": ["geometry", "materials", "schemas"], "terrain": ["image", "ephemeris", "pan"]},
     {"importers": ["scene", "image"], "exporters": ["pan", "image"], "compiler": ["scene", "pan"], "world": ["pan", "light", "sensor"],
      "pxn": ["scene", "importers", "schemas"]},
-    {"trace": ["world"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
+    {"trace": ["world", "terrain"], "scenario": ["world", "ephemeris"], "sky": ["world", "image"]},
     {"labels": ["trace", "sky", "image"], "transport": ["trace", "sky"], "preview": ["sky", "world", "image"], "preview/reference": ["trace", "image"],
      "instruments": ["labels", "preview/reference", "sensor"]},
     {"workspace": ["pxn", "importers", "exporters", "compiler", "world", "sky", "scenario", "labels", "instruments", "sensor", "transport",

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "terrain/tile_writer.h"
 #include "tests/support/process.h"
 #include "tests/terrain/made_files.h"
@@ -77,7 +79,8 @@ double hill(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   return 60 * std::sin(x * 0.11) * std::cos(y * 0.07) + 25 * double(noise >> 8) / (1 << 24);
 }
 
-Made make(Kind kind, std::uint32_t width, std::uint32_t height, bool hole) {
+Made make(Kind kind, std::uint32_t width, std::uint32_t height, bool hole,
+          const std::string& label = {}) {
   Made out{width, height, {}, {}, {}, {}};
   std::string data;
   for (std::uint32_t y = 0; y < height; ++y)
@@ -99,7 +102,8 @@ Made make(Kind kind, std::uint32_t width, std::uint32_t height, bool hole) {
   const TemporaryFolder folder;
   const std::string extension = kind == Kind::plane ? ".hdr" : ".lbl";
   (void)folder.write(kind == Kind::plane ? "a.dat" : "a.img", data);
-  const std::string path = folder.write("a" + extension, label_of(kind, width, height));
+  const std::string path =
+      folder.write("a" + extension, label.empty() ? label_of(kind, width, height) : label);
   DiagnosticLog log;
   DemOptions reading;
   reading.unit = 1;
@@ -213,11 +217,142 @@ void expect_places(const Made& made, Kind kind) {
   printf("places: %.1e m\n", worst);
 }
 
+// From where a pixel may be, to 1e6 m: within 1e-6 m.
+TEST(Ground, RaysFromAfar) { expect_rays(make(Kind::polar, 270, 130, false), 1e6, 100); }
+
+// Triangles of a level, from the posts of the file.
+std::vector<std::array<Vec3, 3>> triangles_of(const Made& made, std::uint32_t level) {
+  const LevelSide across = level_side(made.width, level), down = level_side(made.height, level);
+  const auto post = [&](std::uint32_t i, std::uint32_t j) {
+    return made.points[std::min(j << level, made.height - 1) * made.width +
+                       std::min(i << level, made.width - 1)];
+  };
+  std::vector<std::array<Vec3, 3>> out;
+  for (std::uint32_t j = 0; j + 1 < down.posts; ++j)
+    for (std::uint32_t i = 0; i + 1 < across.posts; ++i) {
+      out.push_back({post(i, j), post(i + 1, j + 1), post(i + 1, j)});
+      out.push_back({post(i, j), post(i, j + 1), post(i + 1, j + 1)});
+    }
+  return out;
+}
+
+// Levels side by side: no ray goes through the
+// ground, each meets a triangle of its level, and the exact ground lies within the angle.
+void expect_levels(Kind kind, const Vec3& eye, double far, double angle) {
+  const Made made = make(kind, 1025, 515, false);
+  const GroundLevels levels = made.ground->levels(eye, angle);
+  std::vector<std::vector<std::array<Vec3, 3>>> triangles;
+  for (std::uint32_t k = 0; k < 3; ++k) triangles.push_back(triangles_of(made, k));
+  Draw draw;
+  std::array<int, 4> seen{};
+  int outlines = 0;
+  double worst = 0, largest = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const auto post = made.points[static_cast<std::size_t>(draw() * double(made.points.size()))];
+    const Vec3 target = post + 3.0 * Vec3(draw() - 0.5, draw() - 0.5, draw() - 0.5);
+    const Vec3 direction = glm::normalize(target - eye);
+    if (glm::length(target - eye) > far) continue;
+    const auto got = made.ground->nearest(eye, direction, 0, 1e9, &levels);
+    const auto exact = made.ground->nearest(eye, direction);
+    if (got.has_value() != exact.has_value()) {
+      // at an outline: a ray within the angle has the other answer
+      const Vec3 aside = angle * glm::normalize(kind == Kind::plane ? Vec3(0, 0, 1) : target);
+      EXPECT_TRUE(made.ground->nearest(eye, glm::normalize(direction + aside)).has_value() ==
+                      got.has_value() ||
+                  made.ground->nearest(eye, glm::normalize(direction - aside)).has_value() ==
+                      got.has_value())
+          << k;
+      ++outlines;
+    }
+    if (!got || !exact) continue;
+    ASSERT_LE(got->point.level, 3u);
+    ++seen[got->point.level];
+    EXPECT_LT(glm::dot(got->point.normal, direction), 0) << k;
+    // the exact ground above or below the point
+    const Vec3 p = got->point.position;
+    const Vec3 up = kind == Kind::plane ? Vec3(0, 0, 1) : glm::normalize(p);
+    const auto there = made.ground->nearest(p + 1000.0 * up, -up);
+    ASSERT_TRUE(there) << k;
+    const double off = std::fabs(there->distance - 1000);
+    largest = std::max(largest, off);
+    worst = std::max(worst, off / (angle * got->distance));
+    if (k % 100 != 0 || got->point.level > 2) continue;
+    double want = std::numeric_limits<double>::infinity();
+    for (const auto& triangle : triangles[got->point.level])
+      if (const auto t = brute(triangle, eye, direction); t && *t >= 0 && *t < want) want = *t;
+    EXPECT_NEAR(got->distance, want, 1e-6) << k;
+  }
+  printf("levels: %d %d %d %d hits, %d at outlines, off by %.3f of the angle, %.3g m\n", seen[0],
+         seen[1], seen[2], seen[3], outlines, worst, largest);
+  // measured: 0.12, 0.02, 0.04
+  EXPECT_LE(worst, 1);
+  EXPECT_LT(outlines, 20);
+  EXPECT_GT(largest, 0.1);
+  EXPECT_GT(seen[1], 100);
+}
+
+TEST(Ground, LevelsOnAPlane) { expect_levels(Kind::plane, {3000, -2500, 300}, 1e4, 0.05); }
+TEST(Ground, LevelsOnACylindricalMap) {
+  expect_levels(Kind::cylindrical, {54000, -12000, 5000}, 2e4, 0.05);
+}
+TEST(Ground, LevelsOnAPolarMap) { expect_levels(Kind::polar, {0, 25000, -58000}, 4e4, 0.06); }
+
 TEST(Ground, PlacesOnAPlane) { expect_places(make(Kind::plane, 300, 90, true), Kind::plane); }
 TEST(Ground, PlacesOnACylindricalMap) {
   expect_places(make(Kind::cylindrical, 280, 120, true), Kind::cylindrical);
 }
 TEST(Ground, PlacesOnAPolarMap) { expect_places(make(Kind::polar, 270, 130, false), Kind::polar); }
+
+// An ellipsoid's polar map, where posts have no closed form: rays against the ground at places,
+// which has no trees.
+TEST(Ground, RaysOnAPolarMapOfAnEllipsoid) {
+  std::string label = label_of(Kind::polar, 270, 130);
+  label.insert(label.find(" A_AXIS"), " C_AXIS_RADIUS = 49 <km>\n");
+  const Made made = make(Kind::polar, 270, 130, true, label);
+  ASSERT_NE(made.ground->tiles().charts()[0].radius, made.ground->tiles().charts()[0].polar_radius);
+  Draw draw;
+  int hits = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Vec3 eye(6000 * (draw() - 0.5), 6000 * (draw() - 0.5), -52000);
+    const Vec3 aim(20000 * (draw() - 0.5), 10000 * (draw() - 0.5), -49000);
+    const auto hit = made.ground->nearest(eye, glm::normalize(aim - eye));
+    if (!hit) continue;
+    ++hits;
+    const Vec3 p = hit->point.position;
+    const GroundPoint below = made.ground->at(
+        {std::atan2(p.z, std::hypot(p.x, p.y)) * 180 / kPi, std::atan2(p.y, p.x) * 180 / kPi});
+    ASSERT_TRUE(below) << k;
+    // measured: 4e-11 m
+    EXPECT_NEAR(below.height, hit->point.height, 1e-8) << k;
+  }
+  EXPECT_GT(hits, 100);
+}
+
+// Trees that do not fit are dropped, and change no answer.
+TEST(Ground, BoundedMemory) {
+  constexpr std::size_t kMost = 2'000'000;  // of three trees; there are 15 tiles, and those above
+  const Made made = make(Kind::plane, 1025, 515, false);
+  const auto tiles = std::make_shared<const Tiles>(made.ground->tiles());
+  const Ground small(tiles, kMost);
+  std::vector<double> want(400), got(400);
+  const auto ray = [&](std::size_t i, const Ground& ground) {
+    const Vec3 eye(5000 + 40 * std::sin(double(i)), -2500, 3000);
+    const Vec3 aim(10 * (i * 7919 % 1020) + 8, -10.0 * double(i * 104729 % 510) - 8, 0);
+    const auto hit = ground.nearest(eye, glm::normalize(aim - eye));
+    return hit ? hit->distance : -1;
+  };
+  for (std::size_t i = 0; i < want.size(); ++i) want[i] = ray(i, *made.ground);
+  EXPECT_GT(made.ground->tree_bytes(), 2 * kMost);
+  std::atomic<std::size_t> most = 0;
+  parallel_for(want.size(), [&](std::size_t i) {
+    got[i] = ray(i, small);
+    if (small.tree_bytes() > most) most = small.tree_bytes();
+  });
+  EXPECT_EQ(got, want);
+  // of two threads each needs a few more at most
+  EXPECT_LT(most, kMost + 4 * 600'000);
+  EXPECT_LE(small.tree_bytes(), kMost);
+}
 
 TEST(Ground, NoneInVoidsAndOutside) {
   const Made made = make(Kind::plane, 300, 90, true);

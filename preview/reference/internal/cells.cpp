@@ -258,6 +258,8 @@ std::vector<Cell> cells_of(const trace::Scene& scene, const world::Camera& camer
   for (const trace::Scene::Placed& placed : scene.targets()) {
     const trace::Affine camera_from_model = between(scene.observer(), placed.frame);
     const trace::Target& target = *placed.target;
+    // terrain may be anywhere
+    if (target.ground() != nullptr) areas.push_back({Vec2(-kInfinity), Vec2(kInfinity)});
     const std::size_t first = areas.size();
     areas.resize(first + target.parts().size());
     parallel_for(target.parts().size(), [&](std::size_t i) {

@@ -195,11 +195,18 @@ bool is_behind_body(std::span<const Bodies> bodies, const trace::Ray& ray, doubl
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
                   std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,
                   const StreamKey& name, const PathOptions& options, RayCounts& counts) {
-  PathResult result;
   ++counts.camera;
-  auto hit = scene.seen(ray);
-  if (!hit) return result;
-  if (is_behind_body(bodies, ray, hit->distance)) return result;
+  const auto hit = scene.seen(ray);
+  if (!hit || is_behind_body(bodies, ray, hit->distance)) return {};
+  return traced_from(scene, suns, bodies, *hit, first, name, options, counts);
+}
+
+PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
+                       std::span<const Bodies> bodies, const trace::Hit& first_hit,
+                       const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
+                       RayCounts& counts) {
+  PathResult result;
+  std::optional<trace::Hit> hit = first_hit;
   result.covered = true;
   Vec3 direction = hit->direction;
   Vec3 share(1);

@@ -58,6 +58,12 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
                   std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,
                   const StreamKey& name, const PathOptions& options, RayCounts& counts);
 
+// The same for what the ray meets first. Expects: a hit of the scene.
+PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
+                       std::span<const Bodies> bodies, const trace::Hit& first_hit,
+                       const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
+                       RayCounts& counts);
+
 // Returns the numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use);
 // Uses: 0 and 1 are free for the ray's maker; traced() has those from 2.

@@ -16,6 +16,18 @@ namespace layout = pan::layout;
 
 Vec3 vec3(const layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
 
+// The Moon's ground at 643 nm, mean of maps of its parameters: H. Sato et al., "Resolved Hapke
+// parameter maps of the Moon", 2014.
+materials::Material lunar_regolith() {
+  materials::Material material;
+  material.weights = Vec3(1, 0, 0);
+  material.diffuse = Vec3(1);
+  material.diffuse_brdf = materials::Hapke{
+      .w = 0.384, .h = 0.052, .b0 = 1.70, .roughness = 23.657 * kDegree, .b = 0.229, .c = 0.426};
+  materials::fit(material);
+  return material;
+}
+
 }  // namespace
 
 TraceModel::TraceModel(std::shared_ptr<const trace::Model> traced, const Job& job)
@@ -33,6 +45,7 @@ TraceModel::TraceModel(std::shared_ptr<const trace::Model> traced, const Job& jo
     for (const materials::Material& part : materials::cell_parts(material))
       scatters_.emplace_back(part);
   }
+  if (traced_->ground() != nullptr) regolith_.emplace(lunar_regolith());
   add_parts();
   add_tangents(job);
   add_decals();
@@ -204,6 +217,16 @@ Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& n
     color = color * (1 - texel.w) + Vec3(texel);
   }
   return color;
+}
+
+Point TraceModel::ground_point(const trace::Hit& hit) const {
+  Point result;
+  result.normal = hit.front ? hit.normal : -hit.normal;
+  // far past the rounding of a body's radius
+  const double offset = 1e-4 + 1e-9 * glm::length(hit.position);
+  result.start = hit.position + offset * result.normal;
+  result.scatter = &*regolith_;
+  return result;
 }
 
 Point TraceModel::point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const {

@@ -65,12 +65,16 @@ class TraceModel {
   // flat: by the triangles' own normals.
   Point point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const;
 
+  // Expects: a hit on terrain.
+  Point ground_point(const trace::Hit& hit) const;
+
   // Scatters of materials, cells and parts with decals.
   std::span<const Scatter> scatters() const { return scatters_; }
   // Returns the number of the scatter of a hit where the angle of incidence alone decides the light
   // that returns to its source: no maps, decals, cells, colours of vertices or directions; -1:
   // other surfaces.
   std::int32_t plain_scatter(const trace::Hit& hit) const {
+    if (hit.part == trace::Hit::kGround) return -1;
     const Part& part = seen(hit.part, parts_[hit.part].closed || hit.front);
     return part.plain ? static_cast<std::int32_t>(part.scatter) : -1;
   }
@@ -107,6 +111,7 @@ class TraceModel {
   std::vector<materials::Material> materials_;  // the model's
   // one for each of materials_, then the parts of solar cells and those of parts with decals
   std::vector<Scatter> scatters_;
+  std::optional<Scatter> regolith_;      // of terrain
   std::vector<std::uint32_t> parts_of_;  // Part::cell_parts of each of materials_
   std::vector<Part> parts_;
   std::vector<Part> backs_;

@@ -23,8 +23,8 @@ void TraceScene::update(const world::World& world, const Job& job) {
                 [](const auto& entry) { return entry.second->traced().use_count() == 1; });
 }
 
-void TraceScene::place_camera(const world::Camera& camera) {
-  rays_.place_observer({camera.position, camera.world_from_camera});
+void TraceScene::place_camera(const world::Camera& camera, double ground_angle) {
+  rays_.place_observer({camera.position, camera.world_from_camera}, ground_angle);
 }
 
 void TraceScene::place_observer(const world::Pose& world_from_observer) {

@@ -15,10 +15,14 @@ namespace panwright::preview::reference {
 
 class TraceScene {
  public:
+  // ground: terrain of pan files is there.
+  explicit TraceScene(bool ground = false) : rays_(trace::SceneOptions{0, ground}) {}
+
   // Updates to a world: parts with unchanged stamps stay.
   void update(const world::World& world, const Job& job);
   // Sets the camera, the observer of the rays; after update().
-  void place_camera(const world::Camera& camera);
+  //   ground_angle  as trace::Scene::place_observer()
+  void place_camera(const world::Camera& camera, double ground_angle = 0);
   void place_observer(const world::Pose& world_from_observer);
 
   const trace::Scene& rays() const { return rays_; }
@@ -32,6 +36,7 @@ class TraceScene {
   bool is_inside(const trace::Hit& hit) const { return rays_.is_inside(hit); }
   Point point(const trace::Hit& hit, bool flat) const {
     const trace::Target& target = *rays_.targets()[hit.target].target;
+    if (hit.part == trace::Hit::kGround) return models_[hit.target]->ground_point(hit);
     return models_[hit.target]->point(target.placement(hit.part), hit, flat);
   }
   const std::shared_ptr<const TraceModel>& model(std::uint32_t target) const {

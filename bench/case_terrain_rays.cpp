@@ -1,0 +1,223 @@
+// Rays on terrain, in views of a descent: how fast they are answered, and how far the answers are
+// from the ground below them.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "base/parallel.h"
+#include "bench/bench.h"
+#include "terrain/ground.h"
+#include "terrain/tile_writer.h"
+
+namespace panwright::bench::case_terrain_rays {
+
+namespace {
+
+constexpr double kMoon = 1737400;
+
+double hashed(std::int64_t x, std::int64_t y, std::uint32_t octave) {
+  std::uint64_t z = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^
+                    static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full ^ octave;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return double((z ^ (z >> 31)) >> 11) / 9007199254740992.0 - 0.5;
+}
+
+// Value noise in octaves from `longest` posts on, halved; its Hurst exponent is 0.8.
+double rough(double x, double y, double longest) {
+  double sum = 0, size = longest;
+  for (std::uint32_t octave = 0; size >= 1; ++octave, size /= 2) {
+    const double u = x / size, v = y / size;
+    const double i = std::floor(u), j = std::floor(v);
+    const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
+    const double a = smooth(u - i), b = smooth(v - j);
+    const auto p = [&](int k, int l) {
+      return hashed(std::int64_t(i) + k, std::int64_t(j) + l, octave);
+    };
+    const double top = p(0, 0) + a * (p(1, 0) - p(0, 0)),
+                 bottom = p(0, 1) + a * (p(1, 1) - p(0, 1));
+    sum += std::pow(size, 0.8) * (top + b * (bottom - top));
+  }
+  return sum;
+}
+
+struct Site {
+  const char* name;
+  const char* map;  // lines of the label; null: a plane
+  std::uint32_t width, height;
+  double post;    // metres
+  double relief;  // metres of rough() = 1
+};
+
+std::optional<terrain::Ground> made(const Site& site, const std::filesystem::path& folder,
+                                    DiagnosticLog& log) {
+  std::string data;
+  for (std::uint32_t y = 0; y < site.height; ++y)
+    for (std::uint32_t x = 0; x < site.width; ++x) {
+      const auto h = static_cast<float>(site.relief * rough(x, y, 512));
+      char bytes[4];
+      std::memcpy(bytes, &h, 4);
+      data.append(bytes, 4);
+    }
+  std::filesystem::path path = folder / "site.hdr";
+  if (site.map == nullptr) {
+    std::ofstream(folder / "site.dat", std::ios::binary) << data;
+    std::ofstream(path) << fmt::format(
+        "ENVI\nsamples = {}\nlines = {}\nbands = 1\ndata type = 4\nbyte order = 0\n"
+        "map info = {{Local, 1, 1, {}, {}, {}, {}}}\n",
+        site.width, site.height, -0.5 * site.post * site.width, 0.5 * site.post * site.height,
+        site.post, site.post);
+  } else {
+    path = folder / "site.lbl";
+    std::ofstream(folder / "site.img", std::ios::binary) << data;
+    std::ofstream(path) << fmt::format(
+        "PDS_VERSION_ID = PDS3\n^IMAGE = \"site.img\"\nOBJECT = IMAGE\n LINES = {}\n"
+        " LINE_SAMPLES = {}\n SAMPLE_TYPE = PC_REAL\n SAMPLE_BITS = 32\n UNIT = METER\nEND_OBJECT\n"
+        "OBJECT = IMAGE_MAP_PROJECTION\n A_AXIS_RADIUS = 1737.4 <km>\n"
+        " POSITIVE_LONGITUDE_DIRECTION = EAST\n CENTER_LONGITUDE = 0\n{}"
+        " LINE_PROJECTION_OFFSET = {}\n SAMPLE_PROJECTION_OFFSET = {}\nEND_OBJECT\nEND\n",
+        site.height, site.width, site.map, site.height / 2.0 - 0.5, site.width / 2.0 - 0.5);
+  }
+  terrain::DemOptions reading;
+  reading.unit = 1;
+  reading.quantity = terrain::Quantity::height;
+  const auto dem = terrain::Dem::open(path, reading, log);
+  if (!dem || !terrain::write_tiles({&*dem, 1}, folder / "site.pan", {}, log)) return {};
+  auto tiles = terrain::Tiles::open(folder / "site.pan", log);
+  if (!tiles) return {};
+  return terrain::Ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
+}
+
+// A view of 60 degrees, 45 degrees down; from afar at the centre of the body.
+struct Descent {
+  Vec3 eye, forward, right, down;
+};
+
+Descent descent(const terrain::Ground& ground, const terrain::LatLon& place, double height) {
+  const terrain::GroundPoint below = ground.at(place);
+  const bool plane = ground.tiles().charts()[0].kind == 0;
+  const Vec3 up = plane ? Vec3(0, 0, 1) : glm::normalize(below.position);
+  const Vec3 east = plane || std::fabs(up.z) > 0.99
+                        ? Vec3(1, 0, 0) - glm::dot(Vec3(1, 0, 0), up) * up
+                        : glm::cross(Vec3(0, 0, 1), up);
+  const Vec3 right = glm::normalize(east), north = glm::cross(up, right);
+  const Vec3 eye = below.position + height * up;
+  const double dip = height > 3e4 ? 1 : std::sqrt(0.5);
+  const Vec3 forward = std::sqrt(1 - dip * dip) * north - dip * up;
+  return {eye, forward, right, glm::cross(forward, right)};
+}
+
+void add_view(const Site& site, const terrain::Ground& ground, double height, bool levels,
+              Context& context) {
+  const std::uint32_t width = context.quick() ? 64 : 640, rows = context.quick() ? 36 : 360;
+  const terrain::LatLon place =
+      site.map == nullptr
+          ? terrain::LatLon{3, 7}
+          : (site.width == site.height ? terrain::LatLon{-89.9, 30} : terrain::LatLon{10, 20});
+  const Descent view = descent(ground, place, height);
+  const double focal = width / (2 * std::sqrt(1.0 / 3));
+  // half a pixel at the corner, of an image of twice this size
+  const double corner = 1 + 1.0 / 3 * (1 + 81.0 / 256);
+  const auto chosen = ground.levels(view.eye, 0.5 / focal / 2 / corner);
+  const terrain::GroundLevels* used = levels ? &chosen : nullptr;
+  std::vector<std::optional<terrain::GroundHit>> hits(std::size_t{width} * rows);
+  const auto direction = [&](std::uint32_t i, std::uint32_t j) {
+    return glm::normalize(focal * view.forward + (i + 0.5 - width / 2.0) * view.right +
+                          (j + 0.5 - rows / 2.0) * view.down);
+  };
+  const auto cast = [&](std::size_t j) {
+    for (std::uint32_t i = 0; i < width; ++i)
+      hits[j * width + i] =
+          ground.nearest(view.eye, direction(i, static_cast<std::uint32_t>(j)), 0, 1e9, used);
+  };
+  const auto all = [&] { parallel_for(rows, cast); };
+  Row row;
+  row.case_name = "terrain_rays";
+  row.speed_unit = "Mrays/s";
+  row.error_unit = levels ? "px" : "m";
+  row.reference = levels ? "rays at level 0" : "the ground below the hits";
+  row.reference_error = 1e-12;
+  // no level is further off than half a pixel
+  row.must_error = levels ? 0.5 : 1e-6;
+  row.setting = fmt::format("{}, from {} m{}", site.name, height, levels ? ", levels" : "");
+  const double start = double(hits.size()) / 1e6;
+  set_rate(row, timed(all, context.runs()), start);
+  row.error = 0;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    if (!hits[k]) continue;
+    const terrain::GroundPoint& hit = hits[k]->point;
+    const Vec3 p = hit.position;
+    const terrain::GroundPoint below = ground.at(
+        site.map == nullptr ? terrain::LatLon{p.y, p.x}
+                            : terrain::LatLon{std::atan2(p.z, std::hypot(p.x, p.y)) / kDegree,
+                                              std::atan2(p.y, p.x) / kDegree});
+    const double off = below ? std::fabs(below.height - hit.height) : levels ? 0 : 1e9;
+    row.error = std::max(row.error, levels ? off / hits[k]->distance * 2 * focal * corner : off);
+  }
+  context.add(row);
+  if (levels) return;
+  // to a Sun 10 degrees high
+  const Vec3 toward =
+      glm::normalize(view.right + std::tan(10 * kDegree) * view.eye / glm::length(view.eye));
+  const Vec3 sun =
+      site.map == nullptr ? glm::normalize(Vec3(1, 0, std::tan(10 * kDegree))) : toward;
+  std::vector<std::uint8_t> dark(hits.size());
+  row.setting += ", to the Sun";
+  row.reference = "nearest hits";
+  row.error_unit = "rays";
+  row.must_error = 0;
+  const auto shade = [&](std::size_t j) {
+    for (std::size_t k = j * width; k < (j + 1) * width; ++k)
+      if (hits[k])
+        dark[k] =
+            ground.is_blocked(hits[k]->point.position + 1e-3 * hits[k]->point.normal, sun, 0, 1e6);
+  };
+  const auto shaded = std::ranges::count_if(hits, [](const auto& hit) { return bool(hit); });
+  set_rate(row, timed([&] { parallel_for(rows, shade); }, context.runs()), double(shaded) / 1e6);
+  row.error = 0;
+  for (std::size_t k = 0; k < hits.size(); k += 97)
+    if (hits[k])
+      row.error +=
+          dark[k] !=
+          ground.nearest(hits[k]->point.position + 1e-3 * hits[k]->point.normal, sun, 0, 1e6)
+              .has_value();
+  context.add(row);
+}
+
+void run_rays(Context& context) {
+  const std::uint32_t side = context.quick() ? 300 : 2049;
+  const Site sites[] = {
+      {"plane of 5 m", nullptr, side, side, 5, 1.1},
+      {"pole, 5 m",
+       " MAP_PROJECTION_TYPE = \"POLAR STEREOGRAPHIC\"\n CENTER_LATITUDE = -90\n MAP_SCALE = 5 "
+       "<m/pix>\n",
+       side, side, 5, 1.1},
+      {"globe, 2665 m",
+       context.quick() ? " MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n CENTER_LATITUDE = 0\n "
+                         "MAP_RESOLUTION = "
+                         "1.6666666666666667 <pix/deg>\n"
+                       : " MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n CENTER_LATITUDE = 0\n "
+                         "MAP_RESOLUTION = "
+                         "11.377777777777778 <pix/deg>\n",
+       context.quick() ? 600u : 4096u, context.quick() ? 300u : 2048u, 2665, 100}};
+  for (const Site& site : sites) {
+    DiagnosticLog log;
+    const auto ground = made(site, context.scratch(), log);
+    if (!ground) return context.note("no terrain: " + to_text(log));
+    const bool globe = site.post > 1000;
+    for (const double height :
+         globe ? std::vector<double>{2e4, 1e6} : std::vector<double>{1.5, 20, 205, 2048})
+      add_view(site, *ground, height, false, context);
+    // from where a pixel is wider than posts
+    add_view(site, *ground, globe ? 3e7 : 5e4, true, context);
+  }
+}
+
+const bool kAdded = add_case({"terrain_rays", "rays on terrain in views of a descent", run_rays});
+
+}  // namespace
+}  // namespace panwright::bench::case_terrain_rays

@@ -1,0 +1,208 @@
+// Terrain in images against closed forms: a plateau that ends in a step, and its shadow; a globe.
+#include <array>
+#include <cstring>
+#include <fstream>
+
+#include "materials/sample.h"
+#include "preview/reference/ground_layer.h"
+#include "reference_models.h"
+#include "terrain/tile_writer.h"
+#include "tests/support/process.h"
+
+namespace panwright::preview::terrain_test {
+namespace {
+
+using namespace testing_support;
+
+constexpr double kTop = 5;  // metres, of the plateau; its edge at x = -6.5
+
+world::ModelPtr ground_of(const std::string& label, const std::vector<float>& heights,
+                          const char* extension) {
+  const support::TemporaryFolder folder;
+  std::string data(4 * heights.size(), 0);
+  std::memcpy(data.data(), heights.data(), data.size());
+  (void)folder.write(std::string("a") + (extension[1] == 'h' ? ".dat" : ".img"), data);
+  const std::string path = folder.write(std::string("a") + extension, label);
+  DiagnosticLog log;
+  terrain::DemOptions reading;
+  reading.unit = 1;
+  reading.quantity = terrain::Quantity::height;
+  const auto dem = terrain::Dem::open(path, reading, log);
+  EXPECT_TRUE(dem) << to_text(log);
+  EXPECT_TRUE(terrain::write_tiles({&*dem, 1}, folder / "a.pan", {}, log)) << to_text(log);
+  auto model = pan::Model::open(folder / "a.pan", log);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+  return std::make_shared<const pan::Model>(*std::move(model));
+}
+
+// 65 x 65 posts of 1 m about the origin: the plateau up to column 25, ground at 0 from 26 on.
+world::ModelPtr plateau() {
+  std::vector<float> heights;
+  for (int y = 0; y < 65; ++y)
+    for (int x = 0; x < 65; ++x) heights.push_back(x <= 25 ? kTop : 0.0f);
+  return ground_of(
+      "ENVI\nsamples = 65\nlines = 65\nbands = 1\ndata type = 4\nbyte order = 0\n"
+      "map info = {Local, 1, 1, -32.5, 32.5, 1, 1}\n",
+      heights, ".hdr");
+}
+
+// Sun in the west, 30 degrees high, over the plateau.
+const Vec3 kToSun(-std::sqrt(0.75), 0, 0.5);
+
+world::World over(const world::ModelPtr& ground) {
+  DiagnosticLog log;
+  world::World world;
+  EXPECT_TRUE(world.add("ground", ground, log));
+  world::Sun sun = world.sun();
+  sun.direction = kToSun;
+  world.set_sun(sun);
+  return world;
+}
+
+// 40 pixels of 1 m from above: column c covers x from c - 20 on.
+world::Camera map_camera() {
+  DiagnosticLog log;
+  world::Camera camera;
+  world::set_orthographic(camera, 40, 40, 40);
+  camera.position = {0, 0, 100};
+  camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 1, 0), log);
+  return camera;
+}
+
+double lit_level() {
+  materials::Material m;
+  m.diffuse = Vec3(1);
+  m.diffuse_brdf = materials::Hapke{
+      .w = 0.384, .h = 0.052, .b0 = 1.70, .roughness = 23.657 * kDegree, .b = 0.229, .c = 0.426};
+  materials::fit(m);
+  const Vec3 up(0, 0, 1);
+  return 0.5 * materials::Scattering(m).brdf(kToSun, up, up, Vec3(0), Vec3(1)).x;
+}
+
+float at(const image::Image& image, std::size_t column, std::size_t row) {
+  return image.radiance[3 * (row * image.width + column)];
+}
+
+void expect_plateau(const image::Image& image) {
+  const double lit = lit_level();
+  // from the edge at x = -7, 5 m high, the shadow reaches 5/tan(30 deg) = 8.66 m: to x = 1.66
+  for (std::size_t row : {0u, 13u, 39u}) {
+    EXPECT_NEAR(at(image, 5, row), lit, 1e-6 * lit);
+    EXPECT_NEAR(at(image, 25, row), lit, 1e-6 * lit);
+    EXPECT_NEAR(at(image, 22, row), lit, 1e-6 * lit);
+    EXPECT_EQ(at(image, 16, row), 0);
+    EXPECT_EQ(at(image, 20, row), 0);
+    // of the pixel from 1 to 2 m a share of 0.34 is lit
+    EXPECT_NEAR(at(image, 21, row), 0.34 * lit, 0.2 * lit);
+    const std::size_t k = row * 40;
+    EXPECT_EQ(image.coverage[k + 5], 1);
+    EXPECT_FLOAT_EQ(image.depth[k + 5], 95);
+    EXPECT_FLOAT_EQ(image.depth[k + 25], 100);
+    EXPECT_FLOAT_EQ(image.normal[3 * (k + 25) + 2], 1);
+    EXPECT_EQ(image.target_id[k + 25], 1u);
+    EXPECT_EQ(image.node_id[k + 25], 1u);
+  }
+}
+
+TEST(ReferenceTerrain, LightAndShadowOfAPlateau) {
+  ReferenceOptions options = direct_light(64);
+  options.ground_truth = true;
+  const ReferenceImage image = traced(over(plateau()), map_camera(), options);
+  expect_plateau(image.image);
+}
+
+image::Image empty_image() {
+  image::Image image;
+  image.width = image.height = 40;
+  image.radiance.assign(3 * 1600, 0);
+  image.coverage.assign(1600, 0);
+  image.depth.assign(1600, INFINITY);
+  image.range.assign(1600, INFINITY);
+  image.normal.assign(3 * 1600, 0);
+  for (auto* ids : {&image.target_id, &image.node_id, &image.material_id}) ids->assign(1600, 0);
+  return image;
+}
+
+TEST(ReferenceTerrain, LayerBeforeAndBehindTargets) {
+  image::Image image = empty_image();
+  // targets: before the ground, half a pixel of it, and behind it
+  const auto put = [&](std::size_t column, float depth, float coverage) {
+    const std::size_t pixel = 30 * 40 + column;
+    image.depth[pixel] = depth;
+    image.coverage[pixel] = coverage;
+    image.radiance[3 * pixel] = 7 * coverage;
+    image.target_id[pixel] = 2;
+  };
+  put(25, 50, 1);
+  put(30, 50, 0.5f);
+  put(35, 120, 1);
+  GroundLayer layer;
+  layer.add(over(plateau()), map_camera(), {.samples = 4, .sun_disc = false}, image);
+  expect_plateau(image);
+  const double lit = lit_level();
+  EXPECT_EQ(at(image, 25, 30), 7);
+  EXPECT_EQ(image.target_id[30 * 40 + 25], 2u);
+  EXPECT_NEAR(at(image, 30, 30), 3.5 + 0.5 * lit, 1e-5);
+  EXPECT_EQ(image.coverage[30 * 40 + 30], 1);
+  EXPECT_NEAR(at(image, 35, 30), lit, 1e-6);
+  EXPECT_FLOAT_EQ(image.depth[30 * 40 + 35], 100);
+  EXPECT_EQ(image.target_id[30 * 40 + 35], 1u);
+}
+
+// A ball's shadow on the ground, and the plateau's on the ball.
+TEST(ReferenceTerrain, ShadowsOfAndOnTargets) {
+  const world::ModelPtr ball =
+      panwright::testing_support::shared(model_of(single(sphere(24, 12), lambert(0.5))));
+  for (const bool low : {false, true}) {
+    world::World world = over(plateau());
+    DiagnosticLog log;
+    // high: its shadow on the ground lies 8 tan(60 deg) = 13.86 m to the east of it
+    ASSERT_TRUE(
+        world.add("ball", ball, {low ? Vec3(-4, 0, 1.2) : Vec3(0, 0, 8), Quat(1, 0, 0, 0)}, log));
+    image::Image image = empty_image();
+    GroundLayer layer;
+    layer.add(world, map_camera(), {.samples = 4, .sun_disc = false}, image);
+    EXPECT_EQ(layer.shaded_target(world), low ? 1 : -1);
+    EXPECT_EQ(at(image, 33, 19) == 0, !low);  // x = 13.5
+    EXPECT_NEAR(at(image, 33, 25), lit_level(), 1e-6);
+    const ReferenceImage truth = traced(world, map_camera(), direct_light(64));
+    // the shadow leaves a corner of the pixel
+    EXPECT_EQ(double(at(truth.image, 33, 19)) < 0.1 * lit_level(), !low);
+    if (low) EXPECT_EQ(at(truth.image, 16, 19), 0);  // the ball, in shadow
+    if (!low) EXPECT_GT(at(truth.image, 20, 19), 0);
+  }
+}
+
+// A globe from afar: the area of its disc.
+TEST(ReferenceTerrain, DiscOfAGlobe) {
+  constexpr std::uint32_t kWidth = 720, kHeight = 360;
+  const std::string label =
+      "PDS_VERSION_ID = PDS3\n^IMAGE = \"a.img\"\nOBJECT = IMAGE\n LINES = 360\n LINE_SAMPLES = "
+      "720\n SAMPLE_TYPE = PC_REAL\n SAMPLE_BITS = 32\n UNIT = METER\nEND_OBJECT\nOBJECT = "
+      "IMAGE_MAP_PROJECTION\n A_AXIS_RADIUS = 1737.4 <km>\n POSITIVE_LONGITUDE_DIRECTION = EAST\n "
+      "CENTER_LONGITUDE = 0\n MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n CENTER_LATITUDE = "
+      "0\n MAP_RESOLUTION = 2 <pix/deg>\n LINE_PROJECTION_OFFSET = 179.5\n "
+      "SAMPLE_PROJECTION_OFFSET = 359.5\nEND_OBJECT\nEND\n";
+  const world::World world =
+      over(ground_of(label, std::vector<float>(kWidth * kHeight, 0), ".lbl"));
+  constexpr double kDistance = 1e8, kRadius = 1737400;
+  world::Camera camera;
+  DiagnosticLog log;
+  camera.width = camera.height = 40;
+  camera.focal = Vec2(900);
+  camera.principal = Vec2(20);
+  camera.position = kDistance * Vec3(0.6, -0.8, 0);
+  camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 0, 1), log);
+  image::Image image = empty_image();
+  GroundLayer().add(world, camera, {.samples = 8, .sun_disc = false}, image);
+  double area = 0;
+  for (const float share : image.coverage) area += double(share);
+  // the cone of a sphere cuts the image plane in a disc
+  const double sine = kRadius / kDistance;
+  const double want = kPi * 900 * 900 * sine * sine / (1 - sine * sine);
+  // measured: 1.8e-3, of 64 rays a pixel
+  EXPECT_NEAR(area, want, 6e-3 * want);
+}
+
+}  // namespace
+}  // namespace panwright::preview::terrain_test
