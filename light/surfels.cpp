@@ -65,6 +65,38 @@ double largest_cosine(const Vec3& normal, std::uint32_t direction) {
   return cosine * kCos + std::sqrt(std::max(1 - cosine * cosine, 0.0)) * kSin;
 }
 
+// Set of keys of cells, above 0.
+class CellSet {
+ public:
+  // Returns whether it is new.
+  bool add(std::uint64_t key) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    std::uint64_t& slot = slots_[find(key)];
+    if (slot == key) return false;
+    slot = key;
+    ++count_;
+    return true;
+  }
+  bool has(std::uint64_t key) const { return !slots_.empty() && slots_[find(key)] == key; }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  std::size_t find(std::uint64_t key) const {
+    const std::uint64_t mixed = key * 0x9E3779B97F4A7C15u;
+    std::size_t slot = (mixed ^ mixed >> 32) & (slots_.size() - 1);
+    while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) & (slots_.size() - 1);
+    return slot;
+  }
+  void grow() {
+    std::vector<std::uint64_t> old(std::max<std::size_t>(2 * slots_.size(), 1024), 0);
+    std::swap(old, slots_);
+    for (const std::uint64_t key : old)
+      if (key != 0) slots_[find(key)] = key;
+  }
+  std::vector<std::uint64_t> slots_;
+  std::size_t count_ = 0;
+};
+
 struct Listed {
   std::uint64_t cell;  // z, y, x, direction
   float distance;      // from the middle of the cube
@@ -75,9 +107,30 @@ std::uint64_t cell_key(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::u
   return (std::uint64_t{z} << 32 | std::uint64_t{y} << 16 | x) << 3 | direction;
 }
 
+// Cells of places and those beside them. A direction counts where normals that differ by some
+// degrees, as smooth ones do from those of triangles, are nearest to it.
+CellSet cells_of(std::span<const SurfacePlace> places, const SurfelGrid& grid) {
+  constexpr double kLeast = 0.4;  // cosine; the nearest has 0.577 or more
+  CellSet own, all;
+  for (const SurfacePlace& place : places) {
+    const Vec3 at = glm::floor((place.position - grid.origin) / grid.side);
+    for (std::uint32_t d = 0; d < 6; ++d) {
+      if (glm::dot(place.normal, axis_of(d)) < kLeast) continue;
+      const auto cube = [&](int k, int step) {
+        return static_cast<std::uint32_t>(std::clamp(at[k] + step, 0.0, 65535.0));
+      };
+      // + 1: no key is 0
+      if (!own.add(cell_key(cube(0, 0), cube(1, 0), cube(2, 0), d) + 1)) continue;
+      for (int i = 0; i < 27; ++i)
+        all.add(cell_key(cube(0, i % 3 - 1), cube(1, i / 3 % 3 - 1), cube(2, i / 9 - 1), d) + 1);
+    }
+  }
+  return all;
+}
+
 // Lists of all cubes that a surfel reaches.
 void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid,
-               std::vector<Listed>& to) {
+               const CellSet& cells, std::vector<Listed>& to) {
   const double reach = surfel.radius;
   const Vec3 at = surfel.position - grid.origin;
   std::int64_t low[3], high[3];
@@ -101,13 +154,15 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
             0.5 * grid.side *
             (std::fabs(surfel.normal.x) + std::fabs(surfel.normal.y) + std::fabs(surfel.normal.z));
         const double across = std::max(std::fabs(glm::dot(middle, surfel.normal)) - half, 0.0);
-        const double least = std::max(glm::dot(apart, apart), (1 + kAcross) * across * across);
+        const double least = glm::dot(apart, apart) + kAcross * across * across;
         if (least >= reach * reach) continue;
         for (std::uint32_t d = 0; d < 6; ++d) {
           if (largest_cosine(surfel.normal, d) <= 0) continue;
-          to.push_back({cell_key(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                                 static_cast<std::uint32_t>(z), d),
-                        static_cast<float>(glm::dot(middle, middle)), index});
+          const std::uint64_t key =
+              cell_key(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                       static_cast<std::uint32_t>(z), d);
+          if (!cells.empty() && !cells.has(key + 1)) continue;
+          to.push_back({key, static_cast<float>(glm::dot(middle, middle)), index});
         }
       }
 }
@@ -120,11 +175,11 @@ std::uint32_t SurfelGrid::slot_of(std::uint32_t xy, std::uint32_t zd) {
   return h ^ h >> 13;
 }
 
-SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side) {
+SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
+                       std::span<const SurfacePlace> places) {
   assert(surfels.size() <= SurfelGrid::kMost);
   SurfelGrid grid;
   grid.stamp = next_stamp();
-  grid.surfels = static_cast<std::uint32_t>(surfels.size());
   AxisBox bounds;
   double widest = 0;
   for (const Surfel& surfel : surfels) {
@@ -133,8 +188,14 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side) {
   }
   if (!bounds.empty()) grid.origin = bounds.low - widest;
   grid.side = std::max(side, bounds.empty() ? 1 : (bounds.longest() + 2 * widest) / 60000);
+  const CellSet cells = cells_of(places, grid);
   std::vector<Listed> listed;
-  for (std::uint32_t i = 0; i < surfels.size(); ++i) add_cells(surfels[i], i, grid, listed);
+  for (std::uint32_t i = 0; i < surfels.size(); ++i) {
+    const glm::vec3 at(surfels[i].position - grid.origin);
+    grid.surfels.push_back(
+        {at.x, at.y, at.z, static_cast<float>(packed_normal(surfels[i].normal))});
+    add_cells(surfels[i], i, grid, cells, listed);
+  }
   std::ranges::sort(listed, [](const Listed& a, const Listed& b) {
     return std::tie(a.cell, a.distance, a.surfel) < std::tie(b.cell, b.distance, b.surfel);
   });
@@ -145,16 +206,8 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side) {
     const std::uint64_t cell = listed[i].cell >> 3;
     const auto first = static_cast<std::uint32_t>(grid.entries.size());
     const std::size_t kept = std::min<std::size_t>(end - i, SurfelGrid::kMostListed);
-    for (std::size_t k = i; k < i + kept; ++k) {
-      const Surfel& surfel = surfels[listed[k].surfel];
-      const Vec3 at = surfel.position - grid.origin;
-      std::array<std::uint32_t, 4> entry;
-      for (int axis = 0; axis < 3; ++axis)
-        entry[static_cast<std::size_t>(axis)] =
-            std::bit_cast<std::uint32_t>(static_cast<float>(at[axis]));
-      entry[3] = listed[k].surfel | packed_normal(surfel.normal) << 16;
-      grid.entries.push_back(entry);
-    }
+    for (std::size_t k = i; k < i + kept; ++k)
+      grid.entries.push_back(static_cast<std::uint16_t>(listed[k].surfel));
     lists.push_back({static_cast<std::uint32_t>(cell & 0xffffffffu),
                      static_cast<std::uint32_t>(cell >> 32) |
                          static_cast<std::uint32_t>(listed[i].cell & 7) << 16,
@@ -194,13 +247,10 @@ Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& norm
     glm::vec3 sum(0);
     float weights = 0;
     for (std::uint32_t e = list[2]; e < list[2] + list[3]; ++e) {
-      const auto& entry = grid.entries[e];
-      const glm::vec3 apart =
-          glm::vec3(std::bit_cast<float>(entry[0]), std::bit_cast<float>(entry[1]),
-                    std::bit_cast<float>(entry[2])) -
-          at;
-      const auto& sent = light.irradiance[entry[3] & 0xffffu];
-      const glm::vec3 its_normal = unpacked_normal(entry[3] >> 16);
+      const auto& surfel = grid.surfels[grid.entries[e]];
+      const glm::vec3 apart = glm::vec3(surfel[0], surfel[1], surfel[2]) - at;
+      const auto& sent = light.irradiance[grid.entries[e]];
+      const glm::vec3 its_normal = unpacked_normal(static_cast<std::uint32_t>(surfel[3]));
       const float across = glm::dot(apart, its_normal);
       const float left = std::max(
           1 - (glm::dot(apart, apart) + kAcross * across * across) * sent[3] * sent[3], 0.0f);

@@ -27,7 +27,7 @@ struct Surfel {
 struct SurfelGrid {
   static constexpr std::uint32_t kMost = 65536;  // surfels of a target
   static constexpr std::uint32_t kMostListed =
-      48;  // of a list: beyond it the farthest are left out
+      96;  // of a list: beyond it the farthest are left out
 
   Vec3 origin{0};   // metres, corner of the cube 0 0 0
   double side = 1;  // of a cube, metres
@@ -36,10 +36,10 @@ struct SurfelGrid {
   // number of entries; the number 0: empty. A list stands at slot_of() or behind it.
   std::vector<std::array<std::uint32_t, 4>> cells;
   std::uint32_t longest_probe = 1;
-  // Of a list: position from the origin, three floats; index | normal << 16, 8 bits each of an
-  // octahedron's square; and in radii the inverse of the radius.
-  std::vector<std::array<std::uint32_t, 4>> entries;
-  std::uint32_t surfels = 0;
+  std::vector<std::uint16_t> entries;  // of the lists: surfels, the nearest first
+  // Of each surfel: position from the origin, and its normal, 8 bits each of an octahedron's
+  // square.
+  std::vector<std::array<float, 4>> surfels;
 
   static std::uint32_t slot_of(std::uint32_t xy, std::uint32_t zd);
 };
@@ -55,9 +55,20 @@ struct SurfelLight {
   std::vector<std::array<float, 4>> toward;
 };
 
-// Builds the grid. bounds: of the surfels, metres.
+// A place of a surface.
+struct SurfacePlace {
+  Vec3 position{0};
+  Vec3 normal{0, 0, 1};
+};
+
+// Builds the grid.
+//
+//   side    of cubes, metres
+//   places  spread over all surfaces: lists stand in their cubes and those beside them; empty:
+//           wherever surfels reach
 // Expects: at most kMost.
-SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side);
+SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
+                       std::span<const SurfacePlace> places = {});
 
 // Returns the irradiance at a point of a surface, as shaders do: the mean of near surfels that face
 // the same way. 0 far from all.

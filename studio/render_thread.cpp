@@ -300,6 +300,7 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
     options.samples = 1;
     options.gl.shadows = preview::Shadows::hard;
     options.gl.imposters = preview::Imposters::off;
+    options.indirect = workspace::Indirect::off;
     options.gl.shadow_side =
         std::min(options.gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
     const double range = range_of(request.view, shown.camera(), resources.world);
@@ -354,6 +355,7 @@ bool RenderThread::render(Resources& resources, const RenderRequest& request,
   if (drawn) {
     result->image = std::move(drawn->image);
     if (drawn->sampling) result->sampling = *drawn->sampling;
+    result->between = drawn->between;
     const double of_sun = workspace::stops_of_sun(resources.world);
     if (request.view.auto_ev && (exact || !resources.ev))
       resources.ev = workspace::auto_exposure(result->image, of_sun);

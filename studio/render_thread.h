@@ -65,6 +65,7 @@ struct RenderResult {
   std::vector<std::uint8_t> edges;               // edges_of(), where requested
   std::vector<Detail> details;                   // of an exact image
   preview::SamplingReport sampling;
+  std::optional<workspace::LightBetween> between;
   double seconds = 0;
   std::vector<Message> messages;
   bool failed = false;  // there is no image

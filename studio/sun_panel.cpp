@@ -124,7 +124,12 @@ void SunPanel::shadows() {
   choice("shadows", state_.view.shadows, workspace::kShadowsWords);
   ImGui::TextUnformatted("Imposters of the exact image");
   choice("imposters", state_.view.imposters, workspace::kImpostersWords);
+  ImGui::TextUnformatted("Light between surfaces of the exact image");
+  choice("indirect", state_.view.indirect, workspace::kIndirectWords);
   if (!state_.result || !state_.result->exact) return;
+  if (const auto& between = state_.result->between)
+    ImGui::TextDisabled("light between surfaces: %s, about %.2g %% of the flux",
+                        between->drawn ? "drawn" : "left out", 100 * between->flux);
   const preview::SamplingReport& report = state_.result->sampling;
   ImGui::TextDisabled("pixel error %.2g %%, flux error %.2g %%", 100 * report.rmse,
                       100 * report.flux);

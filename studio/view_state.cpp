@@ -128,6 +128,7 @@ workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std:
   expose();
   if (view.shadows != workspace::Settings::Shadows::automatic) out.shadows = view.shadows;
   if (view.imposters != workspace::Settings::Imposters::automatic) out.imposters = view.imposters;
+  if (view.indirect != workspace::Settings::Indirect::off) out.indirect = view.indirect;
   std::vector<workspace::PoseSetting> poses;
   for (const auto& [target, pose] : view.poses)
     poses.push_back({target, {typed(pose.position), typed(pose.rotation())}});

@@ -49,6 +49,7 @@ struct ViewState {
   // as of Settings
   workspace::Settings::Shadows shadows = workspace::Settings::Shadows::automatic;
   workspace::Settings::Imposters imposters = workspace::Settings::Imposters::automatic;
+  workspace::Settings::Indirect indirect = workspace::Settings::Indirect::off;
   std::map<std::string, TargetPose> poses;    // of targets by name; others are at the origin
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
   // Of a scenario: its poses, joints and Sun replace those above. Null: there is none.

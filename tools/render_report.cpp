@@ -112,6 +112,15 @@ std::string explained_models(const Written& image) {
 std::string explained(const Written& image) {
   std::string text = explained_models(image);
   for (const std::string& line : image.sky) text += "  " + line + "\n";
+  if (image.between) {
+    const workspace::LightBetween& between = *image.between;
+    text += fmt::format(
+        "  light between surfaces: {}, about {:.2g} % of the flux, {:.2g} % RMS of the radiance; "
+        "{}{}\n",
+        between.drawn ? "drawn" : "left out", 100 * between.flux, 100 * between.rms,
+        counted(between.surfels, "surfel"),
+        between.seconds > 0 ? ", " + milliseconds(between.seconds) : "");
+  }
   if (!image.sampling) return text;
   std::vector<bool> told(image.targets.size(), false);
   for (const preview::ImposterReport& one : image.sampling->imposters) {
@@ -172,6 +181,11 @@ void describe_image(const Written& image, Json& entry) {
     entry["saturated"] = image.saturated;
   }
   if (image.sampling) entry["samples"] = image.sampling->samples;
+  if (image.between)
+    entry["light_between"] = {{"drawn", image.between->drawn},
+                              {"flux", image.between->flux},
+                              {"rms", image.between->rms},
+                              {"surfels", image.between->surfels}};
   if (image.sampling && image.sampling->shadow_edge > 0)
     entry["shadow_edge"] = image.sampling->shadow_edge;
   if (image.sampling && image.sampling->penumbra > 0) {

@@ -1,6 +1,7 @@
 #include "transport/internal/direct.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
@@ -10,8 +11,23 @@
 namespace panwright::transport {
 namespace {
 
-constexpr std::uint32_t kPoints = 4;  // of a surfel that are asked
+constexpr std::uint32_t kPoints = 4;  // of a surfel that are asked, at most
 constexpr std::size_t kSurfelsAtOnce = 128;
+
+// Points of a surfel that are asked: by its area beside the mean one, so that noise of what small
+// ones send does not cost more rays than that of large ones.
+std::uint32_t asked_of(const SurfelSet& set, std::size_t surfel) {
+  const double mean = set.area() / static_cast<double>(set.surfels().size());
+  const double wanted = std::ceil(kPoints * set.area(surfel) / mean);
+  return static_cast<std::uint32_t>(std::clamp(wanted, 1.0, double{kPoints}));
+}
+
+// The k-th of those.
+std::uint32_t point_of(const SurfelSet& set, std::size_t surfel, std::uint32_t k,
+                       std::uint32_t asked) {
+  const std::uint32_t begin = set.first(surfel), points = set.first(surfel + 1) - begin;
+  return begin + (2 * k + 1) * points / (2 * asked);
+}
 
 // Position and radius of a lamp; infinitely far: none.
 struct LampPlace {
@@ -59,18 +75,35 @@ struct OnSurfel {
     double cosine = 0;  // above 0: towards it
     bool lit = false;
   };
-  Sunlit sunlight(std::uint32_t point, std::uint32_t k) const {
+  // Of points that are asked. Those between the first and the last have rays only where these
+  // differ.
+  std::array<Sunlit, kPoints> sunlight(std::size_t surfel, std::uint32_t asked) const {
+    std::array<Sunlit, kPoints> suns;
+    suns[0] = sunlight(point_of(set, surfel, 0, asked), 0, asked, {});
+    if (asked == 1) return suns;
+    Sunlit& last = suns[asked - 1];
+    last = sunlight(point_of(set, surfel, asked - 1, asked), asked - 1, asked, {});
+    std::optional<bool> all;
+    if (suns[0].cosine > 0 && last.cosine > 0 && suns[0].lit == last.lit) all = last.lit;
+    for (std::uint32_t k = 1; k + 1 < asked; ++k)
+      suns[k] = sunlight(point_of(set, surfel, k, asked), k, asked, all);
+    return suns;
+  }
+  //   k, of  its number among those that are asked
+  //   known  without a ray
+  Sunlit sunlight(std::uint32_t point, std::uint32_t k, std::uint32_t of,
+                  std::optional<bool> known) const {
     const Point& at = set.points()[point];
-    // places of the disc, a quarter of its area each
-    const auto turn = det::sincos(0.5 * kPi * k + 2.399963 * point);
+    // places of the disc, the same share of its area each
+    const auto turn = det::sincos(2 * kPi * k / of + 2.399963 * point);
     const Vec3 aside = std::fabs(lights.to_sun.z) < 0.7 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
     const Vec3 across = glm::normalize(glm::cross(lights.to_sun, aside));
     const Vec3 place = turn.cos * across + turn.sin * glm::cross(lights.to_sun, across);
-    const Vec3 to_light =
-        glm::normalize((lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / kPoints) * place) *
-                       frame.world_from);
+    const Vec3 to_light = glm::normalize(
+        (lights.to_sun + lights.sun_sine * std::sqrt((k + 0.5) / of) * place) * frame.world_from);
     const double cosine = glm::dot(at.normal, to_light);
     if (!(cosine > 0)) return {};
+    if (known) return {cosine, *known};
     const trace::Ray ray{{at.start, to_light}, target};
     return {cosine, !scene.any(ray, trace::Insides::stop)};
   }
@@ -137,28 +170,31 @@ Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const Su
     const std::size_t end = std::min(count, (chunk + 1) * kSurfelsAtOnce);
     for (std::size_t s = chunk * kSurfelsAtOnce; s < end; ++s) {
       const OnSurfel here{scene, target, scene.targets()[target].frame, set, lights, surfaces[s]};
-      const std::uint32_t begin = set.first(s), points = set.first(s + 1) - begin;
       const Reflectance& reflectance = *surfaces[s].reflectance;
       Vec3 sum(0);
       std::uint32_t towards = 0, lit = 0;
-      for (std::uint32_t k = 0; k < kPoints; ++k) {
-        const std::uint32_t point = begin + (2 * k + 1) * points / (2 * kPoints);
+      const std::uint32_t asked = asked_of(set, s);
+      std::array<OnSurfel::Sunlit, kPoints> suns;
+      if (sunny) suns = here.sunlight(s, asked);
+      for (std::uint32_t k = 0; k < asked; ++k) {
         if (sunny) {
-          const OnSurfel::Sunlit sun = here.sunlight(point, k);
+          const OnSurfel::Sunlit& sun = suns[k];
           towards += sun.cosine > 0;
           lit += sun.lit;
           if (sun.lit) {
             const Vec3 arriving = sun.cosine * lights.sun_irradiance;
             const Vec3 lobes = reflectance.is_glossy() ? reflectance.glossy(sun.cosine) : Vec3(0);
             sum += arriving * (reflectance.directional(sun.cosine, surfaces[s].tint) - lobes);
-            sources.glossy[s] += arriving * lobes / double{kPoints};
+            sources.glossy[s] += arriving * lobes / static_cast<double>(asked);
           }
         }
-        for (const light::Source& lamp : lights.lamps) sum += here.lamplight(point, lamp);
+        for (const light::Source& lamp : lights.lamps)
+          sum += here.lamplight(point_of(set, s, k, asked), lamp);
       }
       sources.lit[s] = towards > 0 ? static_cast<float>(lit) / static_cast<float>(towards) : 0;
       sources.albedo[s] = surfaces[s].reflectance->mean(surfaces[s].tint);
-      sources.sent[s] = sum / double{kPoints} + surfaces[s].reflectance->emitted() * lights.white;
+      sources.sent[s] =
+          sum / static_cast<double>(asked) + surfaces[s].reflectance->emitted() * lights.white;
       if (lights.bodies) sources.sent[s] += here.planetshine(s, lists);
     }
   };

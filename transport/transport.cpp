@@ -101,8 +101,11 @@ Transport::ShapePtr Transport::make_shape(std::uint32_t target, const Job& job) 
     shape->surfaces.push_back(mean);
     shape->glossy.push_back(mean.reflectance->is_glossy());
   }
-  shape->grid =
-      std::make_shared<const light::SurfelGrid>(light::surfel_grid(set.surfels(), set.spacing()));
+  std::vector<light::SurfacePlace> places;
+  for (const Point& point : set.points()) places.push_back({point.start, point.normal});
+  // half a spacing: lists of those that light a place are not much longer than these
+  shape->grid = std::make_shared<const light::SurfelGrid>(
+      light::surfel_grid(set.surfels(), 0.5 * set.spacing(), places));
   ++counts_.shapes;
   return shape;
 }
@@ -208,27 +211,51 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
     throw_sunlight(*scene_, slots_[i].target, *lists[i], glossy, sources[i], job);
   const std::vector<Arriving> found = interreflections(lists, each, sets, options_.bounces, job);
   light_.assign(world.size(), {});
-  double whole = 0, indirect = 0;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     light::SurfelLight& light = light_[slots_[i].target];
     light.grid = slots_[i].shape->grid;
     light.stamp = next_stamp();
     const auto surfels = sets[i]->surfels();
+    slots_[i].sent.clear();
     for (std::size_t s = 0; s < surfels.size(); ++s) {
       const Vec3& irradiance = found[i].irradiance[s];
-      const double area = sets[i]->area(s);
       const Vec3 again = sources[i].albedo[s] * irradiance;
-      const Vec3 sent = sources[i].sent[s] + sources[i].glossy[s];
-      indirect += area * (again.x + again.y + again.z);
-      whole += area * (sent.x + sent.y + sent.z);
+      const Vec3 sent = sources[i].sent[s] + sources[i].glossy[s] + again;
+      slots_[i].sent.push_back({static_cast<float>((sent.x + sent.y + sent.z) / 3),
+                                static_cast<float>((again.x + again.y + again.z) / 3)});
       const glm::vec3 rgb(irradiance);
       light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
       const glm::vec4& toward = found[i].toward[s];
       light.toward.push_back({toward.x, toward.y, toward.z, toward.w});
     }
   }
-  whole += indirect;
-  share_ = whole > 0 ? indirect / whole : 0;
+}
+
+Transport::Change Transport::change_seen(const world::World& world,
+                                         const world::Camera& camera) const {
+  double flux = 0, added = 0, square = 0, added_square = 0;
+  for (const Slot& slot : slots_) {
+    const world::Pose& pose = world[slot.target].pose();
+    const Quat back = glm::conjugate(pose.rotation);
+    const Vec3 from = back * (camera.position - pose.translation);
+    const Vec3 towards = back * (camera.world_from_camera * Vec3(0, 0, -1));
+    const auto surfels = slot.shape->set->surfels();
+    for (std::size_t s = 0; s < surfels.size(); ++s) {
+      const bool parallel = camera.projection == world::Projection::orthographic;
+      const Vec3 way = parallel ? towards : from - surfels[s].position;
+      const double squared = glm::dot(way, way);
+      const double cosine = glm::dot(surfels[s].normal, way) / std::sqrt(squared);
+      if (!(cosine > 0)) continue;
+      const double angle = slot.shape->set->area(s) * cosine / (parallel ? 1 : squared);
+      const double sent = double{slot.sent[s][0]}, again = double{slot.sent[s][1]};
+      flux += angle * sent;
+      added += angle * again;
+      square += angle * sent * sent;
+      added_square += angle * again * again;
+    }
+  }
+  if (!(flux > 0)) return {};
+  return {std::sqrt(added_square / square), added / flux};
 }
 
 void Transport::update(const world::World& world, std::span<const light::Source> lamps,

@@ -5,6 +5,7 @@
 //   transport.light();  // for preview::RenderOptions::indirect
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,6 +22,7 @@
 #include "transport/lists.h"
 #include "transport/reflectance.h"
 #include "transport/surfels.h"
+#include "world/camera.h"
 #include "world/world.h"
 
 namespace panwright::transport {
@@ -51,8 +53,14 @@ class Transport {
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
-  // Returns what interreflections add to the light that all surfels send, in parts of it.
-  double share() const { return share_; }
+  // Share of interreflections in an image: RMS over its radiance, and flux.
+  struct Change {
+    double rms = 0;
+    double flux = 0;
+  };
+  // Estimates it from surfels that face a camera, as if nothing stood before them and all sent
+  // evenly; means of the channels. 0: none faces it. Expects: update() of the same world.
+  Change change_seen(const world::World& world, const world::Camera& camera) const;
   // Surfels of a target. Expects: visible.
   const SurfelSet& surfels(std::uint32_t target) const {
     return *slots_[slot_of_[target]].shape->set;
@@ -88,6 +96,8 @@ class Transport {
     std::vector<std::uint64_t>
         near;  // shape and pose stamps of it and of targets close by; lists depend on them
     std::shared_ptr<const TransportLists> lists;
+    std::vector<std::array<float, 2>>
+        sent;  // of its surfels: radiosity, and what of it is indirect
   };
 
   void place(const world::World& world, const Job& job);
@@ -108,7 +118,6 @@ class Transport {
   std::vector<std::uint64_t> stamps_;  // of what lights depend on
   Vec3 white_{0};
   std::vector<light::Source> lamps_;
-  double share_ = 0;
   Counts counts_;
 };
 

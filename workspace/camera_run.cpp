@@ -205,6 +205,7 @@ class CameraRun : public InstrumentRun {
     what.dn_bits = detected.bits;
     what.saturated = detected.saturated;
     what.sampling = drawn.sampling;
+    what.between = drawn.between;
     what.record = drawing.metadata.back().second;
     add_names(scope_.world, image, what.record);
     auto& product = std::get<ImageProduct>(out.product);

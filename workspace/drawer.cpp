@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <deque>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "preview/lens_renderer.h"
 #include "preview/reference/ground_layer.h"
@@ -63,6 +65,7 @@ struct Drawer::Impl {
     std::vector<LampPoint> lamps;
     std::optional<world::World> ground;  // with terrain that is not drawn yet
     preview::GroundOptions ground_options;
+    std::optional<LightBetween> between;
   };
   std::deque<Behind> behind;
   preview::GroundLayer ground;
@@ -79,6 +82,7 @@ struct Drawer::Impl {
     std::shared_ptr<const std::vector<light::SurfelLight>> light;
   };
   std::unique_ptr<Between> between;
+  std::optional<LightBetween> told;  // of the last image that was begun
   bool find_light_between(const world::World& world, const world::Camera& camera,
                           DiagnosticLog& log, const Job& job);
 
@@ -107,7 +111,7 @@ bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& c
       done.clear();
       return false;
     }
-    done.push_back({{*std::move(image), {}, renderer->sampling()}, std::move(apart)});
+    done.push_back({{*std::move(image), {}, renderer->sampling(), {}}, std::move(apart)});
   }
   preview::RenderOptions own = options.gl;
   own.ground_truth = ground_truth;
@@ -117,7 +121,7 @@ bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& c
     if (job.cancelled()) done.clear();
     return false;
   }
-  done.push_back({{*std::move(image), {}, lens.sampling()}, log.apart()});
+  done.push_back({{*std::move(image), {}, lens.sampling(), {}}, log.apart()});
   return true;
 }
 
@@ -165,20 +169,30 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
   return true;
 }
 
-// Sets options.gl.indirect.
+// Sets options.gl.indirect, and tells of it.
 bool Drawer::Impl::find_light_between(const world::World& world, const world::Camera& camera,
                                       DiagnosticLog& log, const Job& job) {
-  constexpr double kWorthwhile = 1e-3;
   options.gl.indirect.reset();
+  told.reset();
   if (options.indirect == Indirect::off) return true;
   if (!between) between = std::make_unique<Between>(options.cache);
   transport::Transport& transport = *between->transport;
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t lights = transport.counts().lights;
   const bool good = run_job(job, log, [&] {
     transport.update(world, world::placed_lamps(world, camera), job);
     return true;
   });
   if (!good) return false;
-  if (options.indirect == Indirect::automatic && transport.share() < kWorthwhile) return true;
+  LightBetween& tell = told.emplace();
+  const transport::Transport::Change change = transport.change_seen(world, camera);
+  tell.rms = change.rms;
+  tell.flux = change.flux;
+  if (transport.counts().lights != lights) tell.seconds = seconds_since(start);
+  for (const light::SurfelLight& light : transport.light()) tell.surfels += light.irradiance.size();
+  tell.drawn = options.indirect == Indirect::on ||
+               std::max(change.rms, change.flux) > options.gl.pixel_error;
+  if (!tell.drawn) return true;
   if (!between->light || between->lights != transport.counts().lights) {
     const auto light = transport.light();
     between->light =
@@ -210,6 +224,7 @@ bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera
   done.push_back(
       {{std::move(traced->image),
         Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
+        {},
         {}},
        log.apart()});
   return true;
@@ -219,7 +234,7 @@ Result<Drawn> Drawer::Impl::collect(DiagnosticLog& log, const Job& job) {
   if (done.empty()) {
     auto image = renderer->collect(log, job);
     if (!image) return failed;
-    return Drawn{*std::move(image), {}, renderer->sampling()};
+    return Drawn{*std::move(image), {}, renderer->sampling(), {}};
   }
   Done oldest = std::move(done.front());
   done.pop_front();
@@ -273,7 +288,7 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   constexpr double kReach = 6;  // of a PSF, in sigma
-  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, {}};
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, {}, {}};
   next.psf_sigma =
       impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
   // the reference has bodies of its own
@@ -295,6 +310,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
               }) &&
       impl_->submit(world, camera, ground_truth || next.before || next.ground, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
+  next.between = impl_->told;
   if (good) behind.push_back(std::move(next));
   while (behind.size() > impl_->in_flight()) behind.pop_front();
   return good;
@@ -307,6 +323,7 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   // an image without targets may have terrain
   const bool fills = drawn && behind.front().ground;
   forward(apart, {}, {}, log, fills ? std::optional(Code("W5006")) : std::nullopt);
+  if (drawn) drawn->between = behind.front().between;
   if (drawn && (behind.front().sky || behind.front().ground || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
     const bool good = run_job(job, log, [&] {

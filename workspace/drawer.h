@@ -24,9 +24,17 @@ namespace panwright::workspace {
 // gl: the preview, OpenGL. reference: the path tracer, without OpenGL, slow, with error bars.
 using Engine = Settings::Engine;
 
-// Light between surfaces in OpenGL (transport/transport.h). automatic: where it is more than a
-// thousandth of the light that surfaces send.
+// Light between surfaces in OpenGL (transport/transport.h). automatic: in images that it changes by
+// more than RenderOptions::pixel_error, as Transport::change_seen() estimates.
 using Indirect = Settings::Indirect;
+
+// Light between surfaces of an image.
+struct LightBetween {
+  bool drawn = false;        // false: it changes too little
+  double rms = 0, flux = 0;  // estimates of what it adds, in parts of the image's
+  std::uint64_t surfels = 0;
+  double seconds = 0;  // spent on finding it; 0: known
+};
 
 struct DrawOptions {
   Engine engine = Engine::gl;
@@ -68,6 +76,7 @@ struct Drawn {
   image::Image image;
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
+  std::optional<LightBetween> between;              // none: not asked for
 };
 
 // Drawer, with the state shared by images: the context, the models of the last world.

@@ -50,6 +50,7 @@ struct Written {
 
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
+  std::optional<LightBetween> between;              // none: not asked for
 };
 
 // Product in memory.

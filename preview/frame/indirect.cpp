@@ -16,12 +16,13 @@ bool fits_texture(const GladGLContext& gl, const light::SurfelGrid& grid, Diagno
   return false;
 }
 
-// Texels of irradiance, each before that of where it comes from.
+// Three texels a surfel: its place, its irradiance and where that comes from.
 std::vector<std::array<float, 4>> interleaved(const light::SurfelLight& light) {
   std::vector<std::array<float, 4>> texels;
-  texels.reserve(2 * light.irradiance.size());
+  texels.reserve(3 * light.irradiance.size());
   for (std::size_t i = 0; i < light.irradiance.size(); ++i) {
     const auto& rgb = light.irradiance[i];
+    texels.push_back(light.grid->surfels[i]);
     texels.push_back(rgb);
     texels.push_back(light.toward.empty()
                          ? std::array<float, 4>{0, 0, 0, (rgb[0] + rgb[1] + rgb[2]) / 3}
@@ -48,13 +49,13 @@ Indirect::Grid& Indirect::grid_of(const GladGLContext& gl, const light::SurfelLi
   if (known != grids_.end()) return **known;
   Grid& grid = *grids_.emplace_back(std::make_unique<Grid>());
   grid.stamp = light.grid->stamp;
-  const auto make = [&](const auto& values, GlBuffer& buffer, GlTexture& texture) {
+  const auto make = [&](GLenum form, const auto& values, GlBuffer& buffer, GlTexture& texture) {
     buffer = make_buffer(gl, values.data(), values.size() * sizeof values[0]);
     texture = make_buffer_texture(gl);
-    gl.TextureBuffer(texture.id(), GL_RGBA32UI, buffer.id());
+    gl.TextureBuffer(texture.id(), form, buffer.id());
   };
-  make(light.grid->cells, grid.cells, grid.cells_texture);
-  make(light.grid->entries, grid.entries, grid.entries_texture);
+  make(GL_RGBA32UI, light.grid->cells, grid.cells, grid.cells_texture);
+  make(GL_R16UI, light.grid->entries, grid.entries, grid.entries_texture);
   grid.light_texture = make_buffer_texture(gl);
   return grid;
 }

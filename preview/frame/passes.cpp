@@ -63,12 +63,11 @@ bool has_places(const FrameScene& scene) { return scene.lights && scene.lights->
 
 Programs::Lit lit_by(const FrameScene& scene, bool added) {
   using enum Programs::Lit;
-  if (!added && scene.lights->indirect())
-    return scene.lights->planets() ? all_but_lamps : sun_and_surfaces;
-  if (!added && scene.lights->eclipsed())
-    return scene.lights->planets() ? eclipsed_and_planets : eclipsed;
-  if (!added) return scene.lights->planets() ? sun_and_planets : sun;
-  return scene.lights->points() ? point_lamps : lamps;
+  if (added) return scene.lights->points() ? point_lamps : lamps;
+  constexpr Programs::Lit kLit[2][4] = {
+      {sun, sun_and_planets, sun_and_surfaces, all_but_lamps},
+      {eclipsed, eclipsed_and_planets, eclipsed_and_surfaces, all_eclipsed}};
+  return kLit[scene.lights->eclipsed()][2 * scene.lights->indirect() + scene.lights->planets()];
 }
 
 Mat4 rigid_inverse(const Mat4& matrix) {

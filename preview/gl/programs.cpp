@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <utility>
 
 #include "base/clock.h"
@@ -118,7 +119,7 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
                          bool shadows, Lit lit) {
   const auto number = static_cast<unsigned>(lit);
   GlProgram& program =
-      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 8 + number}];
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 16 + number}];
   if (!program) {
     std::string head =
         sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
@@ -129,10 +130,15 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
         defined("POINTS", lit == Lit::point_lamps);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (has(layers, kTangentLayer)) head += turning_glsl;
-    const bool planets = lit == Lit::sun_and_planets || lit == Lit::all_but_lamps ||
-                         lit == Lit::eclipsed_and_planets;
-    const bool indirect = lit == Lit::sun_and_surfaces || lit == Lit::all_but_lamps;
-    head += defined("BODIES", indirect || lit == Lit::eclipsed || lit == Lit::eclipsed_and_planets);
+    const auto any_of = [&](std::initializer_list<Lit> some) {
+      return std::ranges::find(some, lit) != some.end();
+    };
+    const bool planets = any_of(
+        {Lit::sun_and_planets, Lit::all_but_lamps, Lit::eclipsed_and_planets, Lit::all_eclipsed});
+    const bool indirect = any_of(
+        {Lit::sun_and_surfaces, Lit::all_but_lamps, Lit::eclipsed_and_surfaces, Lit::all_eclipsed});
+    head += defined("BODIES", any_of({Lit::eclipsed, Lit::eclipsed_and_planets,
+                                      Lit::eclipsed_and_surfaces, Lit::all_eclipsed}));
     if (shadows || indirect) head += sample_normal_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     if (planets || indirect) head += wide_light_text(brdf_model, planets, indirect);

@@ -29,7 +29,7 @@ class Programs {
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced);
   // Light that one pass adds; point_lamps: without a size; eclipsed: the Sun behind limbs that
-  // bend, as with surfaces.
+  // bend.
   enum class Lit {
     sun,
     sun_and_planets,
@@ -38,7 +38,9 @@ class Programs {
     lamps,
     point_lamps,
     eclipsed,
-    eclipsed_and_planets
+    eclipsed_and_planets,
+    eclipsed_and_surfaces,
+    all_eclipsed
   };
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, Lit lit);

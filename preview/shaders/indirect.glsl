@@ -46,6 +46,78 @@ uvec2 surfel_list(vec3 at, vec3 normal) {
   return uvec2(0u);
 }
 
+// Means over surfels near a place, by their weights.
+struct Near {
+  vec3 irradiance;
+  vec4 toward;  // light::SurfelLight::toward, of GLOSSY
+};
+
+// Sum over the four samples of a quad, the same for each but for rounding.
+vec4 quad_sum(vec4 value, vec2 aside) {
+  value = 2.0 * value + aside.x * dFdxFine(value);
+  return 2.0 * value + aside.y * dFdyFine(value);
+}
+
+// A place in the frame of the grid, and the normal there.
+void place_in_grid(ivec2 sample_at, out vec3 at, out vec3 normal) {
+  uvec4 found = texelFetch(position_samples, sample_at, 0);
+  vec4 place = vec4(uintBitsToFloat(found.xyz), 1.0);
+  vec3 own = unpacked_normal(found.w);
+  for (int k = 0; k < 3; ++k) {
+    at[k] = dot(indirect.from_sample[k], place);
+    normal[k] = dot(indirect.from_sample[k].xyz, own);
+  }
+  normal *= inversesqrt(max(dot(normal, normal), 1e-30));
+}
+
+// Samples of a pixel that stand close together have the light at the first of their quad, and look
+// up a quarter of its surfels each. Expects: uniform control flow.
+Near surfels_near(ivec2 sample_at) {
+  vec3 at, normal, first_at, first_normal;
+  place_in_grid(sample_at, at, normal);
+  // quads are of one pixel
+  ivec2 odd = (sample_blocks.x & 1u) == 0u ? ivec2(gl_FragCoord.xy) & 1 : ivec2(0);
+  place_in_grid(sample_at - odd, first_at, first_normal);
+  vec2 aside = 1.0 - 2.0 * vec2(odd);
+  vec3 apart = (first_at - at) * indirect.cells_a_metre;
+  // relief of foil turns normals within a pixel; what stands a step behind has light of its own
+  bool alike = (sample_blocks.x & 1u) == 0u && dot(first_normal, normal) > 0.5 && dot(apart, apart) < 1.0 &&
+               abs(dot(apart, normal)) < 0.25;
+  bool shared_by_four = quad_sum(vec4(alike ? 1.0 : 0.0), aside).x > 3.5;
+  if (shared_by_four) {
+    at = first_at;
+    normal = first_normal;
+  }
+  uvec2 list = surfel_list(at, normal);
+  uint stride = shared_by_four ? 4u : 1u;
+  vec4 sum = vec4(0.0);
+  vec4 toward = vec4(0.0);
+  for (uint i = shared_by_four ? uint(odd.x + 2 * odd.y) : 0u; i < list.y; i += stride) {
+    int surfel = 3 * int(texelFetch(surfel_entries, int(list.x + i)).x);
+    vec4 place = texelFetch(surfel_light, surfel);
+    vec4 sent = texelFetch(surfel_light, surfel + 1);
+    vec3 apart = place.xyz - at;
+    vec3 its_normal = surfel_normal(uint(place.w));
+    float across = dot(apart, its_normal);
+    float left = max(1.0 - (dot(apart, apart) + kAcross * across * across) * sent.w * sent.w, 0.0);
+    float facing = clamp(dot(normal, its_normal) * kFacingScale, 0.0, 1.0);
+    float weight = left * left * facing * facing;
+    sum += weight * vec4(sent.rgb, 1.0);
+#ifdef GLOSSY
+    toward += weight * texelFetch(surfel_light, surfel + 2);
+#endif
+  }
+  vec4 whole = quad_sum(sum, aside);
+  if (shared_by_four) sum = whole;
+  float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
+  Near near = Near(sum.rgb * scale, vec4(0.0));
+#ifdef GLOSSY
+  whole = quad_sum(toward, aside);
+  near.toward = (shared_by_four ? whole : toward) * scale;
+#endif
+  return near;
+}
+
 struct Arriving {
   vec3 irradiance;
   float ratio;  // of the radiance that a mirror shows to the mean one
@@ -53,45 +125,20 @@ struct Arriving {
 
 // mirrored: the direction that a mirror shows, frame of the sample
 Arriving indirect_arriving(ivec2 sample_at, vec3 mirrored) {
-  uvec4 found = texelFetch(position_samples, sample_at, 0);
-  vec4 place = vec4(uintBitsToFloat(found.xyz), 1.0);
-  vec3 own_normal = unpacked_normal(found.w);
-  vec3 at = vec3(dot(indirect.from_sample[0], place), dot(indirect.from_sample[1], place), dot(indirect.from_sample[2], place));
-  vec3 normal = vec3(dot(indirect.from_sample[0].xyz, own_normal), dot(indirect.from_sample[1].xyz, own_normal),
-                     dot(indirect.from_sample[2].xyz, own_normal));
-  normal *= inversesqrt(max(dot(normal, normal), 1e-30));
-  uvec2 list = surfel_list(at, normal);
-  vec3 seen = vec3(dot(indirect.from_sample[0].xyz, mirrored), dot(indirect.from_sample[1].xyz, mirrored),
-                   dot(indirect.from_sample[2].xyz, mirrored));
+  Near near = surfels_near(sample_at);
+  vec3 seen;
+  for (int k = 0; k < 3; ++k) seen[k] = dot(indirect.from_sample[k].xyz, mirrored);
   vec4 shown = vec4(seen * inversesqrt(max(dot(seen, seen), 1e-30)), 1.0);
-  vec3 sum = vec3(0.0);
-  float weights = 0.0;
-  float sum_shown = 0.0;
-  for (uint i = list.x; i < list.x + list.y; ++i) {
-    uvec4 entry = texelFetch(surfel_entries, int(i));
-    vec4 sent = texelFetch(surfel_light, int(entry.w & 0xffffu) * 2);
-    vec3 apart = uintBitsToFloat(entry.xyz) - at;
-    vec3 its_normal = surfel_normal(entry.w >> 16);
-    float across = dot(apart, its_normal);
-    float left = max(1.0 - (dot(apart, apart) + kAcross * across * across) * sent.w * sent.w, 0.0);
-    float facing = clamp(dot(normal, its_normal) * kFacingScale, 0.0, 1.0);
-    float weight = left * left * facing * facing;
-    sum += weight * sent.rgb;
-    weights += weight;
-#ifdef GLOSSY
-    if (weight > 0.0)
-      sum_shown += weight * max(dot(texelFetch(surfel_light, int(entry.w & 0xffffu) * 2 + 1), shown), 0.0);
-#endif
-  }
-  float whole = (sum.r + sum.g + sum.b) / 3.0;
-  return Arriving(weights > 0.0 ? sum / weights : vec3(0.0), whole > 0.0 ? min(sum_shown / whole, kMostRatio) : 0.0);
+  float mean = (near.irradiance.r + near.irradiance.g + near.irradiance.b) / 3.0;
+  return Arriving(near.irradiance, mean > 0.0 ? clamp(dot(near.toward, shown) / mean, 0.0, kMostRatio) : 0.0);
 }
 
 // What a surface sends of it to the viewer: as of a sky of even radiance.
 WideLight indirect_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal) {
   WideLight light = WideLight(vec3(0.0), vec3(0.0), vec3(0.0));
-  if (indirect.probes == 0 || !(dot(normal, normal) > 0.0)) return light;
+  if (indirect.probes == 0) return light;
   Arriving arriving = indirect_arriving(sample_at, reflect(-to_viewer, normal));
+  if (!(dot(normal, normal) > 0.0)) return light;
   light.irradiance = arriving.irradiance;
   float cosine = dot(normal, to_viewer);
   vec3 seen_from = to_viewer;

@@ -58,28 +58,40 @@ TEST(Indirect, ShadersReadWhatTheLibraryReads) {
     View view = looking_from({0.4, -0.3, 3 * side}, 5, 0.8, 48);
     view.camera.position = pose.translation + pose.rotation * view.camera.position;
     view.camera.world_from_camera = pose.rotation * view.camera.world_from_camera;
-    for (const unsigned shadow_side : {0u, 512u}) {
+    // with two or more samples a side, each four next to one another have the light of their first
+    for (const auto& [shadow_side, samples] : {std::pair{0u, 1u}, {512u, 1u}, {0u, 2u}, {0u, 4u}}) {
       RenderOptions options;
       options.shadow_side = shadow_side;
+      options.samples = samples;
+      options.ground_truth = true;
       options.indirect = light;
       const image::Image image = drawn(world, view.camera, options);
       double worst = 0;
       std::size_t seen = 0;
       for (std::uint32_t y = 0; y < image.height; ++y)
         for (std::uint32_t x = 0; x < image.width; ++x) {
-          const geometry::Ray ray = world::pixel_ray(view.camera, {x + 0.5, y + 0.5});
           const Quat back = glm::conjugate(pose.rotation);
-          const Vec3 origin = back * (ray.origin - pose.translation);
-          const Vec3 direction = back * ray.direction;
-          const Vec3 at = origin + direction * ((0.01 * side - origin.z) / direction.z);
-          if (std::fabs(at.x) > 1.95 || std::fabs(at.y) > 1.95) continue;
-          const Vec3 expected =
-              light::irradiance_at((*light)[0], at, {0, 0, side}) * (kAlbedo / kPi);
+          const unsigned quads = std::max(samples / 2, 1u);
+          Vec3 expected(0);
+          bool within = true;
+          for (unsigned q = 0; q < quads * quads; ++q) {
+            const double step = quads > 1 || samples > 1 ? 2.0 / samples : 1.0;
+            const Vec2 place = Vec2(q % quads, q / quads) * step + 0.5 / samples;
+            const geometry::Ray ray = world::pixel_ray(view.camera, Vec2(x, y) + place);
+            const Vec3 origin = back * (ray.origin - pose.translation);
+            const Vec3 direction = back * ray.direction;
+            const Vec3 at = origin + direction * ((0.01 * side - origin.z) / direction.z);
+            within = within && std::fabs(at.x) < 1.95 && std::fabs(at.y) < 1.95;
+            expected += light::irradiance_at((*light)[0], at, {0, 0, side}) *
+                        (kAlbedo / kPi / (quads * quads));
+          }
+          // a sample on the face's diagonal may miss both of its triangles
+          const std::size_t pixel = std::size_t{y} * image.width + x;
+          if (!within || image.coverage[pixel] < 1) continue;
           for (int k = 0; k < 3; ++k)
-            worst =
-                std::max(worst, std::fabs(image.radiance[3 * (std::size_t{y} * image.width + x) +
-                                                         static_cast<std::size_t>(k)] -
-                                          expected[k]));
+            worst = std::max(
+                worst,
+                std::fabs(image.radiance[3 * pixel + static_cast<std::size_t>(k)] - expected[k]));
           if (expected.x > 0) ++seen;
         }
       EXPECT_LT(worst, 2e-4);  // of 0.1 to 7

@@ -92,12 +92,13 @@ TEST(ViewState, CommandLineIsTheView) {
   view.camera.range = 9;
   view.joints["a b/wing"] = "10deg";
   view.shadows = workspace::Settings::Shadows::soft;
+  view.indirect = workspace::Settings::Indirect::automatic;
   view.auto_ev = false;
   view.ev = -1.5;
   EXPECT_EQ(command_line(view, 640, 480, {"it's.pan"}, "out.png"),
             "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' "
             "--joint 'a b/wing=10deg' --sun '0.813797681 -0.296198133 0.5' --fov 30 --size 640x480 "
-            "--ev -1.5 --shadows soft");
+            "--ev -1.5 --shadows soft --indirect auto");
 }
 
 // Roll, then pitch, then yaw, about the world's axes.

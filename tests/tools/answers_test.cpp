@@ -153,6 +153,23 @@ TEST_F(Answers, QuietRendersDoNotRepeatWhatFoilLost) {
 
 // Pixels by the pinhole's equations: camera 5 m before the origin on -y, f = 100, centre (16, 12).
 #ifdef PANWRIGHT_GL
+// Light between surfaces: a box has none, a corner has more than 5 %.
+TEST_F(Answers, ExplainTellsOfLightBetweenSurfaces) {
+  const auto told = [&](const std::string& shapes, const char* indirect) {
+    return panwright({"render", model(shapes), "-o", folder_ / "b.png", "--size", "16", "--samples",
+                      "2", "--indirect", indirect, "--explain", "--camera", "4 3 5", "--sun",
+                      "1 0.3 0.5"})
+        .out;
+  };
+  const std::string corner =
+      "<material name='m'><diffuse>0.7 0.7 0.7</diffuse></material><plane size='1' material='m'/>"
+      "<plane size='1' translate='-0.5 0 0.5' rotate='0 90deg 0' material='m'/>";
+  EXPECT_THAT(told("<box size='1'/>", "auto"),
+              HasSubstr("light between surfaces: left out, about 0 % of the flux"));
+  EXPECT_THAT(told(corner, "auto"), HasSubstr("light between surfaces: drawn, about "));
+  EXPECT_THAT(told(corner, "off"), Not(HasSubstr("light between surfaces")));
+}
+
 TEST_F(Answers, ThatImagesAreDrawnInSoftwareIsSaidOnRequest) {
   const std::vector<std::string> words{PANWRIGHT_BIN_DIR "/panwright",
                                        "render",

@@ -44,6 +44,69 @@ bool same(std::span<const light::SurfelLight> a, std::span<const light::SurfelLi
   return true;
 }
 
+// Grids leave lists out where no surface is. At places of other points all is found, to the last
+// bit.
+TEST(Transport, ListsStandWhereSurfacesAre) {
+  const geometry::Mesh plate = support::box({2, 2, 0.02}), round = ball(0.7, 24);
+  const geometry::Mesh both[] = {plate, round};
+  const world::World world = world_of(both, 0.8);
+  const Solved solved(world, {2000, 32}), finer(world, {5000, 40});
+  std::vector<light::SurfacePlace> places;
+  for (const Point& point : solved.set->points()) places.push_back({point.start, point.normal});
+  const auto grid = [&](std::span<const light::SurfacePlace> where) {
+    light::SurfelLight light = solved.shown(std::vector<double>(solved.size(), 0));
+    for (std::size_t i = 0; i < solved.size(); ++i)
+      light.irradiance[i][0] = static_cast<float>(1 + 0.01 * static_cast<double>(i % 97));
+    light.grid = std::make_shared<const light::SurfelGrid>(
+        light::surfel_grid(solved.set->surfels(), 0.5 * solved.set->spacing(), where));
+    return light;
+  };
+  const light::SurfelLight all = grid({}), some = grid(places);
+  EXPECT_LT(some.grid->entries.size(), 0.8 * static_cast<double>(all.grid->entries.size()));
+  for (const Point& point : finer.set->points()) {
+    const Vec3 found = irradiance_at(some, point.start, point.normal);
+    EXPECT_EQ(found, irradiance_at(all, point.start, point.normal));
+    EXPECT_GT(found.x, 0);
+  }
+}
+
+// What interreflections add to an image of a corner of which all is seen, from the irradiance that
+// displays read.
+TEST(Transport, ChangeSeenIsThatOfImages) {
+  const geometry::Mesh both[] = {sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                                 sheet({0, 0, 0}, {0, 1, 0}, {0, 0, 1})};
+  world::World world = world_of(both, 0.6);
+  world.set_sun({.direction = glm::normalize(Vec3(1, 0.2, 0.4))});
+  Transport transport({{3000, 32}, 8});
+  transport.update(world, {});
+  world::Camera camera;
+  camera.position = {20, 0.5, 14};
+  const Vec3 to_sun = world.sun().direction, white = light::incidence(world.sun(), {}).irradiance;
+  double flux = 0, added = 0, square = 0, added_square = 0;
+  constexpr int kSide = 60;
+  for (int sheet = 0; sheet < 2; ++sheet)
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const double u = (i % kSide + 0.5) / kSide, v = (i / kSide + 0.5) / kSide;
+      const Vec3 at = sheet == 0 ? Vec3(u, v, 0) : Vec3(0, u, v);
+      const Vec3 normal = sheet == 0 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
+      const Vec3 way = camera.position - at;
+      const double seen = glm::dot(normal, way) / std::pow(glm::length(way), 3);
+      const double direct = glm::dot(normal, to_sun) * white.x;
+      const double other = irradiance_at(transport.light()[0], at, normal).x;
+      flux += seen * (direct + other);
+      added += seen * other;
+      square += seen * (direct + other) * (direct + other);
+      added_square += seen * other * other;
+    }
+  const Transport::Change change = transport.change_seen(world, camera);
+  EXPECT_GT(change.flux, 0.05);
+  EXPECT_NEAR(change.flux, added / flux, 0.01 * change.flux);
+  EXPECT_NEAR(change.rms, std::sqrt(added_square / square), 0.02 * change.rms);
+  // the other sides face this one
+  camera.position = {-20, 0.5, -14};
+  EXPECT_EQ(transport.change_seen(world, camera).flux, 0);
+}
+
 // The dark side of a plate 2 cm thick, over a sunlit floor's reach, gets nothing of it: light
 // neither goes round nor through.
 TEST(Transport, ThinPlatesDoNotLeak) {

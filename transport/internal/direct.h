@@ -31,7 +31,7 @@ DirectLights direct_lights(const world::World& world, const Vec3& point,
 // Returns the light that surfels reflect of it, and their emission.
 //
 //   surfaces  of the surfels
-// Throws Cancelled. Cost: four rays a surfel and light.
+// Throws Cancelled. Cost: one to four rays a surfel and light, by its area.
 Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
                        const TransportLists& lists, std::span<const ModelReflectance::At> surfaces,
                        const DirectLights& lights, const Job& job);
