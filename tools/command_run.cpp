@@ -134,7 +134,7 @@ class SequenceRun {
     if (kept_ > 0 && !options_.common.json)
       fmt::print(stderr, "{} kept\n", counted(kept_, "frame"));
     if (renewed_ > 0 && !options_.common.json)
-      fmt::print(stderr, "{} were not whole, and are made again\n", counted(renewed_, "frame"));
+      fmt::print(stderr, "{} not whole: made again\n", counted(renewed_, "frame"));
     report.summary();
     return !options_.album.any() || make_album(options_.album, images_, options_.folder, context_);
   }

@@ -285,7 +285,7 @@ TEST_F(RunInstruments, DamagedFilesAreMadeAgain) {
     const Outcome again = run(file, "part", {"--resume"});
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr("2 frames kept")) << name;
-    EXPECT_THAT(again.err, HasSubstr("1 frame were not whole")) << name;
+    EXPECT_THAT(again.err, HasSubstr("1 frame not whole")) << name;
     EXPECT_TRUE(bytes_of(path) == bytes_of(folder_ / ("whole/" + name))) << name;
   }
   // labels of the folder read on

@@ -99,7 +99,7 @@ TEST_F(Resume, DamagedFilesAreMadeAgain) {
   const Outcome again = run("part", true);
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_THAT(again.err, HasSubstr("2 frames kept"));
-  EXPECT_THAT(again.err, HasSubstr("7 frames were not whole, and are made again"));
+  EXPECT_THAT(again.err, HasSubstr("7 frames not whole: made again"));
   EXPECT_EQ(fs::last_write_time(folder_ / "part/000007.png"), kept);
   EXPECT_NE(fs::last_write_time(folder_ / "part/000006.png"), old);
   EXPECT_EQ(contents(folder_ / "part/notes.4711-3"), "mine");
