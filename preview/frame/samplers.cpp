@@ -83,9 +83,9 @@ bool Samplers::in_full(const FrameScene& scene, const RenderOptions& options, Pa
                        DiagnosticLog& log, const Job& job) {
   const unsigned samples = options.samples;
   // of an image's small targets; of odd N there are no four grids
-  const TileScene all = tile_scene(scene, {0, 0, frame.image.width, frame.image.height});
+  on_tile_.find(scene, {0, 0, frame.image.width, frame.image.height});
   const bool states = scene.texels == 0 && samples > 0 && samples % 2 == 0 &&
-                      std::max(all.tile.width, all.tile.height) <= kStatedPixels;
+                      std::max(on_tile_.tile.width, on_tile_.tile.height) <= kStatedPixels;
   Sampling::Sums sums;
   for (Tiles whole(frame.image.width, frame.image.height, size.side); whole; whole.next()) {
     on_tile_.find(scene, *whole);

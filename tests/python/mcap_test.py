@@ -202,7 +202,7 @@ def check_cameras():
 
 def check_run(folder):
     run = folder / "run"
-    scenario = EXAMPLES / "lidar/approach.toml"
+    scenario = EXAMPLES / "rendezvous/instruments.toml"
     done = subprocess.run([PROGRAM, "run", scenario, "-o", run, "--frames", "0..2", "--type", "png", "--type", "npz", "--engine", "reference",
                            "--samples", "1", "--size", "64x48"], capture_output=True, text=True)
     expect(done.returncode == 0, done.stderr)

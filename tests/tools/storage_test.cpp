@@ -105,14 +105,18 @@ TEST(Storage, CompressedModelsAreEqualModels) {
 
 TEST(Storage, SectionsThatAreIgnoredAreNamed) {
   const TemporaryFolder folder;
-  support::OpenPan file(support::small_pan());
-  file.add_section(pan::layout::kReservedKinds[0].value, true, 64, std::vector<std::byte>(64));
-  file.add_section(1000, true, 64, std::vector<std::byte>(64));
-  const auto& bytes = file.seal().bytes();
-  const std::string path =
-      folder.write("m.pan", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-  EXPECT_THAT(panwright({"info", path}).out,
-              HasSubstr("ignored   sections of this file: kind 1000\nterrain   64 bytes of tiles"));
+  const auto written = [&](std::uint32_t kind) {
+    support::OpenPan file(support::small_pan());
+    file.add_section(kind, true, 64, std::vector<std::byte>(64));
+    const auto& bytes = file.seal().bytes();
+    return folder.write("m.pan",
+                        std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  };
+  EXPECT_THAT(panwright({"info", written(1000)}).out,
+              HasSubstr("ignored   sections of this file: kind 1000\n"));
+  // terrain is none of them, and has a form
+  EXPECT_THAT(panwright({"info", written(pan::layout::kReservedKinds[0].value)}).err,
+              HasSubstr("E9610"));
 }
 
 // A texture of 16384 x 16384 black texels in 4 MiB: the most that the format lets a file claim.
