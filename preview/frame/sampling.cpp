@@ -543,19 +543,8 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     gl_.TextureBuffer(pixels_texture_.id(), GL_R32UI, pixels_.id());
     passes_.shade(frame.scene, on_tile, samples, seen_, color_,
                   {pixels_texture_.id(), a_row, used});
-    if (!ensure_render_target(gl_, mean_, kMeanFormats, false, a_row, used, frame.area(),
-                              frame.log) ||
-        !resolve(mean_, a_row, used, samples, true, frame.log))
-      return false;
+    if (!read_means(a_row, used, frame.area(), samples, frame.log)) return false;
     const std::size_t floats = std::size_t{4} * a_row * used;
-    floats_.resize(std::max(floats_.size(), 2 * floats));
-    gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    for (unsigned i = 0; i < std::size(kMeanFormats); ++i) {
-      gl_.ReadBuffer(GL_COLOR_ATTACHMENT0 + i);
-      gl_.ReadPixels(0, 0, static_cast<GLsizei>(a_row), static_cast<GLsizei>(used), GL_RGBA,
-                     GL_FLOAT, floats_.data() + i * floats);
-    }
-    gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
     for (std::size_t i = 0; i < count; ++i) {
       const Pixel& pixel = pixels[which[first + i]];
       const std::size_t at = frame.at(pixel);

@@ -53,6 +53,11 @@ class Sampling {
  private:
   struct Frame;  // shared state of one render() call
 
+  // Reads the means of N×N samples, and behind them their spreads, into floats_.
+  //
+  //   area  pixels that later calls may need
+  bool read_means(std::uint32_t width, std::uint32_t height, std::size_t area, unsigned samples,
+                  DiagnosticLog& log);
   bool one_sample_each(const Frame& frame, image::Image& image, std::vector<float>& patternless);
   bool look_at_corners(const Frame& frame);
   void look_for_thin_parts(const Frame& frame);

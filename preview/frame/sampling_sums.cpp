@@ -6,10 +6,9 @@
 
 namespace panwright::preview {
 
-bool Sampling::add_errors(std::uint32_t width, std::uint32_t height, unsigned samples, Sums& sums,
-                          DiagnosticLog& log) {
-  if (!ensure_render_target(gl_, mean_, kMeanFormats, false, width, height,
-                            std::size_t{width} * height, log) ||
+bool Sampling::read_means(std::uint32_t width, std::uint32_t height, std::size_t area,
+                          unsigned samples, DiagnosticLog& log) {
+  if (!ensure_render_target(gl_, mean_, kMeanFormats, false, width, height, area, log) ||
       !resolve(mean_, width, height, samples, true, log))
     return false;
   const std::size_t floats = std::size_t{4} * width * height;
@@ -21,6 +20,13 @@ bool Sampling::add_errors(std::uint32_t width, std::uint32_t height, unsigned sa
                    GL_FLOAT, floats_.data() + i * floats);
   }
   gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  return true;
+}
+
+bool Sampling::add_errors(std::uint32_t width, std::uint32_t height, unsigned samples, Sums& sums,
+                          DiagnosticLog& log) {
+  if (!read_means(width, height, std::size_t{width} * height, samples, log)) return false;
+  const std::size_t floats = std::size_t{4} * width * height;
   for (std::size_t at = 0; at < floats; at += 4) {
     double off = 0;
     for (std::size_t k = 0; k < 3; ++k) {
