@@ -12,7 +12,8 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # one cache serves every checkout of the project on a machine
-  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1)
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1
+      CCACHE_DEPEND=1)  # a miss costs no preprocessing
   if(PANWRIGHT_PRECOMPILE)  # what it says of precompiled headers, which are as new as what they are used for
     list(APPEND CMAKE_CXX_COMPILER_LAUNCHER
          CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime)
@@ -101,6 +102,20 @@ function(panwright_precompile name)
   target_precompile_headers(${name} REUSE_FROM ${shared})
 endfunction()
 
+# panwright_unite(name): sources compiled as objects of at most 25, of equal counts. What objects have in common, headers and
+# templates, is a third of their time. At the folder's end, when all sources are known.
+function(panwright_unite name)
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL panwright_unite_now ${name})")
+endfunction()
+function(panwright_unite_now name)
+  get_target_property(sources ${name} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(LENGTH sources count)
+  math(EXPR objects "(${count} + 24) / 25")
+  math(EXPR size "(${count} + ${objects} - 1) / ${objects}")
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE ${size})
+endfunction()
+
 # panwright_optimise(name [OPTIMISED] [TEST]): the level of what computes much, and of tests, which compile faster without.
 function(panwright_optimise name)
   cmake_parse_arguments(ARG "OPTIMISED;TEST" "" "" ${ARGN})
@@ -128,6 +143,7 @@ function(panwright_library name)
   endif()
   panwright_optimise(panwright_${name} ${kind})
   panwright_precompile(panwright_${name} ${kind})
+  panwright_unite(panwright_${name})
   set_property(GLOBAL APPEND PROPERTY PANWRIGHT_LIBRARIES panwright_${name})
 endfunction()
 
@@ -148,6 +164,7 @@ function(panwright_test name)
   endif()
   panwright_optimise(${name}_tests ${kind})
   panwright_precompile(${name}_tests ${kind})
+  panwright_unite(${name}_tests)
   if(PANWRIGHT_PRECOMPILE)  # to GCC, macros of a precompiled gtest are not those of a system header
     target_compile_options(${name}_tests PRIVATE -Wno-dangling-else -Wno-missing-field-initializers)
   endif()
