@@ -271,10 +271,11 @@ void add_kernels(Context& context) {
             .reference = "an independent reader (numpy)",
             .must_error = 1e-12};
     const int times = context.quick() ? 10 : 2000;
-    time_work(row, context.runs(), 1e6 / (times * static_cast<double>(type.queries.size())), [&] {
-      for (int k = 0; k < times; ++k)
-        for (const auto& query : type.queries) query();
-    });
+    time_work(row, context.runs(), 1e6 / (times * static_cast<double>(type.queries.size())),
+              [&, &type = type] {
+                for (int k = 0; k < times; ++k)
+                  for (const auto& query : type.queries) query();
+              });
     context.add(std::move(row));
   }
 }

@@ -48,6 +48,9 @@ endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # a source that another one includes is a header to GCC
   list(APPEND PANWRIGHT_WARNINGS $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+elseif(CMAKE_UNITY_BUILD)
+  # to Clang, a name in a function shadows that of another source; the preset plain warns of true cases
+  list(APPEND PANWRIGHT_WARNINGS -Wno-shadow)
 endif()
 
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -66,7 +69,7 @@ endif()
 set(PANWRIGHT_COMMON_HEADERS algorithm array cmath cstdint filesystem functional map memory numeric optional set span string
     string_view unordered_map variant vector fmt/format.h glm/glm.hpp glm/gtc/quaternion.hpp nlohmann/json.hpp)
 function(panwright_precompile name)
-  cmake_parse_arguments(ARG "OPTIMISED;TEST" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;LIGHT;TEST" "" "" ${ARGN})
   if(NOT PANWRIGHT_PRECOMPILE)
     return()
   endif()
@@ -116,22 +119,24 @@ function(panwright_unite_now name)
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE ${size})
 endfunction()
 
-# panwright_optimise(name [OPTIMISED] [TEST]): the level of what computes much, and of tests, which compile faster without.
+# panwright_optimise(name [OPTIMISED] [LIGHT] [TEST]): the level of what computes much, and of tests and what computes little,
+# which compile faster without.
 function(panwright_optimise name)
-  cmake_parse_arguments(ARG "OPTIMISED;TEST" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;LIGHT;TEST" "" "" ${ARGN})
   if(PANWRIGHT_SANITIZE MATCHES "address" AND ARG_OPTIMISED)
     target_compile_options(${name} PRIVATE -O2)
   elseif(PANWRIGHT_SANITIZE MATCHES "address" AND ARG_TEST)
     target_compile_options(${name} PRIVATE -O0)
-  elseif(ARG_TEST AND NOT ARG_OPTIMISED)
+  elseif((ARG_TEST AND NOT ARG_OPTIMISED) OR (ARG_LIGHT AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang"))
+    # note: g++ refuses headers precompiled with another level
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
 
-# panwright_library(name SOURCES ... PUBLIC ... PRIVATE ... [OPTIMISED]): folder = namespace = target. OPTIMISED: it
-# computes much, and is optimised under AddressSanitizer too.
+# panwright_library(name SOURCES ... PUBLIC ... PRIVATE ... [OPTIMISED | LIGHT]): folder = namespace = target. OPTIMISED: it
+# computes much, and is optimised under AddressSanitizer too. LIGHT: it computes little.
 function(panwright_library name)
-  cmake_parse_arguments(ARG "OPTIMISED" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;LIGHT" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(panwright_${name} STATIC ${ARG_SOURCES})
   add_library(panwright::${name} ALIAS panwright_${name})
   set_target_properties(panwright_${name} PROPERTIES EXPORT_NAME ${name})
@@ -140,6 +145,8 @@ function(panwright_library name)
   set(kind "")
   if(ARG_OPTIMISED)
     set(kind OPTIMISED)
+  elseif(ARG_LIGHT)
+    set(kind LIGHT)
   endif()
   panwright_optimise(panwright_${name} ${kind})
   panwright_precompile(panwright_${name} ${kind})

@@ -268,7 +268,8 @@ class DatasetCommand {
     if (!is_as_planned(*defaults, *session, listener)) return false;
     std::error_code ignored;
     fs::create_directory(set_->frames_path(), ignored);
-    const auto [first, end] = *shard;
+    const std::size_t first = shard->first;
+    const std::size_t end = shard->second;
     if (first < end && !set_->take(first, end, log_)) return false;
     set_->remove_unfinished(first, end);
     const bool good = run_job(context_.job(), log_, [&] {

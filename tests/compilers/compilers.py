@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Two compilers make the same pan files, to the byte: the program of this build (clang, little
-optimised, with sanitizers) with one thread and the one of another (gcc, optimised) with eight.
+"""Two compilers make the same pan files, to the byte: the program of this build (gcc, little
+optimised, with ThreadSanitizer) with one thread and the one of another (clang, optimised) with eight.
 
     compilers.py PROGRAM OTHER FOLDER [CORPUS]    two panwright programs, a folder to work in, the
                                                   folder of public test data

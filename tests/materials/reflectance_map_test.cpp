@@ -184,7 +184,9 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
       for (const double r : {0.1, 1.0}) {
         const Vec3 v(std::sqrt(1 - mu * mu), 0, mu);
         const double found = cosine_integral(
-            [&](const Vec3& l) { return f64::brdf(m, l, v, kNormal, Vec3(1), under(Vec3(r))).y; },
+            [&, &m = m](const Vec3& l) {
+              return f64::brdf(m, l, v, kNormal, Vec3(1), under(Vec3(r))).y;
+            },
             96);
         EXPECT_NEAR(found, directional_albedo(m, mu, 0, Vec3(r)).y, 2e-3) << name << ' ' << mu;
       }

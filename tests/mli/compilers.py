@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Sheets have the same bits whatever compiler, optimisation and number of threads: what decides them,
-mli/, base/math.cpp and the normals of meshes, is compiled by g++ without optimisation and by clang++ with all of it.
+mli/, base/math.cpp and the normals of meshes, is compiled by clang++ without optimisation and by g++ with all of it.
 
     compilers.py SHEETS BASE FOLDER    mli_sheets and libpanwright_base.a of the build, a folder to work in
 
-Exit code 77: clang++ is not installed (scripts/setup --test installs it).
+Exit code 77: clang++ is not installed (scripts/setup installs it).
 """
 import concurrent.futures
 import glob
@@ -48,7 +48,7 @@ def main():
         print("clang++ is not installed: nothing was compared")
         return 77
     sheets, base, folder = sys.argv[1:4]
-    ways = [("g++", "-O0"), ("clang++", "-O3")]  # the build is g++'s with all of it
+    ways = [("clang++", "-O0"), ("g++", "-O3")]  # the build is clang++'s with most of it
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         programs = list(pool.map(lambda way: built(*way, base, folder), ways))
         runs = [(name, program, threads)
