@@ -29,7 +29,7 @@ void for_each_lookup(std::size_t count, const Job& job, const Answer& answer) {
 
 struct Lookups::Impl {
   world::World world;
-  trace::Scene scene;  // its observer stays the world's frame
+  trace::Scene scene{{0, true}};  // its observer stays the world's frame
   NearestSearch search;
 
   // A hit of a ray that began at the world's origin or elsewhere in its axes.
@@ -75,6 +75,17 @@ struct Lookups::Impl {
     if (!found) return {};
     const trace::Scene::Placed& placed = scene.targets()[found->target];
     const trace::Target& target = *placed.target;
+    const Vec3 local = (point - placed.frame.position) * placed.frame.world_from;
+    if (found->part == trace::Hit::kGround) {
+      trace::Hit hit;
+      hit.distance = std::sqrt(found->squared);
+      hit.target = found->target;
+      hit.part = trace::Hit::kGround;
+      hit.position = found->in_model;
+      hit.normal = found->normal;
+      hit.front = glm::dot(hit.normal, local - hit.position) >= 0;
+      return point_of(hit);
+    }
     // weights of the corners by the areas beside the point, in the model's frame
     const trace::Model::Part& part = target.model().parts()[found->part];
     const trace::Affine& place = target.placement(found->part).model_from_mesh;
@@ -90,7 +101,6 @@ struct Lookups::Impl {
       return squared > 0 ? std::clamp(glm::dot(glm::cross(a - p, b - p), area) / squared, 0.0, 1.0)
                          : 0.0;
     };
-    const Vec3 local = (point - placed.frame.position) * placed.frame.world_from;
     trace::Hit hit;
     hit.distance = std::sqrt(found->squared);
     hit.target = found->target;

@@ -5,9 +5,10 @@
 //   std::vector<instruments::SurfacePoint> points(pixels.size());
 //   lookups.pixels(camera, pixels, points);
 //
-// The answers are those of an image's ground truth: holes, hidden nodes and the insides of closed
-// meshes count as there. All positions and directions are in world axes, metres. A hit lies on its
-// triangle to some 1e-15 of the mesh's size, and along its ray to the rounding of the origin.
+// The answers are those of an image's ground truth: terrain, holes, hidden nodes and the insides of
+// closed meshes count as there; terrain with its finest triangles. All positions and directions are
+// in world axes, metres. A hit lies on its triangle to some 1e-15 of the mesh's size, and along its
+// ray to the rounding of the origin.
 #pragma once
 
 #include <cstdint>
@@ -86,7 +87,8 @@ class Lookups {
                   const Job& job = {}) const;
 
   // Points of visible surfaces that are nearest to points, from any side. Of equally near ones the
-  // lower target, instance and triangle. Holes that a texture cuts count as surface.
+  // lower target, instance and triangle. Holes that a texture cuts count as surface. Of terrain, as
+  // terrain::Ground::closest().
   //
   // Cost: for meshes that are new to it, O(T log T) and 260 bytes a triangle.
   void nearest(std::span<const Vec3> points, std::span<SurfacePoint> found, const Job& job = {});

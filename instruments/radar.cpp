@@ -128,29 +128,32 @@ class RadarTracer {
 
   const Radar& radar_;
   const world::World& world_;
-  trace::Scene scene_;
+  trace::Scene scene_{{0, true}};
   double wave_ = 0, gain_ = 0, sent_ = 0;
   RayGrid grid_;
   RadarSurface guessed_;
-  std::vector<std::vector<const RadarSurface*>> surfaces_;  // by target and material
+  // by target and material id, which is 0 of terrain
+  std::vector<std::vector<const RadarSurface*>> surfaces_;
   std::vector<std::vector<NodeMotion>> motions_;  // by target and node; empty: nothing moves
 };
 
 void RadarTracer::choose_surfaces(DiagnosticLog& log) {
   guessed_ = {"", ScatterLaw::lambert, 0.1};
   std::vector<std::string> missing;
+  const auto surface_of = [&](const std::string& name) -> const RadarSurface* {
+    const RadarSurface* found = nullptr;
+    for (const RadarSurface& each : radar_.surfaces)
+      if (each.material == name || (each.material == "*" && found == nullptr)) found = &each;
+    if (found != nullptr) return found;
+    if (std::ranges::find(missing, name) == missing.end()) missing.push_back(name);
+    return &guessed_;
+  };
   for (std::size_t i = 0; i < world_.size(); ++i) {
     const pan::Model& model = *world_[i].model();
-    auto& list = surfaces_.emplace_back();
-    for (std::uint32_t m = 0; m < model.materials().size(); ++m) {
-      const std::string name(model.material_name(m));
-      const RadarSurface* found = nullptr;
-      for (const RadarSurface& each : radar_.surfaces)
-        if (each.material == name || (each.material == "*" && found == nullptr)) found = &each;
-      if (found == nullptr && std::ranges::find(missing, name) == missing.end())
-        missing.push_back(name);
-      list.push_back(found != nullptr ? found : &guessed_);
-    }
+    const bool ground = scene_.targets()[i].target->ground() != nullptr;
+    auto& list = surfaces_.emplace_back(1, ground ? surface_of("terrain") : nullptr);
+    for (std::uint32_t m = 0; m < model.materials().size(); ++m)
+      list.push_back(surface_of(std::string(model.material_name(m))));
   }
   if (missing.empty()) return;
   const std::size_t count = missing.size();
@@ -257,7 +260,7 @@ bool RadarTracer::trace(std::size_t number, std::vector<RadarEcho>& out) const {
     if (!hit) break;
     met = true;
     const trace::Ids ids = scene_.ids(hit);
-    const RadarSurface& surface = *surfaces_[hit.target][ids.material - 1];
+    const RadarSurface& surface = *surfaces_[hit.target][ids.material];
     const Vec3 at = tube.from + hit.distance * tube.along;
     Vec3 normal = scene_.observer_from(hit.target).linear * scene_.surface(hit).facet;
     if (glm::dot(normal, tube.along) > 0) normal = -normal;

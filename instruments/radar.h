@@ -37,7 +37,7 @@ enum class ScatterLaw : std::uint8_t {
 };
 
 struct RadarSurface {
-  std::string material;  // its name in models; "*": all others
+  std::string material;  // its name in models; "terrain": terrain too; "*": all others
   ScatterLaw law = ScatterLaw::lambert;
   double level = 0.1;   // > 0
   double exponent = 2;  // of cosine

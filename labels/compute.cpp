@@ -42,7 +42,7 @@ bool has_layers(const image::Image* image, const world::Camera& camera) {
 
 struct Labeller::Impl {
   LabelOptions options;
-  trace::Scene scene;
+  trace::Scene scene{{0, true}};
 
   FrameLabels label(const world::World& world, const world::Camera& camera,
                     const FrameContext& context, const Things& things, const Job& job);
@@ -88,7 +88,7 @@ FrameLabels Labeller::Impl::label(const world::World& world, const world::Camera
                                   const FrameContext& context, const Things& things,
                                   const Job& job) {
   scene.update(world, job);
-  scene.place_observer({camera.position, camera.world_from_camera});
+  scene.place_observer({camera.position, camera.world_from_camera}, trace::half_pixel(camera));
   const ImagePlane plane(camera);
   const image::Image* layers = has_layers(context.layers, camera) ? context.layers : nullptr;
   FrameLabels out;

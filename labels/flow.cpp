@@ -38,8 +38,7 @@ std::vector<std::vector<Carriage>> carriages(const Moment& now, const Moment& ot
 std::optional<SurfacePoint> by_ray(const trace::Scene& scene, const trace::Ray& ray) {
   const trace::Hit hit = scene.nearest(ray);
   if (!hit) return std::nullopt;
-  const auto& part = scene.targets()[hit.target].target->model().parts()[hit.part];
-  return SurfacePoint{ray.origin + hit.distance * ray.direction, hit.target, part.node};
+  return SurfacePoint{ray.origin + hit.distance * ray.direction, hit.target, scene.node_of(hit)};
 }
 
 }  // namespace

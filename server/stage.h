@@ -89,7 +89,7 @@ class Stage {
   std::shared_ptr<const light::StarCatalogue> catalogue_;
   bool catalogue_read_ = false;
   workspace::Runner runner_;
-  trace::Scene rays_;
+  trace::Scene rays_{{0, true}};
 };
 
 }  // namespace panwright::server

@@ -355,7 +355,9 @@ void ImageView::pixel_values(const Vec2& mouse, std::uintptr_t texture) const {
     ImGui::TextWrapped("%s/%s", target.name().c_str(),
                        model.node_path(image.node_id[i] - 1).c_str());
     ImGui::PopTextWrapPos();
-    ImGui::Text("%s", std::string(model.material_name(image.material_id[i] - 1)).c_str());
+    const std::uint32_t material = image.material_id[i];  // 0: of terrain
+    ImGui::Text("%s",
+                material > 0 ? std::string(model.material_name(material - 1)).c_str() : "terrain");
   }
   ImGui::EndGroup();
   ImGui::EndTooltip();

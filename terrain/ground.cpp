@@ -13,6 +13,7 @@ namespace panwright::terrain {
 
 using internal::AcceptHit;
 using internal::ChartSurface;
+using internal::GroundApproach;
 using internal::GroundWalk;
 using internal::TerrainRay;
 using internal::TreeCache;
@@ -122,6 +123,24 @@ std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& directi
   if (levels == nullptr) return hit;
   const bool gap = hit ? glm::dot(hit->point.normal, direction) > 0 : state_->goes_below(ray);
   return gap ? state_->cast(ray, false, nullptr) : hit;
+}
+
+std::optional<GroundHit> Ground::closest(const Vec3& point, double most) const {
+  const TreeCache::Use use(state_->trees);
+  std::optional<GroundHit> out;
+  double squared = most * most;
+  for (std::uint32_t c = 0; c < state_->charts.size(); ++c) {
+    GroundApproach walk{point, nullptr, squared, {}, {}};
+    const AcceptHit accept = [&](const TriangleHit&) {
+      return !state_->is_covered(c, walk.nearest);
+    };
+    if (c > 0) walk.accept = &accept;
+    state_->charts[c].approach(walk, state_->trees);
+    if (!walk.best) continue;
+    squared = walk.squared;
+    out = GroundHit{walk.best->distance, state_->charts[c].point_of(*walk.best, walk.nearest)};
+  }
+  return out;
 }
 
 bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,

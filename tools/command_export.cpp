@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/posed_model.h"
 #include "workspace/open.h"
+#include "workspace/targets.h"
 
 namespace panwright::tools {
 
@@ -55,6 +56,7 @@ int run(const Options& options, const Host& host) {
   if (!model) return context.finish();
   const auto world = posed(options.input, *model, options.pose, log);
   if (!world) return context.finish();
+  workspace::warn_of_terrain(*world, "a glTF file", log);
   const exporters::GlbOptions glb{options.articulations, (*world)[0].joint_values()};
   context.step("write");
   const auto bytes = exporters::glb_from(**model, log, context.job(), glb);

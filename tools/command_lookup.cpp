@@ -168,7 +168,6 @@ class LookupRun {
     workspace::ViewSession session(*std::move(read), preview::ContextKind::automatic);
     const world::World* world = session.world(view, {}, log_, context_.job());
     if (world == nullptr || log_.has_errors()) return false;
-    workspace::warn_of_terrain(*world, "look-ups", log_);
     const auto frame = session.frame(view, log_);
     if (!frame) return false;
     camera_ = frame->camera();
@@ -190,6 +189,7 @@ class LookupRun {
 
   std::string material_of(const trace::Ids& ids) const {
     if (ids.target == 0) return "";
+    if (ids.material == 0) return "terrain";
     return std::string(lookups_.world()[ids.target - 1].model()->material_name(ids.material - 1));
   }
 

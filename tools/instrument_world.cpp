@@ -46,7 +46,6 @@ bool InstrumentWorld::open(double after) {
   if (!workspace::check(any, log)) return false;
   world_ = session_->world(any, {}, log, context_.job());
   if (world_ == nullptr || log.has_errors()) return false;
-  workspace::warn_of_terrain(*world_, "measurements", log);
   if (!scenario) return true;
   auto view = view_at(begin_ + (moves() ? after : 0), log);
   if (view) view_ = *std::move(view);

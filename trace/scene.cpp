@@ -313,15 +313,21 @@ Hit Scene::nearest_ground(const Ray& ray) const {
   return best;
 }
 
+bool Scene::is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray) const {
+  const terrain::Ground* ground = targets_[target].target->ground();
+  const auto& levels = ground_levels_[target];
+  return ground != nullptr && ground->is_blocked(ray.origin, ray.direction, ray.min_distance,
+                                                 ray.max_distance, levels ? &*levels : nullptr);
+}
+
+bool Scene::meets_ground(std::uint32_t target, const Ray& ray) const {
+  return is_blocked_by_ground(target, local(ray, target));
+}
+
 bool Scene::any(const Ray& ray, Insides insides) const {
   assert(is_sound(ray, targets_.size()));
   const auto blocks = [&](std::uint32_t target, const geometry::Ray& there) {
-    const Target& looked = *targets_[target].target;
-    const auto& levels = ground_levels_[target];
-    return looked.any(there, insides) ||
-           (looked.ground() != nullptr &&
-            looked.ground()->is_blocked(there.origin, there.direction, there.min_distance,
-                                        there.max_distance, levels ? &*levels : nullptr));
+    return targets_[target].target->any(there, insides) || is_blocked_by_ground(target, there);
   };
   if (visible_.size() == 1) return blocks(visible_[0], local(ray, visible_[0]));
   bool found = false;
@@ -353,6 +359,26 @@ Ids Scene::ids(const Hit& hit) const {
   const std::int32_t back = hit.front ? -1 : model.back_of(index);
   return {hit.target + 1, instance.node + 1,
           (back < 0 ? instance.material : static_cast<std::uint32_t>(back)) + 1, index + 1};
+}
+
+double half_pixel(const world::Camera& camera) {
+  if (camera.projection == world::Projection::orthographic) return 0;
+  world::Camera own = camera;
+  own.position = Vec3(0);
+  own.world_from_camera = Quat(1, 0, 0, 0);
+  constexpr int kParts = 8;
+  double least = kPi;
+  for (int j = 0; j <= kParts; ++j)
+    for (int i = 0; i <= kParts; ++i) {
+      const Vec2 place(camera.width * double(i) / kParts, camera.height * double(j) / kParts);
+      const auto here = world::distorted_ray(own, place);
+      for (const Vec2& step : {Vec2(1, 0), Vec2(0, 1)}) {
+        const auto next = world::distorted_ray(own, place + step);
+        if (here && next) least = std::min(least, glm::length(next->direction - here->direction));
+      }
+    }
+  // between the places that were asked angles differ by less
+  return 0.45 * least;
 }
 
 }  // namespace panwright::trace

@@ -25,6 +25,7 @@
 #include "geometry/ray/instances.h"
 #include "trace/model.h"
 #include "trace/placement.h"
+#include "world/camera.h"
 #include "world/world.h"
 
 namespace panwright::trace {
@@ -179,6 +180,8 @@ class Scene {
   Hit nearest(const Ray& ray, Insides insides = Insides::pass) const;
   // The same of terrain alone.
   Hit nearest_ground(const Ray& ray) const;
+  // Returns whether a ray meets the terrain of a target.
+  bool meets_ground(std::uint32_t target, const Ray& ray) const;
   // Returns true if nearest() has a hit, faster.
   bool any(const Ray& ray, Insides insides = Insides::pass) const;
 
@@ -192,6 +195,12 @@ class Scene {
            Insides insides = Insides::pass, const Job& job = {}) const;
 
   // Expects, all of these: a hit of this scene, before the next update.
+  //
+  // Returns its node in its model: of terrain the root.
+  std::uint32_t node_of(const Hit& hit) const {
+    if (hit.part == Hit::kGround) return 0;
+    return targets_[hit.target].target->model().parts()[hit.part].node;
+  }
   bool is_inside(const Hit& hit) const { return targets_[hit.target].target->is_inside(hit); }
   Surface surface(const Hit& hit) const { return targets_[hit.target].target->surface(hit); }
   // Ids of a hit, or 0 of none.
@@ -205,6 +214,7 @@ class Scene {
   std::shared_ptr<const Model> model_of(const world::ModelPtr& model, const Job& job);
   void place_targets();
   void meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best, double& limit) const;
+  bool is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray) const;
   Hit closest(const Ray& ray, Insides insides) const;
   geometry::Ray local(const Ray& ray, std::uint32_t target) const;
   template <class Look>
@@ -222,5 +232,9 @@ class Scene {
   geometry::BoxTree tree_;  // of the visible targets, world axes about the observer
   Work work_;
 };
+
+// Half the angle between rays of neighbouring pixels, or less: of terrain the levels for it are
+// those of images (Scene::place_observer()). 0: parallel rays.
+double half_pixel(const world::Camera& camera);
 
 }  // namespace panwright::trace

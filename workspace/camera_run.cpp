@@ -139,8 +139,6 @@ class CameraRun : public InstrumentRun {
     DiagnosticLog apart = scope_.log.apart();
     warn_of_inside(frame, shown);
     warn_of_lens(frame);
-    if (frame.labels && !std::exchange(warned_of_terrain_, true))
-      warn_of_terrain(shown, "labels", scope_.log);
     const bool good =
         frame.moments.empty()
             ? drawer_->submit(shown, camera, stores_ground_truth(frame), apart, scope_.job)
@@ -465,7 +463,6 @@ class CameraRun : public InstrumentRun {
   // labels of views, by W5006's and W5016's reasons
   std::map<std::pair<Code, std::string>, std::vector<std::string>> misplaced_;
   world::Evaluation evaluation_;
-  bool warned_of_terrain_ = false;
   struct Uncertain {
     std::size_t views = 0;
     double flux_error = 0, asked = 0;  // of the worst

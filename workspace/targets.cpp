@@ -124,8 +124,8 @@ void warn_of_terrain(const world::World& world, std::string_view what, Diagnosti
   for (const world::Instance& target : world.instances()) {
     if (!preview::has_ground(target)) continue;
     log.report_file(Code("W9620"), {},
-                    fmt::format("{} leave out the terrain of {}", what, in_quotes(target.name())),
-                    "images show it, and panwright dem answers questions about it");
+                    fmt::format("{} leaves out the terrain of {}", what, in_quotes(target.name())),
+                    "images, look-ups, labels, LiDARs and RADARs have it");
     return;
   }
 }

@@ -35,8 +35,8 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
 
-// Says that something leaves out the terrain of a world, if there is any: "labels leave out the
-// terrain of 'moon'". Reports: W9620.
+// Says that something leaves out the terrain of a world, if there is any: "a glTF file
+// leaves out the terrain of 'moon'". Reports: W9620.
 void warn_of_terrain(const world::World& world, std::string_view what, DiagnosticLog& log);
 
 // Bounding sphere, world axes, metres.

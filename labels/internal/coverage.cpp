@@ -19,6 +19,7 @@ constexpr double kMostSquares = 1 << 16;  // of a finer region
 struct Counted {
   std::uint64_t amodal = 0, visible = 0;
   AxisRectangle visible_box;
+  AxisRectangle box;  // of things with terrain
 };
 
 // Bits of a thing in a region: of all its leaves.
@@ -159,6 +160,7 @@ class Coverer {
       }
     if (cut) box = common(box, canvas_);
     if (box.empty()) box = {};
+    outer_.push_back(box);
     const AxisRectangle seen = common(box, shown_image());
     if (seen.empty()) return;
     Raster& raster = rasters_[t];
@@ -173,8 +175,14 @@ class Coverer {
     raster.visible.resize(pixels);
   }
 
+  bool has_ground(std::size_t t) const {
+    for (std::size_t leaf = 0; leaf < has_[t].size(); ++leaf)
+      if (has_[t][leaf] && surfaces_.ground[leaf]) return true;
+    return false;
+  }
+
   bool is_narrow(std::size_t t) const {
-    const AxisRectangle box = common(result_[t].box, canvas_);
+    const AxisRectangle box = common(outer_[t], canvas_);
     if (box.empty()) return false;
     const Vec2 sides = box.extent();
     return std::min(sides.x, sides.y) < kNarrow;
@@ -208,6 +216,7 @@ class Coverer {
         sum.amodal += band[t].amodal;
         sum.visible += band[t].visible;
         sum.visible_box.add(band[t].visible_box);
+        sum.box.add(band[t].box);
       }
       take(t, sum, 1);
     }
@@ -218,11 +227,13 @@ class Coverer {
     result_[t].amodal_pixels = static_cast<double>(sum.amodal) * area;
     result_[t].visible_pixels = static_cast<double>(sum.visible) * area;
     result_[t].visible_box = sum.visible_box;
+    if (has_ground(t)) result_[t].box = sum.box;
   }
 
   // At scale 1: pixels too.
   void count(std::size_t t, const Region& region, const ThingBits& bits, Counted& out) {
     Raster& raster = rasters_[t];
+    const bool ground = has_ground(t);
     const int left = static_cast<int>(region.left), top = static_cast<int>(region.top);
     for (int y = bits.amodal.top; y < bits.amodal.top + bits.amodal.height; ++y)
       for (int x = bits.amodal.left; x < bits.amodal.left + bits.amodal.width; ++x) {
@@ -231,6 +242,7 @@ class Coverer {
         if (word == 0) continue;
         const int samples = std::popcount(word);
         out.amodal += static_cast<std::uint64_t>(samples);
+        if (ground) add_samples(region, x, y, word, out.box);
         const int column = left + x - raster.left, row = top + y - raster.top;
         if (column < 0 || row < 0 || column >= raster.width || row >= raster.height) continue;
         const std::size_t pixel = raster.index(left + x, top + y);
@@ -253,7 +265,7 @@ class Coverer {
   }
 
   void cover_narrow(std::size_t t) {
-    const AxisRectangle box = common(result_[t].box, canvas_);
+    const AxisRectangle box = common(outer_[t], canvas_);
     const Vec2 sides = box.extent();
     Region region;
     const auto squares = [&](double scale) {
@@ -281,6 +293,7 @@ class Coverer {
         sum.amodal += static_cast<std::uint64_t>(samples);
         sum.visible += static_cast<std::uint64_t>(seen);
         if (seen > 0) add_samples(region, x, y, bits.visible[at], sum.visible_box);
+        if (has_ground(t)) add_samples(region, x, y, bits.amodal.words[at], sum.box);
         const Vec2 place = region.place(x, y, 0);
         const int column = static_cast<int>(std::floor(place.x)) - raster.left;
         const int row = static_cast<int>(std::floor(place.y)) - raster.top;
@@ -318,6 +331,7 @@ class Coverer {
   const Vec2 size_;
   const AxisRectangle& canvas_;
   std::vector<Coverage> result_;
+  std::vector<AxisRectangle> outer_;  // of each: of terrain, about its box
   std::vector<Raster> rasters_;
   std::vector<std::vector<char>> has_;  // by thing and leaf
 };

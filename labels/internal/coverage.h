@@ -3,7 +3,7 @@
 // Surfaces are sampled at 8×8 points a pixel, finer where they are narrow: all their triangles are
 // converted to spans of samples. Where several leaves have a sample, rays find the nearest. Where
 // all have whole pixels, the layers of ids of an image stand for rays, where a pixel and its
-// neighbours agree.
+// neighbours agree. Terrain is sampled by rays.
 #pragma once
 
 #include <cstdint>

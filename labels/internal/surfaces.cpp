@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "labels/internal/ground_bits.h"
 
 namespace panwright::labels {
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kVerticesAtOnce = 8192;
 constexpr std::size_t kTrianglesAtOnce = 8192;
+constexpr double kUnbounded = 1e12;  // pixels
 
 // Vertices of a drawn part on the plane.
 using PlacedPoints = std::vector<PlacedPoint>;
@@ -98,6 +100,12 @@ void cut_boxes(Surfaces& surfaces, double top, double bottom) {
   for (std::size_t leaf = 0; leaf < surfaces.boxes.size(); ++leaf) {
     AxisRectangle& box = surfaces.boxes[leaf];
     if (box.empty() || (box.low.y >= top && box.high.y <= bottom)) continue;
+    if (surfaces.ground[leaf]) {
+      box.low.y = std::max(box.low.y, top);
+      box.high.y = std::min(box.high.y, bottom);
+      if (box.empty()) box = {};
+      continue;
+    }
     box = {};
     for (const std::uint32_t k : surfaces.of_leaf[leaf])
       for (const PlacedTriangle& triangle : surfaces.pieces[k].placed.triangles)
@@ -152,6 +160,18 @@ Surfaces placed_surfaces(const trace::Scene& scene, const ImagePlane& plane, con
     result.of_leaf[leaf].push_back(k);
     result.boxes[leaf].add(piece.placed.box);
     result.cut[leaf] |= static_cast<char>(piece.placed.cut);
+  }
+  result.ground.resize(leaves);
+  for (const std::uint32_t t : scene.visible()) {
+    if (scene.targets()[t].target->ground() == nullptr) continue;
+    const std::uint32_t leaf = things.leaf_of[t][0];
+    result.ground[leaf] = t;
+    if (const auto box = ground_rectangle(scene, t, plane)) {
+      result.boxes[leaf].add(*box);
+      continue;
+    }
+    result.cut[leaf] = 1;
+    result.boxes[leaf] = {Vec2(-kUnbounded), Vec2(kUnbounded)};
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/axis_box.h"
@@ -35,6 +36,8 @@ struct Surfaces {
   std::vector<std::vector<std::uint32_t>> of_leaf;  // pieces of each leaf
   std::vector<AxisRectangle> boxes;                 // of each leaf
   std::vector<char> cut;                            // of each leaf: see PlacedTriangles::cut
+  // Of each leaf: the target whose terrain it has. Its box is one about it.
+  std::vector<std::optional<std::uint32_t>> ground;
 };
 
 // Expects: the observer of the scene is the camera. Throws Cancelled.

@@ -3,6 +3,8 @@
 #include <bit>
 #include <optional>
 
+#include "labels/internal/ground_bits.h"
+
 namespace panwright::labels {
 
 namespace {
@@ -147,8 +149,7 @@ class Judge {
   }
 
   std::uint32_t leaf_of(const trace::Hit& hit) const {
-    const auto& part = shown_.scene.targets()[hit.target].target->model().parts()[hit.part];
-    return shown_.things.leaf_of[hit.target][part.node];
+    return shown_.things.leaf_of[hit.target][shown_.scene.node_of(hit)];
   }
 
   void give(int x, int y, std::uint64_t samples, std::uint32_t winner) {
@@ -241,6 +242,7 @@ std::vector<LeafBits> region_bits(const Shown& shown, const Surfaces& surfaces,
     if (bits.words.empty()) continue;
     for (const std::uint32_t piece : surfaces.of_leaf[leaf])
       draw_piece(shown, surfaces, surfaces.pieces[piece], region, bits);
+    if (surfaces.ground[leaf]) draw_ground(shown, *surfaces.ground[leaf], region, bits);
     leaves.push_back({leaf, std::move(bits), {}});
   }
   const std::size_t size =

@@ -16,24 +16,6 @@ using namespace reference;
 
 namespace {
 
-// Half the angle between rays of neighbouring pixels, at least. 0: parallel rays.
-double half_pixel(const world::Camera& camera) {
-  if (camera.projection == world::Projection::orthographic) return 0;
-  constexpr int kParts = 8;
-  double least = kPi;
-  for (int j = 0; j <= kParts; ++j)
-    for (int i = 0; i <= kParts; ++i) {
-      const Vec2 place(camera.width * double(i) / kParts, camera.height * double(j) / kParts);
-      const auto here = view_ray(camera, place);
-      for (const Vec2& step : {Vec2(1, 0), Vec2(0, 1)}) {
-        const auto next = view_ray(camera, place + step);
-        if (here && next) least = std::min(least, glm::length(next->direction - here->direction));
-      }
-    }
-  // between the places that were asked angles differ by less
-  return 0.45 * least;
-}
-
 // Depths of targets; where there is none, the largest of the pixels around, else 0.
 std::vector<float> depths_of_targets(const image::Image& image) {
   std::vector<float> depths(image.pixels(), 0);
@@ -153,7 +135,7 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
                       const GroundOptions& options, image::Image& image, const Job& job) {
   TraceScene& scene = impl_->scene;
   scene.update(world, job);
-  scene.place_camera(camera, half_pixel(camera));
+  scene.place_camera(camera, trace::half_pixel(camera));
   GroundView view{scene, camera, options, {}, {}, {}, {}};
   for (const trace::Scene::Placed& placed : scene.rays().targets()) {
     view.suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);

@@ -43,7 +43,7 @@ struct ModelTables {
 }  // namespace
 
 struct SurfaceScene::Impl {
-  reference::TraceScene scene;
+  reference::TraceScene scene{true};
   std::unordered_map<const reference::TraceModel*, std::shared_ptr<const ModelTables>> known;
   std::vector<std::shared_ptr<const ModelTables>> tables;  // one for each target
 

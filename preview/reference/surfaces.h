@@ -1,6 +1,7 @@
 // Surfaces of a world with their materials, for instruments that bring their own light. No OpenGL.
 //
 // Materials, maps and decals are those of the reference renderer: in double, at full resolution.
+// So is terrain, with its finest triangles.
 #pragma once
 
 #include <array>

@@ -241,6 +241,41 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
   }
 }
 
+void ChartSurface::approach(GroundApproach& walk, TreeCache& trees) const {
+  struct Entry {
+    double squared;
+    std::uint32_t level, column, row;
+  };
+  const auto square_to = [&](std::uint32_t tile) {
+    const double distance = distance_to(tile, walk.point);
+    return distance * distance;
+  };
+  std::array<Entry, 3 * 32 + 4> stack;
+  std::size_t count = 0;
+  stack[count++] = {square_to(first_.back()), record_->levels - 1, 0, 0};
+  while (count > 0) {
+    const Entry here = stack[--count];
+    if (here.squared > walk.squared) continue;
+    if (here.level == 0) {
+      const std::uint32_t across = level_side(record_->width, 0).tiles;
+      trees.of(first_[0] + here.row * across + here.column, *this).approach(walk);
+      continue;
+    }
+    const std::uint32_t level = here.level - 1;
+    const std::uint32_t across = level_side(record_->width, level).tiles,
+                        down = level_side(record_->height, level).tiles;
+    const std::size_t begin = count;
+    for (std::uint32_t r = 2 * here.row; r < std::min(2 * here.row + 2, down); ++r)
+      for (std::uint32_t c = 2 * here.column; c < std::min(2 * here.column + 2, across); ++c) {
+        const double squared = square_to(first_[level] + r * across + c);
+        // the nearest last
+        std::size_t at = count++;
+        for (; at > begin && stack[at - 1].squared < squared; --at) stack[at] = stack[at - 1];
+        stack[at] = {squared, level, c, r};
+      }
+  }
+}
+
 double ChartSurface::distance_to(std::uint32_t tile, const Vec3& observer) const {
   const TileBox& box = boxes_[tile - record_->first_tile];
   const Vec3 p = glm::abs(box.axes * (observer - box.centre)) - box.half;

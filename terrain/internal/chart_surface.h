@@ -38,6 +38,15 @@ struct GroundWalk {
   std::optional<TriangleHit> best;
 };
 
+// State of a search for the ground nearest to a point.
+struct GroundApproach {
+  const Vec3& point;
+  const AcceptHit* accept = nullptr;  // null: all count; of hits nearest to the point
+  double squared = 0;                 // m²: of the distance, to be less
+  std::optional<TriangleHit> best;
+  Vec3 nearest{0};  // on its triangle
+};
+
 class ChartSurface {
  public:
   ChartSurface(const Tiles& tiles, std::uint32_t chart);
@@ -60,6 +69,8 @@ class ChartSurface {
   //
   //   refined  by tile of the file, 0: it is fine enough; empty: level 0
   void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
+  // Sets the nearest accepted triangle of level 0.
+  void approach(GroundApproach& walk, TreeCache& trees) const;
   GroundPoint point_of(const TriangleHit& hit, const Vec3& position) const;
   // Metres between an observer and the ground of a tile, at least; and between its posts, at most.
   double distance_to(std::uint32_t tile, const Vec3& observer) const;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "geometry/mesh/closest.h"
 
 namespace panwright::terrain::internal {
 
@@ -133,8 +136,8 @@ void TileTree::build() {
   }
 }
 
-void TileTree::meet_leaf(GroundWalk& walk, const Local& local, std::uint32_t x,
-                         std::uint32_t y) const {
+template <class Visit>
+void TileTree::visit_leaf(std::uint32_t x, std::uint32_t y, Visit&& visit) const {
   const std::uint32_t x1 = std::min(x + kLeafCells, nx_), y1 = std::min(y + kLeafCells, ny_);
   Vec3 points[kLeafCells + 1][kLeafCells + 1];
   for (std::uint32_t j = y; j <= y1; ++j)
@@ -148,19 +151,93 @@ void TileTree::meet_leaf(GroundWalk& walk, const Local& local, std::uint32_t x,
       for (std::uint32_t which = 0; which < 2; ++which) {
         const Vec3& side = which == 0 ? points[j][i + 1] : points[j + 1][i];
         // counter-clockwise from outside: rows run to the south
-        const Vec3 &b = which == 0 ? d : side, &c = which == 0 ? side : d;
-        double distance;
-        // note: of a void corner all comparisons fail
-        if (!cross(local.origin, walk.ray.direction, a, b, c, edge_, distance)) continue;
-        distance += local.shift;
-        if (!(distance >= walk.ray.least && distance < walk.most)) continue;
-        const TriangleHit hit{distance, level_, x0_ + x + i, y0_ + y + j, which, {a, b, c}};
-        if (walk.accept != nullptr && !(*walk.accept)(hit)) continue;
-        walk.best = hit;
-        walk.most = distance;
-        if (walk.any) return;
+        if (visit(a, which == 0 ? d : side, which == 0 ? side : d, x0_ + x + i, y0_ + y + j, which))
+          return;
       }
     }
+}
+
+void TileTree::meet_leaf(GroundWalk& walk, const Local& local, std::uint32_t x,
+                         std::uint32_t y) const {
+  visit_leaf(x, y,
+             [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t column,
+                 std::uint32_t row, std::uint32_t which) {
+               double distance;
+               // note: of a void corner all comparisons fail
+               if (!cross(local.origin, walk.ray.direction, a, b, c, edge_, distance)) return false;
+               distance += local.shift;
+               if (!(distance >= walk.ray.least && distance < walk.most)) return false;
+               const TriangleHit hit{distance, level_, column, row, which, {a, b, c}};
+               if (walk.accept != nullptr && !(*walk.accept)(hit)) return false;
+               walk.best = hit;
+               walk.most = distance;
+               return walk.any;
+             });
+}
+
+void TileTree::approach_leaf(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const {
+  visit_leaf(x, y,
+             [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t column,
+                 std::uint32_t row, std::uint32_t which) {
+               const Vec3 nearest = geometry::closest_point({a, b, c}, walk.point);
+               const Vec3 offset = nearest - walk.point;
+               const double squared = glm::dot(offset, offset);
+               // note: false of a void corner
+               if (!(squared < walk.squared)) return false;
+               TriangleHit hit{std::sqrt(squared), level_, column, row, which, {a, b, c}};
+               const Vec3 before = std::exchange(walk.nearest, nearest);
+               if (walk.accept != nullptr && !(*walk.accept)(hit)) {
+                 walk.nearest = before;
+                 return false;
+               }
+               walk.best = hit;
+               walk.squared = squared;
+               return false;
+             });
+}
+
+// From the nearest box; of boxes in double, however far the point is.
+void TileTree::approach(GroundApproach& walk) const {
+  if (nodes_.empty()) return;
+  struct Entry {
+    double squared;
+    std::uint32_t node;
+    std::uint16_t x, y;
+  };
+  const Vec3 from = axes_ * (walk.point - centre_);
+  std::array<Entry, 3 * kDepths + 4> stack;
+  std::size_t count = 0;
+  stack[count++] = {0, 0, 0, 0};
+  constexpr std::uint32_t kFirstLeaf = first_of(kDepths);
+  while (count > 0) {
+    const Entry entry = stack[--count];
+    if (entry.squared > walk.squared) continue;
+    if (entry.node >= kFirstLeaf) {
+      approach_leaf(walk, entry.x * kLeafCells, entry.y * kLeafCells);
+      continue;
+    }
+    const Boxes& boxes = nodes_[entry.node];
+    const std::size_t begin_of = count;
+    for (std::uint32_t c = 0; c < 4; ++c) {
+      if (boxes.low[0][c] > boxes.high[0][c]) continue;
+      double squared = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double at = from[static_cast<int>(k)];
+        const double off =
+            std::max({double(boxes.low[k][c]) - at, at - double(boxes.high[k][c]), 0.0});
+        squared += off * off;
+      }
+      if (squared > walk.squared) continue;
+      const Entry child{squared, 4 * entry.node + 1 + c,
+                        static_cast<std::uint16_t>(2 * entry.x + (c & 1)),
+                        static_cast<std::uint16_t>(2 * entry.y + (c >> 1))};
+      // the nearest last
+      std::size_t at = count++;
+      for (; at > begin_of && stack[at - 1].squared < child.squared; --at)
+        stack[at] = stack[at - 1];
+      stack[at] = child;
+    }
+  }
 }
 
 void TileTree::cast(GroundWalk& walk) const {

@@ -25,6 +25,8 @@ class TileTree {
   }
   // Nearest hit of a ray before walk.most, or any.
   void cast(GroundWalk& walk) const;
+  // Nearest triangle to a point, nearer than walk.squared.
+  void approach(GroundApproach& walk) const;
 
  private:
   // Of four children: a lane each.
@@ -34,6 +36,10 @@ class TileTree {
   struct Local;
 
   void meet_leaf(GroundWalk& walk, const Local& local, std::uint32_t x, std::uint32_t y) const;
+  void approach_leaf(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const;
+  // Calls visit(corners, column, row, triangle) for the triangles of a leaf, until it returns true.
+  template <class Visit>
+  void visit_leaf(std::uint32_t x, std::uint32_t y, Visit&& visit) const;
   void build();
 
   const ChartSurface* surface_ = nullptr;

@@ -296,7 +296,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W0270", {"render", pan, "-o", png, "--size", "8x8", "--ifov", "20"}, {}},
       {"W9670", {"dem", terrain_of(folder, "sound.pan"), "--at", "89 0"}, {}},
       {"W9671", {"dem", bare_header(folder), "-o", folder / "bare.pan"}, {}},
-      {"W9620", {"lookup", terrain_of(folder, "sound.pan"), "--elevation", "0 0"}, {}},
+      {"W9620", {"export", terrain_of(folder, "sound.pan"), "-o", folder / "sound.glb"}, {}},
       {"E9612", {"dem", kCrater, "--values", "plain", "-o", folder / "plain.pan"}, {}},
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},

@@ -1,13 +1,8 @@
 // Terrain in images against closed forms: a plateau that ends in a step, and its shadow; a globe.
-#include <array>
-#include <cstring>
-#include <fstream>
-
 #include "materials/sample.h"
 #include "preview/reference/ground_layer.h"
 #include "reference_models.h"
-#include "terrain/tile_writer.h"
-#include "tests/support/process.h"
+#include "tests/support/terrain_models.h"
 
 namespace panwright::preview::terrain_test {
 namespace {
@@ -16,34 +11,12 @@ using namespace testing_support;
 
 constexpr double kTop = 5;  // metres, of the plateau; its edge at x = -6.5
 
-world::ModelPtr ground_of(const std::string& label, const std::vector<float>& heights,
-                          const char* extension) {
-  const support::TemporaryFolder folder;
-  std::string data(4 * heights.size(), 0);
-  std::memcpy(data.data(), heights.data(), data.size());
-  (void)folder.write(std::string("a") + (extension[1] == 'h' ? ".dat" : ".img"), data);
-  const std::string path = folder.write(std::string("a") + extension, label);
-  DiagnosticLog log;
-  terrain::DemOptions reading;
-  reading.unit = 1;
-  reading.quantity = terrain::Quantity::height;
-  const auto dem = terrain::Dem::open(path, reading, log);
-  EXPECT_TRUE(dem) << to_text(log);
-  EXPECT_TRUE(terrain::write_tiles({&*dem, 1}, folder / "a.pan", {}, log)) << to_text(log);
-  auto model = pan::Model::open(folder / "a.pan", log);
-  EXPECT_TRUE(model && model->check(log)) << to_text(log);
-  return std::make_shared<const pan::Model>(*std::move(model));
-}
-
 // 65 x 65 posts of 1 m about the origin: the plateau up to column 25, ground at 0 from 26 on.
 world::ModelPtr plateau() {
   std::vector<float> heights;
   for (int y = 0; y < 65; ++y)
     for (int x = 0; x < 65; ++x) heights.push_back(x <= 25 ? kTop : 0.0f);
-  return ground_of(
-      "ENVI\nsamples = 65\nlines = 65\nbands = 1\ndata type = 4\nbyte order = 0\n"
-      "map info = {Local, 1, 1, -32.5, 32.5, 1, 1}\n",
-      heights, ".hdr");
+  return support::plane_model(65, heights);
 }
 
 // Sun in the west, 30 degrees high, over the plateau.
@@ -175,16 +148,7 @@ TEST(ReferenceTerrain, ShadowsOfAndOnTargets) {
 
 // A globe from afar: the area of its disc.
 TEST(ReferenceTerrain, DiscOfAGlobe) {
-  constexpr std::uint32_t kWidth = 720, kHeight = 360;
-  const std::string label =
-      "PDS_VERSION_ID = PDS3\n^IMAGE = \"a.img\"\nOBJECT = IMAGE\n LINES = 360\n LINE_SAMPLES = "
-      "720\n SAMPLE_TYPE = PC_REAL\n SAMPLE_BITS = 32\n UNIT = METER\nEND_OBJECT\nOBJECT = "
-      "IMAGE_MAP_PROJECTION\n A_AXIS_RADIUS = 1737.4 <km>\n POSITIVE_LONGITUDE_DIRECTION = EAST\n "
-      "CENTER_LONGITUDE = 0\n MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n CENTER_LATITUDE = "
-      "0\n MAP_RESOLUTION = 2 <pix/deg>\n LINE_PROJECTION_OFFSET = 179.5\n "
-      "SAMPLE_PROJECTION_OFFSET = 359.5\nEND_OBJECT\nEND\n";
-  const world::World world =
-      over(ground_of(label, std::vector<float>(kWidth * kHeight, 0), ".lbl"));
+  const world::World world = over(support::globe_model(std::vector<float>(720 * 360, 0)));
   constexpr double kDistance = 1e8, kRadius = 1737400;
   world::Camera camera;
   DiagnosticLog log;

@@ -8,7 +8,9 @@
 #include <numeric>
 #include <string>
 
+#include "base/file.h"
 #include "tests/support/process.h"
+#include "tests/support/terrain_models.h"
 #include "workspace/settings.h"
 
 namespace panwright::server {
@@ -153,6 +155,40 @@ TEST_F(SessionTest, ElevationsAndPatchesAreThoseOfThePlanes) {
           reply::kFloatArray);
   EXPECT_THAT(floats(dem, 4, 5), testing::ElementsAre(0, 0));
   EXPECT_EQ(word_at(dem), 2u);
+}
+
+// A slope of 1 in 4 under a craft: heights of its planes, by every request that asks for surfaces.
+TEST_F(SessionTest, SurfacesOfTerrain) {
+  constexpr int kPosts = 65;
+  std::vector<float> heights;
+  for (int row = 0; row < kPosts; ++row)
+    for (int column = 0; column < kPosts; ++column)
+      heights.push_back(0.25f * static_cast<float>(column) - 20);
+  const std::string ground = folder_ / "ground.pan";
+  ASSERT_TRUE(write_file(ground, support::plane_model(kPosts, heights)->bytes(), log_));
+  StageOptions options;
+  options.targets = {"craft=" + folder_.write("craft.pxn", kScene), "ground=" + ground};
+  ASSERT_TRUE(workspace::read_setting(SettingId::sun, "0 0 1", options.defaults, log_));
+  auto stage = Stage::open(options, log_, {});
+  ASSERT_TRUE(stage) << to_text(log_);
+  stage_ = *std::move(stage);
+  session_ = std::make_unique<Session>(*stage_, std::make_shared<State>(stage_->initial()),
+                                       SessionOptions{});
+  // z = x / 4 - 12
+  EXPECT_EQ(elevation(0, 0), 1);
+  EXPECT_EQ(elevation(3, 3), -11.25);
+  EXPECT_EQ(elevation(-20, 11), -17);
+  EXPECT_TRUE(std::isnan(elevation(-33, 0)));
+  const Bytes patch =
+      ask(WireWriter().word(25).flag(false).real(10).real(10).word(3).word(2).real(2).real(0),
+          reply::kFloatArray);
+  EXPECT_THAT(floats(patch, 4, 5), testing::ElementsAre(-10, -9.5, -9, -10, -9.5, -9));
+  ask(WireWriter().word(269).real64(20).real64(20).real64(3).real64(0).real64(1).real64(0).real64(
+          0),
+      reply::kOkay);
+  EXPECT_EQ(floats(ask(WireWriter().word(2), reply::kFloat), 0, 5)[0], 10);
+  const Bytes point = ask(WireWriter().word(6).real(0).real(0).real(-1), reply::kPoint);
+  EXPECT_THAT(floats(point, 0), testing::ElementsAre(20, 20, -7));
 }
 
 TEST_F(SessionTest, ObjectsAndJointsMove) {

@@ -220,6 +220,54 @@ void expect_places(const Made& made, Kind kind) {
 // From where a pixel may be, to 1e6 m: within 1e-6 m.
 TEST(Ground, RaysFromAfar) { expect_rays(make(Kind::polar, 270, 130, false), 1e6, 100); }
 
+// Distance to a triangle by the sides of its plane: another way than the library's.
+double distance_to(const std::array<Vec3, 3>& t, const Vec3& p) {
+  const Vec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  bool within = true;
+  double out = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3], side = b - a;
+    within = within && glm::dot(glm::cross(side, p - a), normal) >= 0;
+    const double share = std::clamp(glm::dot(p - a, side) / glm::dot(side, side), 0.0, 1.0);
+    out = std::min(out, glm::length(p - a - share * side));
+  }
+  return within ? std::fabs(glm::dot(p - t[0], normal)) / glm::length(normal) : out;
+}
+
+void expect_nearest(const Made& made, double reach) {
+  Draw draw;
+  double worst = 0;
+  for (int k = 0; k < 120; ++k) {
+    Vec3 post = made.points[static_cast<std::size_t>(draw() * double(made.points.size()))];
+    if (!std::isfinite(post.z)) post = made.points[0];
+    // near the ground, high above and far below, beside the map
+    const Vec3 point =
+        post + (k % 2 == 0 ? 0.003 : 1) * reach * Vec3(draw() - 0.5, draw() - 0.5, draw() - 0.5);
+    double want = std::numeric_limits<double>::infinity();
+    for (const auto& triangle : made.triangles)
+      if (std::isfinite(triangle[0].z + triangle[1].z + triangle[2].z))
+        want = std::min(want, distance_to(triangle, point));
+    const auto got = made.ground->closest(point);
+    ASSERT_TRUE(got) << k;
+    worst = std::max(worst, std::fabs(got->distance - want));
+    // measured: 1.5e-11 m
+    EXPECT_NEAR(got->distance, want, 1e-9) << k;
+    EXPECT_NEAR(glm::length(got->point.position - point), got->distance, 1e-9);
+    const auto& own = made.triangles[2 * (got->point.row * (made.width - 1) + got->point.column) +
+                                     got->point.triangle];
+    EXPECT_LT(distance_to(own, got->point.position), 1e-9) << k;
+    EXPECT_FALSE(made.ground->closest(point, 0.999 * want)) << k;
+    EXPECT_TRUE(made.ground->closest(point, 1.001 * want + 1e-6)) << k;
+  }
+  printf("nearest points: %.1e m\n", worst);
+}
+
+TEST(Ground, NearestOnAPlane) { expect_nearest(make(Kind::plane, 300, 90, true), 3000); }
+TEST(Ground, NearestOnACylindricalMap) {
+  expect_nearest(make(Kind::cylindrical, 600, 120, true), 60000);
+}
+TEST(Ground, NearestOnAPolarMap) { expect_nearest(make(Kind::polar, 270, 300, false), 60000); }
+
 // Triangles of a level, from the posts of the file.
 std::vector<std::array<Vec3, 3>> triangles_of(const Made& made, std::uint32_t level) {
   const LevelSide across = level_side(made.width, level), down = level_side(made.height, level);
