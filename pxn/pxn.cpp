@@ -1,5 +1,7 @@
 #include "pxn/pxn.h"
 
+#include <fmt/core.h>
+
 #include <cassert>
 
 #include "pxn/reader/assembler.h"
@@ -21,6 +23,14 @@ Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options
     if (!part) return failed;
     if (!assemble(loader, *part, options, reporter, scene)) return failed;
     loader.check_approach();
+    if (options.terrain && *options.terrain && scene.nodes.size() > 1) {
+      const scene::Source& at = scene.nodes[1].source;
+      log.report(Code("E9613"), {},
+                 fmt::format("{}:{}:{}: a file with a <terrain> has no nodes", at.file, at.line,
+                             at.column),
+                 "a file of their own makes them a target beside the terrain");
+      return failed;
+    }
     return scene;
   });
 }

@@ -16,6 +16,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "base/work_cache.h"
+#include "pxn/terrain.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
@@ -45,6 +46,8 @@ struct Options {
   bool foil_levels = true;
   // of foil, materials and cleaned meshes; null: none. It does not change the scene
   const WorkCache* cache = nullptr;
+  // if given, receives the terrain of the top file, which then has no nodes (E9613); else W9620
+  std::optional<TerrainText>* terrain = nullptr;
   // unsaved texts of an editor that replace files on disk, by their paths, absolute and without
   // links; null: none. The files must exist
   const std::map<std::filesystem::path, std::shared_ptr<const std::string>>* unsaved = nullptr;

@@ -132,8 +132,8 @@ COMMANDS = {
     "compile": {
         "output": "string: the pan file", "bytes": "integer: its size", "triangles": "integer: as drawn, instances counted",
         "unique_triangles": "integer: as stored", "unique_meshes": "integer: as stored", "instances": "integer: of meshes",
-        "worst_error": "number: metres, largest distance between mesh and shape",
-        "budget?": FITTED,
+        "worst_error": "number: metres, largest distance between mesh and shape; of terrain between stored heights and their source",
+        "tiles?": "integer: of terrain", "budget?": FITTED,
         "storage": STORAGE,
         "cache?": CACHE,
     },

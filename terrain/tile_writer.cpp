@@ -6,12 +6,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <numeric>
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pan/writer.h"
+#include "terrain/internal/blend.h"
 #include "terrain/internal/tile_levels.h"
 
 namespace panwright::terrain {
@@ -62,10 +65,10 @@ double step_of(double error) {
   return std::ldexp(1.0, std::ilogb(2 * error));
 }
 
-// Rows of one elevation file into tiles.
+// Rows of one part into tiles.
 class ChartWriter {
  public:
-  ChartWriter(const Dem& dem, double step, pan::Writer& out, std::uint64_t& place,
+  ChartWriter(const DemPart& dem, double step, pan::Writer& out, std::uint64_t& place,
               DiagnosticLog& log, const Job& job)
       : dem_(dem),
         chart_(chart_of(dem.info(), step)),
@@ -80,7 +83,6 @@ class ChartWriter {
     Phase phase(job_, "tiling", dem_.info().height);
     bool sound = true;
     const bool all = dem_.read(
-        0, dem_.info().height,
         [&](const Rows& rows) {
           for (std::uint32_t r = 0; r < rows.count && sound; ++r)
             sound = take(
@@ -102,6 +104,9 @@ class ChartWriter {
 
   ChartRecord& chart() { return chart_; }
   std::vector<TileRecord>& records() { return records_; }
+  // Before run(): what takes its rows, and what changes them.
+  void add_window(internal::HeightWindow& window) { windows_.push_back(&window); }
+  void set_blend(internal::Blend& blend) { blend_ = &blend; }
 
  private:
   bool complain(const std::string& name, const std::string& problem, std::string hint = {}) {
@@ -113,6 +118,14 @@ class ChartWriter {
   bool take(std::span<const double> heights, std::span<const VoidKind> voids,
             const std::string& name) {
     row_.resize(chart_.width);
+    if (blend_ != nullptr) {
+      blended_.assign(heights.begin(), heights.end());
+      for (std::size_t x = 0; x < heights.size(); ++x)
+        if (voids[x] != VoidKind::none) blended_[x] = std::numeric_limits<double>::quiet_NaN();
+      blend_->apply(row_number_, blended_);
+      heights = blended_;
+    }
+    ++row_number_;
     constexpr double kMostSteps = 1 << 24;  // floats hold these multiples
     for (std::size_t x = 0; x < heights.size(); ++x) {
       const double h = heights[x];
@@ -137,6 +150,7 @@ class ChartWriter {
       row_.back() = row_.front();
       kinds_.push_back(kinds_.front());
     }
+    for (internal::HeightWindow* window : windows_) window->push(row_);
     return levels_.push(
         row_, kinds_, job_, [&](TileRecord& record, std::span<const std::byte> bytes) {
           record.offset = place_;
@@ -149,7 +163,7 @@ class ChartWriter {
         });
   }
 
-  const Dem& dem_;
+  const DemPart& dem_;
   ChartRecord chart_;
   pan::Writer& out_;
   std::uint64_t& place_;
@@ -159,6 +173,71 @@ class ChartWriter {
   internal::TileLevels levels_;
   std::vector<float> row_;
   std::vector<VoidKind> kinds_;
+  std::vector<double> blended_;
+  std::uint32_t row_number_ = 0;
+  std::vector<internal::HeightWindow*> windows_;
+  internal::Blend* blend_ = nullptr;
+};
+
+// Says what a blend does that nobody may want.
+void warn_of_blend(const DemPart& part, const internal::BlendReport& found, DiagnosticLog& log) {
+  const std::string name =
+      (part.place().empty() ? "" : part.place() + ": ") + in_quotes(part.info().files.front());
+  const std::uint64_t border = found.posts + found.without;
+  if (found.without > 0)
+    log.report(Code("W9614"), {},
+               fmt::format("{}: {} of {} posts of the border have nothing below to blend into",
+                           name, found.without, border),
+               "they keep their heights; a part that nothing lies below needs no blend");
+  if (found.posts == 0) return;
+  constexpr double kMostSlope = 0.1;
+  // 3t² - 2t³ rises by 1.5 at most
+  const double slope = 1.5 * found.step / part.blend();
+  if (slope <= kMostSlope) return;
+  const auto count = static_cast<double>(found.posts);
+  const double mean = found.sum / count;
+  const double rest = std::sqrt(std::max(0.0, found.squares / count - mean * mean));
+  log.report(Code("W9614"), {},
+             fmt::format("{}: the border is up to {:.3g} m off the terrain below, {:.3g} m in the "
+                         "mean: the band of {:.6g} m has slopes of {:.2g} degrees of its own",
+                         name, found.step, mean, part.blend(), det::atan(slope) / kDegree),
+             std::fabs(mean) > 2 * rest
+                 ? fmt::format("raise=\"{:.3g}m\" takes the mean away", -mean)
+                 : "a wider band is flatter");
+}
+
+// Windows and blends of parts, the first first.
+struct Blends {
+  std::vector<std::vector<std::unique_ptr<internal::HeightWindow>>>
+      windows;                                           // by part, of those below
+  std::vector<std::unique_ptr<internal::Blend>> blends;  // by part; null: none
+
+  // Fails: E9613.
+  bool plan(std::span<const DemPart> parts, DiagnosticLog& log) {
+    windows.resize(parts.size());
+    blends.resize(parts.size());
+    std::uint64_t held = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!(parts[i].blend() > 0)) continue;
+      const ChartRecord own = chart_of(parts[i].info(), 0);
+      std::vector<const internal::HeightWindow*> below;
+      for (std::size_t k = i + 1; k < parts.size(); ++k) {
+        windows[i].push_back(std::make_unique<internal::HeightWindow>(chart_of(parts[k].info(), 0),
+                                                                      own, parts[i].blend()));
+        below.push_back(windows[i].back().get());
+        held += below.back()->posts();
+      }
+      blends[i] = std::make_unique<internal::Blend>(own, parts[i].blend(), std::move(below));
+    }
+    if (held <= internal::HeightWindow::kMostPosts) return true;
+    const auto first = std::ranges::find_if(parts, [](const DemPart& p) { return p.blend() > 0; });
+    log.report(Code("E9613"), {},
+               fmt::format("{}{}blending needs {} posts of the files below at once, more than {}",
+                           first->place(), first->place().empty() ? "" : ": ", held,
+                           internal::HeightWindow::kMostPosts),
+               "a smaller part, or a file below that is reduced, needs fewer");
+    return false;
+  }
 };
 
 bool same_name(std::string_view a, std::string_view b) {
@@ -166,9 +245,9 @@ bool same_name(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, folded, folded);
 }
 
-bool same_body(std::span<const Dem> dems, DiagnosticLog& log) {
+bool same_body(std::span<const DemPart> dems, DiagnosticLog& log) {
   const DemInfo* first = nullptr;
-  for (const Dem& dem : dems) {
+  for (const DemPart& dem : dems) {
     const DemInfo& info = dem.info();
     if (info.quantity == Quantity::plain) {
       log.report_file(Code("E9612"), info.files.front(), "its numbers are no elevations",
@@ -188,14 +267,15 @@ bool same_body(std::span<const Dem> dems, DiagnosticLog& log) {
 }
 
 // A pan file of one node, for its tables.
-Result<pan::Contents> frame_of(std::span<const Dem> dems, const TilesOptions& options,
+Result<pan::Contents> frame_of(std::span<const DemPart> dems, const TilesOptions& options,
                                DiagnosticLog& log) {
   pan::Contents contents;
   contents.version = "panwright " PANWRIGHT_VERSION;
   contents.options = fmt::format("terrain error={}", options.error);
+  for (const DemPart& part : dems) contents.options += part.words();
   contents.nodes.emplace_back();
   contents.nodes.back().name = "terrain";
-  for (const Dem& dem : dems)
+  for (const DemPart& dem : dems)
     for (const std::string& file : dem.info().files) {
       const auto mapped = MappedFile::open(file, log);
       if (!mapped) return failed;
@@ -236,28 +316,69 @@ bool write_tail(std::span<const ChartRecord> charts, std::span<const TileRecord>
 
 Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem::path& path,
                                 const TilesOptions& options, DiagnosticLog& log, const Job& job) {
-  if (!same_body(dems, log)) return failed;
+  std::vector<DemPart> parts;
+  for (const Dem& dem : dems) parts.emplace_back(dem);
+  return write_parts(parts, path, options, log, job);
+}
+
+namespace {
+
+// Charts and tiles of all parts, in their order.
+struct Written {
+  std::vector<ChartRecord> charts;
+  std::vector<TileRecord> records;
+  std::uint64_t bytes = 0;  // of tiles
+};
+
+bool write_charts(std::span<const DemPart> parts, const TilesOptions& options, pan::Writer& writer,
+                  Written& out, DiagnosticLog& log, const Job& job) {
+  Blends all;
+  if (!all.plan(parts, log)) return false;
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  // what others lead to comes before them
+  if (std::ranges::any_of(all.blends, [](const auto& blend) { return blend != nullptr; }))
+    std::ranges::reverse(order);
+  std::vector<ChartRecord> charts(parts.size());
+  std::vector<std::vector<TileRecord>> records(parts.size());
+  for (const std::size_t i : order) {
+    const DemPart& part = parts[i];
+    if (!(part.info().map.dx > 0))
+      log.report_file(Code("W9671"), part.info().files.front(),
+                      "the distance of pixels is not known: 1 m is taken", "--spacing METRES");
+    ChartWriter chart(part, step_of(options.error), writer, out.bytes, log, job);
+    if (all.blends[i]) chart.set_blend(*all.blends[i]);
+    for (std::size_t above = 0; above < i; ++above)
+      if (all.blends[above]) chart.add_window(*all.windows[above][i - above - 1]);
+    if (!chart.run()) return false;
+    if (all.blends[i]) warn_of_blend(part, all.blends[i]->report(), log);
+    all.windows[i].clear();
+    charts[i] = chart.chart();
+    records[i] = std::move(chart.records());
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    charts[i].first_tile = static_cast<std::uint32_t>(out.records.size());
+    out.charts.push_back(charts[i]);
+    out.records.insert(out.records.end(), records[i].begin(), records[i].end());
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::filesystem::path& path,
+                                const TilesOptions& options, DiagnosticLog& log, const Job& job) {
+  if (!same_body(parts, log)) return failed;
   return run_job(job, log, [&]() -> Result<TilesReport> {
-    const auto contents = frame_of(dems, options, log);
+    const auto contents = frame_of(parts, options, log);
     if (!contents) return failed;
     auto writer = pan::Writer::create(path, log);
     if (!writer || !writer->begin(kTilesSection, 1, true, log)) return failed;
-    TilesReport report;
-    std::vector<ChartRecord> charts;
-    std::vector<TileRecord> records;
-    std::uint64_t place = 0;
-    for (const Dem& dem : dems) {
-      if (!(dem.info().map.dx > 0))
-        log.report_file(Code("W9671"), dem.info().files.front(),
-                        "the distance of pixels is not known: 1 m is taken", "--spacing METRES");
-      ChartWriter chart(dem, step_of(options.error), *writer, place, log, job);
-      if (!chart.run()) return failed;
-      chart.chart().first_tile = static_cast<std::uint32_t>(records.size());
-      charts.push_back(chart.chart());
-      records.insert(records.end(), chart.records().begin(), chart.records().end());
-      report.error = std::max(report.error, chart.chart().error);
-    }
-    if (!write_tail(charts, records, place, *writer, log) || !writer->end(log)) return failed;
+    Written written;
+    if (!write_charts(parts, options, *writer, written, log, job)) return failed;
+    if (!write_tail(written.charts, written.records, written.bytes, *writer, log) ||
+        !writer->end(log))
+      return failed;
     // the tables of a model of one node, as they are
     auto rest = pan::Model::from_bytes(pan::write_to_memory(*contents), path.string(), log);
     if (!rest) return failed;
@@ -268,9 +389,12 @@ Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem
           !writer->end(log))
         return failed;
     if (!writer->finish(rest->build_id(), log, nullptr, &job)) return failed;
+    TilesReport report;
     report.bytes = writer->bytes();
-    report.tiles = records.size();
-    for (const TileRecord& record : records)
+    report.tiles = written.records.size();
+    for (const ChartRecord& chart : written.charts)
+      report.error = std::max(report.error, chart.error);
+    for (const TileRecord& record : written.records)
       report.float_tiles += record.form == std::uint32_t(TileForm::floats);
     return report;
   });

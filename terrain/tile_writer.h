@@ -9,6 +9,7 @@
 #include "base/job.h"
 #include "base/result.h"
 #include "terrain/dem.h"
+#include "terrain/part.h"
 #include "terrain/tiles.h"
 
 namespace panwright::terrain {
@@ -34,6 +35,18 @@ struct TilesReport {
 // error do not hold). Nothing appears under the name before the file is whole and checked.
 // Cost: O(posts); memory 257 rows of doubles and twice as many floats, and the records of tiles.
 Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem::path& path,
+                                const TilesOptions& options, DiagnosticLog& log,
+                                const Job& job = {});
+
+// The same of parts. Within the band of a part that blends, heights lead from those of the
+// triangles below it, at its border, to its own: the weight of its own is 3t² - 2t³ at a share t of
+// the band. Posts further inside are those of write_tiles() without a band. Where there is nothing
+// below, a part keeps its heights.
+//
+// Fails: also E9613 for a blend of which more than 2^27 posts below would be held. Reports W9614
+// for one that bends the ground by more than 6 degrees, or leads to nothing. Memory: also the posts
+// below, within the rectangle about each band.
+Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::filesystem::path& path,
                                 const TilesOptions& options, DiagnosticLog& log,
                                 const Job& job = {});
 

@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/print.h"
 #include "workspace/open.h"
+#include "workspace/terrain.h"
 
 namespace panwright::tools {
 
@@ -102,6 +103,36 @@ nlohmann::ordered_json as_json(const compiler::Report& report) {
           {"worst_error", report.worst_error}};
 }
 
+// Terrain in place of nodes.
+int tile(const Options& options, const std::string& output, scene::Scene& scene,
+         const pxn::TerrainText& terrain, CommandContext& context) {
+  DiagnosticLog& log = context.log();
+  if (output == "-") {
+    log.report(Code("E0201"), {}, "terrain is written to a file, not to standard output");
+    return context.finish();
+  }
+  const auto folder = std::filesystem::path(options.input).parent_path();
+  context.step("tile");
+  const auto made = workspace::write_terrain(terrain, folder, output, log, context.job());
+  if (!made) return context.finish();
+  context.wrote(output, counted(made->tiles.tiles, "tile"));
+  if (!options.depfile.empty()) {
+    for (const std::string& file : made->files)
+      scene.inputs.push_back(
+          {std::filesystem::path(file).lexically_relative(folder).string(), {}, 0});
+    const auto rule = dependencies(options, output, scene.inputs, log);
+    if (rule && write_file(options.depfile, as_bytes(*rule), log)) context.wrote(options.depfile);
+  }
+  context.result()["output"] = output;
+  compiler::Report none;
+  none.bytes = made->tiles.bytes;
+  none.worst_error = made->tiles.error;
+  context.result().update(as_json(none));
+  context.result()["tiles"] = made->tiles.tiles;
+  context.result()["storage"] = storage_json(options.compress, none.storage);
+  return context.finish();
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("compile", options.common, host);
   DiagnosticLog& log = context.log();
@@ -128,14 +159,16 @@ int run(const Options& options, const Host& host) {
   const auto read = options.read.opening(log);
   if (!read) return context.finish();
   workspace::OpenReport steps;
-  auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps);
+  std::optional<pxn::TerrainText> terrain;
+  auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps, &terrain);
   // what could be read is written only where the user named the output
-  if (!scene || (log.has_errors() && options.output.empty())) {
+  if (!scene || (log.has_errors() && (options.output.empty() || terrain))) {
     if (scene) context.left_out();
     context.add_timings(steps.steps);
     if (!read->cache.empty()) context.add_work(steps.work);
     return context.finish();
   }
+  if (terrain) return tile(options, output, *scene, *terrain, context);
   std::string rule;
   if (!options.depfile.empty()) {
     const auto made = dependencies(options, output, scene->inputs, log);

@@ -21,6 +21,7 @@
 #include "workspace/internal/kept_work.h"
 #include "workspace/internal/stopwatch.h"
 #include "workspace/scene_settings.h"
+#include "workspace/terrain.h"
 
 namespace panwright::workspace {
 
@@ -304,7 +305,8 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
 }
 
 Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
-                                DiagnosticLog& log, const Job& job, OpenReport* report) {
+                                DiagnosticLog& log, const Job& job, OpenReport* report,
+                                std::optional<pxn::TerrainText>* terrain) {
   if (is_cad(path)) {
     auto imported = read_cad(path, options, log, job, report);
     if (!imported) return failed;
@@ -319,6 +321,7 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.declared = options.declared;
   read.unsaved = &options.unsaved;
   read.foil_levels = options.foil_levels;
+  read.terrain = terrain;
   const KeptWork work(options, report);
   read.cache = work.cache();
   auto scene = pxn::read(path, read, log, job);
@@ -343,12 +346,18 @@ Result<world::ModelPtr> open_source(const std::filesystem::path& path, const Ope
   OpenOptions options = given;
   std::set<std::string> declared;
   if (given.declared != nullptr) options.declared = &declared;
-  auto scene = read_scene(path, options, log, job, report);
+  std::optional<pxn::TerrainText> terrain;
+  auto scene = read_scene(path, options, log, job, report, &terrain);
   if (!scene) return failed;
   if (given.declared != nullptr) {
     std::erase_if(options.parameters,
                   [&](const auto& parameter) { return !declared.contains(parameter.first); });
     given.declared->merge(declared);
+  }
+  if (terrain) {
+    if (log.errors() > errors) return failed;
+    const Stopwatch watch(report, "tile " + path.string());
+    return terrain_model(*terrain, path.parent_path(), log, job);
   }
   if (!replace_budget(*scene, options, log)) return failed;
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;

@@ -21,6 +21,7 @@
 #include "compiler/hidden.h"
 #include "importers/import.h"
 #include "importers/mesh_report.h"
+#include "pxn/terrain.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -98,7 +99,8 @@ void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log
 
 // Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the
 // extension: .pan is mapped and checked; .pxn and CAD files are read, cleaned, pruned and compiled
-// in memory, to the same bytes as `panwright compile` and `import` write.
+// in memory, to the same bytes as `panwright compile` and `import` write; their terrain into a file
+// without a name.
 //
 //   returns  a model that is checked()
 // Fails: E0001, E0202; .pan: E01…, E4…; else E01…, E1…, E2…, E3…, E6…. For a partly readable text
@@ -110,12 +112,14 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
 
 // Reads a pxn or CAD file. Of the latter, instances may be pruned unless keep_hidden.
 //
+//   terrain  pxn::Options::terrain
 // Fails: E0001, E01…, E1…, E6…; E0201 for an unknown value of a CAD option. Returns the readable
 // part; errors in the log mark it as incomplete. Reports N1405 for options without effect on the
 // file.
 Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job = {},
-                                OpenReport* report = nullptr);
+                                OpenReport* report = nullptr,
+                                std::optional<pxn::TerrainText>* terrain = nullptr);
 
 // Reads a CAD file, places it and cleans it.
 Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,

@@ -67,6 +67,7 @@ void Loader::read_root(File& file) {
        [&](std::uint32_t c) { define(file, c, attribute::part_name, file.parts); });
   each(ElementId::budget, [&](std::uint32_t c) { read_budget(file, c); });
   each(ElementId::scene, [&](std::uint32_t c) { read_scene(file, c); });
+  each(ElementId::terrain, [&](std::uint32_t c) { read_terrain(file, c); });
 }
 
 // Brings over what a file defines that the root includes. Whatever is wrong with the include itself

@@ -127,6 +127,9 @@ class Loader {
   void read_frame_s(Work& work, std::uint32_t element);
   void read_frame(Work& work, std::uint32_t element);
   void read_keypoint(Work& work, std::uint32_t element);
+  // terrain_reader.cpp
+  void read_terrain(File& file, std::uint32_t element);
+  std::optional<DemText> read_dem(Work& work, std::uint32_t element);
   // lights.cpp
   void read_lamp(Work& work, std::uint32_t element);
   void read_scene(File& file, std::uint32_t element);

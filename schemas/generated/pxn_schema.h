@@ -81,6 +81,8 @@ enum class ElementId : std::uint16_t {
   frame,
   keypoint,
   lamp,
+  terrain,
+  dem,
   scene,
   sun,
   planet,
@@ -383,6 +385,18 @@ inline constexpr std::size_t lamp_exponent = 7;
 inline constexpr std::size_t lamp_radius = 8;
 inline constexpr std::size_t lamp_pulse = 9;
 inline constexpr std::size_t lamp_state = 10;
+inline constexpr std::size_t terrain_error = 0;
+inline constexpr std::size_t dem_file = 0;
+inline constexpr std::size_t dem_unit = 1;
+inline constexpr std::size_t dem_values = 2;
+inline constexpr std::size_t dem_radius = 3;
+inline constexpr std::size_t dem_spacing = 4;
+inline constexpr std::size_t dem_void = 5;
+inline constexpr std::size_t dem_pixels = 6;
+inline constexpr std::size_t dem_bounds = 7;
+inline constexpr std::size_t dem_reduce = 8;
+inline constexpr std::size_t dem_raise = 9;
+inline constexpr std::size_t dem_blend = 10;
 inline constexpr std::size_t scene_date = 0;
 inline constexpr std::size_t scene_orbit = 1;
 inline constexpr std::size_t sun_direction = 0;
@@ -765,6 +779,9 @@ inline constexpr ElementId kChoice_pangu_model_4[] = {
 inline constexpr ElementId kChoice_pangu_model_5[] = {
     ElementId::scene,
 };
+inline constexpr ElementId kChoice_pangu_model_6[] = {
+    ElementId::terrain,
+};
 inline constexpr Attribute kAttributes_pangu_model[] = {
     {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}, {}, "m", false},
@@ -778,6 +795,7 @@ inline constexpr Slot kSlots_pangu_model[] = {
     {kChoice_pangu_model_3, "", 0, 0, ""},
     {kChoice_pangu_model_4, "", 0, 1, ""},
     {kChoice_pangu_model_5, "", 0, 1, ""},
+    {kChoice_pangu_model_6, "", 0, 1, ""},
 };
 inline constexpr Number kNumbers_group_count[] = {
     {"count", 0, 4294967295, false, false},
@@ -1799,6 +1817,76 @@ inline constexpr Attribute kAttributes_lamp[] = {
 };
 inline constexpr Rule kRules_lamp[] = {
     {RuleKind::one_of, kMembers_lamp_0},
+};
+inline constexpr Number kNumbers_terrain_error[] = {
+    {"error", 0, 1000000.0, false, false},
+};
+inline constexpr ElementId kChoice_terrain_0[] = {
+    ElementId::dem,
+};
+inline constexpr Attribute kAttributes_terrain[] = {
+    {"error", 1, true, false, {ValueKind::real, 1, kNumbers_terrain_error, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+};
+inline constexpr Slot kSlots_terrain[] = {
+    {kChoice_terrain_0, "", 1, 0, ""},
+};
+inline constexpr std::string_view kWords_dem_unit[] = {
+    "m",
+    "km",
+};
+inline constexpr std::string_view kWords_dem_values[] = {
+    "height",
+    "radius",
+};
+inline constexpr Number kNumbers_dem_radius[] = {
+    {"radius", 0, 1000000000000.0, true, false},
+};
+inline constexpr Number kNumbers_dem_spacing[] = {
+    {"spacing", 0, 1000000000.0, true, false},
+};
+inline constexpr Number kNumbers_dem_void[] = {
+    {"void", -1e+30, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_dem_pixels[] = {
+    {"column", 0, 4294967295, false, false},
+    {"row", 0, 4294967295, false, false},
+    {"columns", 0, 4294967295, false, false},
+    {"rows", 0, 4294967295, false, false},
+};
+inline constexpr Number kNumbers_dem_bounds[] = {
+    {"south", -1000000000000.0, 1000000000000.0, false, false},
+    {"west", -1000000000000.0, 1000000000000.0, false, false},
+    {"north", -1000000000000.0, 1000000000000.0, false, false},
+    {"east", -1000000000000.0, 1000000000000.0, false, false},
+};
+inline constexpr Number kNumbers_dem_reduce[] = {
+    {"reduce", 1, 65536, false, false},
+};
+inline constexpr Number kNumbers_dem_raise[] = {
+    {"raise", -1000000000.0, 1000000000.0, false, false},
+};
+inline constexpr Number kNumbers_dem_blend[] = {
+    {"blend", 0, 1000000000.0, false, false},
+};
+inline constexpr std::string_view kMembers_dem_0[] = {
+    "@pixels",
+    "@bounds",
+};
+inline constexpr Attribute kAttributes_dem[] = {
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"unit", 1, true, false, {ValueKind::word, 1, {}, kWords_dem_unit, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"values", 1, true, false, {ValueKind::word, 1, {}, kWords_dem_values, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_dem_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"spacing", 1, true, false, {ValueKind::real, 1, kNumbers_dem_spacing, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"void", 1, true, false, {ValueKind::real, 1, kNumbers_dem_void, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"pixels", 1, true, false, {ValueKind::real, 4, kNumbers_dem_pixels, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"bounds", 1, true, false, {ValueKind::real, 4, kNumbers_dem_bounds, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"reduce", 1, true, false, {ValueKind::integer, 1, kNumbers_dem_reduce, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
+    {"raise", 1, true, false, {ValueKind::real, 1, kNumbers_dem_raise, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"blend", 1, true, false, {ValueKind::real, 1, kNumbers_dem_blend, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+};
+inline constexpr Rule kRules_dem[] = {
+    {RuleKind::exclusive, kMembers_dem_0},
 };
 inline constexpr ElementId kChoice_scene_0[] = {
     ElementId::sun,
@@ -2825,6 +2913,12 @@ inline constexpr Element kElements[] = {
     {"lamp", 1, true,
      {},
      kAttributes_lamp, {}, kRules_lamp, false},
+    {"terrain", 1, true,
+     {},
+     kAttributes_terrain, kSlots_terrain, {}, false},
+    {"dem", 1, true,
+     {},
+     kAttributes_dem, {}, kRules_dem, false},
     {"scene", 1, true,
      {},
      kAttributes_scene, kSlots_scene, {}, false},

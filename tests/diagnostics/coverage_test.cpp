@@ -72,6 +72,17 @@ std::string terrain_of(const TemporaryFolder& folder, const std::string& name) {
   return folder / name;
 }
 
+// A text that takes a part of the crater.
+std::string terrain_text(const TemporaryFolder& folder, const std::string& name,
+                         const std::string& attributes) {
+  for (const char* extension : {".lbl", ".img"})
+    fs::copy_file(fs::path(kCrater).replace_extension(extension),
+                  folder.path() / (std::string("crater") + extension),
+                  fs::copy_options::overwrite_existing);
+  return folder.write(name, "<pangu_model ver=\"1\"><terrain><dem file=\"crater.lbl\" " +
+                                attributes + "/></terrain></pangu_model>");
+}
+
 std::string damaged_terrain(const TemporaryFolder& folder) {
   const std::string path = terrain_of(folder, "ground.pan");
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -293,6 +304,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E9606", {"dem", folder.write("cut.tab", "v 0 0 0\nv 1 0\n"), "--unit", "m"}, {}},
       {"E9610", {"dem", pan}, {}},
       {"E9611", {"check", damaged_terrain(folder)}, {}},
+      {"E9613", {"compile", terrain_text(folder, "beyond.pxn", "pixels=\"100 0 200 50\"")}, {}},
+      {"W9614",
+       {"compile", terrain_text(folder, "alone.pxn", "blend=\"50m\""), "-o", folder / "alone.pan"},
+       {}},
       {"W0270", {"render", pan, "-o", png, "--size", "8x8", "--ifov", "20"}, {}},
       {"W9670", {"dem", terrain_of(folder, "sound.pan"), "--at", "89 0"}, {}},
       {"W9671", {"dem", bare_header(folder), "-o", folder / "bare.pan"}, {}},
