@@ -116,8 +116,8 @@ std::string DemPart::words() const {
 
 bool DemPart::read(const RowsReceiver& to, DiagnosticLog& log, const Job& job) const {
   const std::uint32_t n = choice_.reduce, from = dem_.info().width;
-  const auto [x, y, columns, rows] = pixels_;
-  if (n == 1 && choice_.raise == 0 && columns == from) {
+  const std::uint32_t x = pixels_[0], y = pixels_[1], rows = pixels_[3];
+  if (n == 1 && choice_.raise == 0 && pixels_[2] == from) {
     const auto counted_from_part = [&](Rows band) {
       band.first -= pixels_[1];
       return to(band);
