@@ -19,7 +19,7 @@ struct PartChoice {
   std::optional<std::array<std::uint32_t, 4>> pixels;
   // Posts within south, west, north, east: degrees; of a plane y, x, y, x in metres.
   std::optional<std::array<double, 4>> bounds;
-  std::uint32_t reduce = 1;  // means of so many rows and columns; a rest is left out
+  std::uint32_t reduce = 1;  // means of N x N pixels; a rest is left out
   double raise = 0;          // metres, added to heights
   double blend = 0;          // metres: band within the border that leads to the terrain below
 };
@@ -39,7 +39,7 @@ class DemPart {
   const Dem& dem() const { return dem_; }
   double blend() const { return choice_.blend; }
   const std::string& place() const { return place_; }  // of its text; empty: none
-  std::string words() const;  // what is taken, for records; empty: all of the file, as it is
+  std::string words() const;  // Choice, for records; empty: all of the file, as it is
 
   // Gives all rows, as Dem::read().
   bool read(const RowsReceiver& to, DiagnosticLog& log, const Job& job = {}) const;

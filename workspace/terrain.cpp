@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "terrain/tiles.h"
+#include "workspace/internal/forward.h"
 
 namespace panwright::workspace {
 
@@ -55,8 +56,7 @@ Result<TerrainMade> write_terrain(const pxn::TerrainText& text, const fs::path& 
     const std::string place = place_of_dem(dem.source);
     DiagnosticLog apart = log.apart();
     auto opened = terrain::Dem::open(folder / dem.file, reading_of(dem), apart, job);
-    for (const Diagnostic& each : apart.entries())
-      log.report(each.code, {}, fmt::format("{}: {}", place, each.message), each.hint);
+    forward(apart, place, {}, log);
     if (!opened) return failed;
     for (const std::string& file : opened->info().files) out.files.push_back(file);
     auto part = terrain::DemPart::of(

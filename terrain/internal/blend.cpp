@@ -101,30 +101,50 @@ double HeightWindow::at(const LatLon& place) const {
     return kNone;
   const auto x = static_cast<std::uint32_t>(std::clamp(post.x, 0.0, chart_.width - 2.0)),
              y = static_cast<std::uint32_t>(std::clamp(post.y, 0.0, chart_.height - 2.0));
-  if (x < left_ || y < top_ || x + 1 >= left_ + width_ || y + 1 >= top_ + height_ ||
-      heights_.empty())
-    return kNone;
-  const bool right = post.x - x >= post.y - y;
-  const std::uint32_t corners[3][2] = {
-      {x, y}, {x + 1, y + 1}, {right ? x + 1 : x, right ? y : y + 1}};
-  const auto height = [&](int k) {
-    return double(heights_[std::size_t{corners[k][1] - top_} * width_ + corners[k][0] - left_]);
-  };
+  const std::uint32_t first = post.x - x >= post.y - y ? 0 : 1;
   if (map_.kind == Map::Kind::none) {
-    const double u = post.x - x, v = post.y - y;
-    const double rise = right ? u * (height(2) - height(0)) + v * (height(1) - height(2))
-                              : v * (height(2) - height(0)) + u * (height(1) - height(2));
-    return height(0) + rise;
+    if (!holds(x, y)) return kNone;
+    const double u = post.x - x, v = post.y - y, h = height(x, y), far = height(x + 1, y + 1);
+    const double side = first == 0 ? height(x + 1, y) : height(x, y + 1);
+    return first == 0 ? h + u * (side - h) + v * (far - side)
+                      : h + v * (side - h) + u * (far - side);
   }
+  const Vec3 up = vertical_of(place);
+  if (const auto met = on_triangle(x, y, first, up)) return *met;
+  if (const auto met = on_triangle(x, y, 1 - first, up)) return *met;
+  // edges are straight in space, not on the map: the place may be in a neighbour
+  for (std::uint32_t cy = y > 0 ? y - 1 : 0; cy <= std::min(y + 1, chart_.height - 2); ++cy)
+    for (std::uint32_t cx = x > 0 ? x - 1 : 0; cx <= std::min(x + 1, chart_.width - 2); ++cx)
+      for (std::uint32_t which = 0; which < 2; ++which)
+        if (cx != x || cy != y)
+          if (const auto met = on_triangle(cx, cy, which, up)) return *met;
+  return kNone;
+}
+
+// Height at which a vertical meets a triangle of a cell.
+std::optional<double> HeightWindow::on_triangle(std::uint32_t x, std::uint32_t y,
+                                                std::uint32_t which, const Vec3& up) const {
+  if (!holds(x, y)) return {};
+  const std::uint32_t corners[3][2] = {
+      {x, y}, {x + 1, y + 1}, {which == 0 ? x + 1 : x, which == 0 ? y : y + 1}};
   Vec3 points[3];
   for (int k = 0; k < 3; ++k) {
+    const double h = height(corners[k][0], corners[k][1]);
+    if (std::isnan(h)) return {};
     const Vec3 v = vertical_of(map_.at(corners[k][0] + 0.5, corners[k][1] + 0.5));
-    points[k] = (radius_of(chart_, v) + height(k)) * v;
+    points[k] = (radius_of(chart_, v) + h) * v;
   }
-  const Vec3 normal = glm::cross(points[1] - points[0], points[2] - points[0]);
-  const Vec3 up = vertical_of(place);
-  const double facing = glm::dot(normal, up);
-  return facing != 0 ? glm::dot(normal, points[0]) / facing - radius_of(chart_, up) : kNone;
+  // from beside the triangle, so that differences are small
+  const double radius = radius_of(chart_, up), near = height(x, y);
+  const Vec3 side = points[1] - points[0], other = points[2] - points[0],
+             from = (radius + near) * up - points[0], p = glm::cross(up, other);
+  const double det = glm::dot(side, p);
+  if (det == 0) return {};
+  const Vec3 q = glm::cross(from, side);
+  const double u = glm::dot(from, p) / det, v = glm::dot(up, q) / det;
+  constexpr double kEdge = -1e-9;
+  if (u < kEdge || v < kEdge || u + v > 1 - kEdge) return {};
+  return near + glm::dot(other, q) / det;
 }
 
 Blend::Blend(const ChartRecord& chart, double band, std::vector<const HeightWindow*> below)

@@ -26,6 +26,17 @@ class HeightWindow {
   double at(const LatLon& place) const;
 
  private:
+  // Of a cell: all of its posts.
+  bool holds(std::uint32_t x, std::uint32_t y) const {
+    return x >= left_ && y >= top_ && x + 1 < left_ + width_ && y + 1 < top_ + height_ &&
+           !heights_.empty();
+  }
+  double height(std::uint32_t x, std::uint32_t y) const {
+    return double(heights_[std::size_t{y - top_} * width_ + x - left_]);
+  }
+  std::optional<double> on_triangle(std::uint32_t x, std::uint32_t y, std::uint32_t which,
+                                    const Vec3& up) const;
+
   ChartRecord chart_;
   Map map_;
   std::uint32_t left_ = 0, top_ = 0, width_ = 0, height_ = 0, next_ = 0;

@@ -53,7 +53,10 @@ void expect_no_diagnostics(const fs::path& folder) {
     if (entry.path().extension() != ".pxn") continue;
     if (folder.filename() == "examples" && entry.path().parent_path().filename() == "blankets")
       continue;
-    const Reading r = read_path(entry.path().string());
+    std::optional<TerrainText> terrain;
+    Options options;
+    options.terrain = &terrain;
+    const Reading r = read_path(entry.path().string(), options);
     EXPECT_TRUE(r.scene);
     EXPECT_FALSE(r.log.has_errors()) << entry.path() << r.summary();
     // the meaning of hapke is our reading, which is said each time
