@@ -6,7 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/parallel.h"
 #include "bench/bench.h"
@@ -111,6 +114,40 @@ Descent descent(const terrain::Ground& ground, const terrain::LatLon& place, dou
   return {eye, forward, right, glm::cross(forward, right)};
 }
 
+// Smooth normals at hits on a plane; their error: how far they are apart on both sides of the edges
+// of triangles.
+void add_normals(const Site& site, const terrain::Ground& ground, Row row,
+                 std::span<const std::optional<terrain::GroundHit>> hits, std::uint32_t width,
+                 Context& context) {
+  std::vector<Vec3> normals(hits.size());
+  const auto shade = [&](std::size_t j) {
+    for (std::size_t k = j * width; k < (j + 1) * width; ++k)
+      if (hits[k]) normals[k] = ground.smooth(hits[k]->point).normal;
+  };
+  const auto count = std::ranges::count_if(hits, [](const auto& hit) { return bool(hit); });
+  row.setting += ", smooth normals";
+  row.speed_unit = "M/s";
+  row.error_unit = "rad";
+  row.reference = "beyond the edge of the triangle";
+  row.must_error = 1e-6;
+  set_rate(row, timed([&] { parallel_for(hits.size() / width, shade); }, context.runs()),
+           double(count) / 1e6);
+  row.error = 0;
+  const terrain::ChartRecord& chart = ground.tiles().charts()[0];
+  for (std::size_t k = 0; k < hits.size(); k += 97) {
+    if (!hits[k]) continue;
+    const double along = 0.25 + 0.5 * double(k % 7) / 7;
+    const double x = chart.left + (hits[k]->point.column + along) * chart.dx,
+                 y = chart.top - (hits[k]->point.row + along) * chart.dy;
+    const auto beside = [&](double off) {
+      return ground.smooth(ground.at({y + off, x + off})).normal;
+    };
+    const double off = 1e-7 * site.post;
+    row.error = std::max(row.error, glm::length(beside(off) - beside(-off)));
+  }
+  context.add(row);
+}
+
 void add_view(const Site& site, const terrain::Ground& ground, double height, bool levels,
               Context& context) {
   const std::uint32_t width = context.quick() ? 64 : 640, rows = context.quick() ? 36 : 360;
@@ -160,6 +197,7 @@ void add_view(const Site& site, const terrain::Ground& ground, double height, bo
   }
   context.add(row);
   if (levels) return;
+  if (site.map == nullptr) add_normals(site, ground, row, hits, width, context);
   // to a Sun 10 degrees high
   const Vec3 toward =
       glm::normalize(view.right + std::tan(10 * kDegree) * view.eye / glm::length(view.eye));

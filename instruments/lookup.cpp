@@ -82,7 +82,12 @@ struct Lookups::Impl {
       hit.target = found->target;
       hit.part = trace::Hit::kGround;
       hit.position = found->in_model;
-      hit.normal = found->normal;
+      hit.normal = found->ground.normal;
+      hit.triangle = found->triangle;
+      hit.chart = found->ground.chart;
+      hit.level = found->ground.level;
+      hit.column = found->ground.column;
+      hit.row = found->ground.row;
       hit.front = glm::dot(hit.normal, local - hit.position) >= 0;
       return point_of(hit);
     }

@@ -102,6 +102,10 @@ void Ground::at(std::span<const LatLon> places, std::span<GroundPoint> points,
                job);
 }
 
+SmoothGround Ground::smooth(const GroundPoint& point) const {
+  return state_->charts[point.chart].smooth(point);
+}
+
 GroundLevels Ground::levels(const Vec3& observer, double angle) const {
   GroundLevels out;
   const auto records = tiles().records();

@@ -28,6 +28,13 @@ struct GroundPoint {
   explicit operator bool() const { return height == height; }
 };
 
+// Smooth ground at a point of its triangles: normals of posts, by the posts beside them,
+// interpolated over the cell.
+struct SmoothGround {
+  Vec3 normal{0};   // unit, away from the body; where posts are missing that of the triangle
+  double rise = 0;  // metres, at most, of the smooth ground over the triangle; 0: it lies below
+};
+
 // Point of the ground that a ray or a point is nearest to.
 struct GroundHit {
   double distance = 0;  // metres, from the origin of the ray, or the point
@@ -62,6 +69,10 @@ class Ground {
   // note: the triangle and plane that rays meet
   GroundPoint at(const LatLon& place) const;
   void at(std::span<const LatLon> places, std::span<GroundPoint> points, const Job& job = {}) const;
+
+  // Smooth ground at a point that rays, closest() or at() gave; its normals are continuous within a
+  // chart and a level.
+  SmoothGround smooth(const GroundPoint& point) const;
 
   // Levels for rays from an observer: of each tile the coarsest whose triangles lie within an angle
   // of those of level 0 for the observer (radians), and whose posts are no further apart.

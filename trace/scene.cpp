@@ -124,8 +124,23 @@ bool Target::any(const geometry::Ray& ray, Insides insides) const {
   return has_holes_ ? caster_.any(ray, {hole_filter, this}) : caster_.any(ray);
 }
 
+terrain::SmoothGround Target::smooth_ground(const Hit& hit) const {
+  terrain::GroundPoint point;
+  point.position = hit.position;
+  point.normal = hit.normal;
+  point.chart = hit.chart;
+  point.level = hit.level;
+  point.column = hit.column;
+  point.row = hit.row;
+  point.triangle = hit.triangle;
+  return ground_->smooth(point);
+}
+
 Vec3 Target::normal(const Hit& hit, bool flat) const {
-  if (hit.part == Hit::kGround) return hit.front ? hit.normal : -hit.normal;
+  if (hit.part == Hit::kGround) {
+    const Vec3 normal = flat ? hit.normal : smooth_ground(hit).normal;
+    return hit.front ? normal : -normal;
+  }
   const Model::Part& part = model_->parts()[hit.part];
   const MeshPoint at =
       point_of(part.mesh, place_of(part.mesh, hit.triangle, hit.barycentric), flat);
@@ -135,8 +150,8 @@ Vec3 Target::normal(const Hit& hit, bool flat) const {
 
 Surface Target::surface(const Hit& hit) const {
   if (hit.part == Hit::kGround) {
-    const Vec3 normal = hit.front ? hit.normal : -hit.normal;
-    return {hit.position, normal, normal, Vec2(0)};
+    const double side = hit.front ? 1 : -1;
+    return {hit.position, side * hit.normal, side * smooth_ground(hit).normal, Vec2(0)};
   }
   const Model::Part& part = model_->parts()[hit.part];
   const Placement& placed = placement(hit.part);
@@ -270,6 +285,10 @@ void Scene::meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& bes
   best.direction = ray.direction;
   best.position = hit->point.position;
   best.normal = hit->point.normal;
+  best.chart = hit->point.chart;
+  best.level = hit->point.level;
+  best.column = hit->point.column;
+  best.row = hit->point.row;
   best.front = glm::dot(best.normal, ray.direction) <= 0;
 }
 
@@ -282,9 +301,19 @@ Hit Scene::closest(const Ray& ray, Insides insides) const {
     const auto hit = looked.closest(there, insides);
     // at equal distances the lower target
     if (hit && (!best || hit->distance < limit || target < best.target)) {
-      best = {hit->distance,   target,           looked.parts()[hit->instance],
-              hit->triangle,   hit->barycentric, hit->front,
-              there.direction, Vec3(0),          Vec3(0)};
+      best = {hit->distance,
+              target,
+              looked.parts()[hit->instance],
+              hit->triangle,
+              hit->barycentric,
+              hit->front,
+              there.direction,
+              Vec3(0),
+              Vec3(0),
+              0,
+              0,
+              0,
+              0};
       limit = hit->distance;
     }
     meet_ground(target, there, best, limit);

@@ -53,6 +53,7 @@ struct Hit {
   Vec3 direction{0};           // the ray's, unit, in the frame of the target's model
   // of terrain, in that frame: the point, and the normal of its triangle, unit, away from the body
   Vec3 position{0}, normal{0};
+  std::uint32_t chart = 0, level = 0, column = 0, row = 0;  // of terrain: the cell
 
   explicit operator bool() const { return distance < std::numeric_limits<double>::infinity(); }
 };
@@ -99,6 +100,8 @@ class Target {
     return !hit.front && hit.part != Hit::kGround && model_->parts()[hit.part].closed;
   }
   const terrain::Ground* ground() const { return ground_; }  // null: none, or hidden
+  // Expects: a hit on its terrain.
+  terrain::SmoothGround smooth_ground(const Hit& hit) const;
   // As Surface::normal; flat: by the triangles' own normals.
   Vec3 normal(const Hit& hit, bool flat) const;
   Surface surface(const Hit& hit) const;

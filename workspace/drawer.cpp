@@ -299,6 +299,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
     const unsigned samples = impl_->options.gl.samples;
     next.ground_options.samples = samples > 0 ? samples : 2;
     next.ground_options.psf_sigma = next.psf_sigma;
+    next.ground_options.flat = impl_->options.gl.flat;
   }
   next.before = next.bodies && impl_->may_stand_before(*next.sky, world, camera.position);
   const bool good =

@@ -109,7 +109,7 @@ void NearestSearch::improve(const Parts& parts, std::uint32_t target, const Vec3
       if (best && squared == best->squared &&
           std::tie(target, index, triangle) >= std::tie(best->target, best->part, best->triangle))
         return;
-      best = {squared, nearest, target, index, triangle, Vec3(0)};
+      best = {squared, nearest, target, index, triangle, {}};
       limit = squared;
     };
     const Parts::Part& placed = parts.parts[number];
@@ -130,12 +130,8 @@ void NearestSearch::improve(const Parts& parts, std::uint32_t target, const Vec3
   const auto ground = traced.ground()->closest(point, std::sqrt(limit));
   if (!ground) return;
   limit = ground->distance * ground->distance;
-  best = {limit,
-          ground->point.position,
-          target,
-          trace::Hit::kGround,
-          ground->point.triangle,
-          ground->point.normal};
+  best = {limit,        ground->point.position, target, trace::Hit::kGround, ground->point.triangle,
+          ground->point};
 }
 
 std::optional<NearestPoint> NearestSearch::nearest(const Vec3& world_point) const {

@@ -15,12 +15,12 @@
 namespace panwright::instruments {
 
 struct NearestPoint {
-  double squared = 0;          // m², of the distance
-  Vec3 in_model{0};            // metres, on the triangle
-  std::uint32_t target = 0;    // index in the scene
-  std::uint32_t part = 0;      // of its trace::Model; trace::Hit::kGround: its terrain
-  std::uint32_t triangle = 0;  // of the part's mesh
-  Vec3 normal{0};              // of terrain: of its triangle, model axes
+  double squared = 0;           // m², of the distance
+  Vec3 in_model{0};             // metres, on the triangle
+  std::uint32_t target = 0;     // index in the scene
+  std::uint32_t part = 0;       // of its trace::Model; trace::Hit::kGround: its terrain
+  std::uint32_t triangle = 0;   // of the part's mesh
+  terrain::GroundPoint ground;  // of terrain
 };
 
 // Trees of points over the meshes of traced models, and over the placed parts of targets; the

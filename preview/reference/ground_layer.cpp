@@ -97,7 +97,7 @@ struct GroundView {
     const double depth = ray->origin.z + hit.distance * ray->direction.z;
     if (!hit || !(depth < double(image.depth[pixel]))) return;
     const trace::Scene::Placed& placed = scene.rays().targets()[hit.target];
-    const Vec3 normal = placed.frame.world_from * placed.target->normal(hit, true);
+    const Vec3 normal = placed.frame.world_from * placed.target->normal(hit, options.flat);
     const trace::Ids ids = scene.rays().ids(hit);
     image.depth[pixel] = static_cast<float>(depth);
     image.range[pixel] = static_cast<float>(hit.distance);
@@ -144,7 +144,7 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
                                radiance_unit(world));
   }
   view.lamps = trace_lamps(world, camera, scene.rays());
-  view.path = {world.lamps().empty() ? nullptr : &view.lamps, 0, true, world.white()};
+  view.path = {world.lamps().empty() ? nullptr : &view.lamps, 0, options.flat, world.white()};
   const std::vector<float> depths = depths_of_targets(image);
   const auto add_row = [&](std::size_t y) {
     const auto row = static_cast<std::uint32_t>(y);

@@ -16,6 +16,7 @@ struct GroundOptions {
   std::uint32_t samples = 2;  // N x N rays a pixel, each with one to the Sun
   bool sun_disc = true;       // false: a point at infinity, no penumbra
   double psf_sigma = 0;       // pixels, of a Gaussian; 0: none
+  bool flat = false;          // shade by the triangles' own normals
 };
 
 // Returns whether a target, or one of a world, has terrain.

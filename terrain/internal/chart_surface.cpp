@@ -294,6 +294,93 @@ double ChartSurface::spacing(std::uint32_t tile) const {
   return posts * stretch * std::sqrt(record_->dx * record_->dx + record_->dy * record_->dy);
 }
 
+class ChartSurface::LevelPosts {
+ public:
+  LevelPosts(const ChartSurface& surface, std::uint32_t level)
+      : surface_(surface),
+        level_(level),
+        across_(level_side(surface.record_->width, level)),
+        down_(level_side(surface.record_->height, level)),
+        wraps_((surface.record_->flags & kChartWraps) != 0) {}
+
+  Vec3 at(std::int64_t column, std::int64_t row) {
+    const auto columns = static_cast<std::int64_t>(across_.posts),
+               rows = static_cast<std::int64_t>(down_.posts);
+    // the last column is the first
+    if (wraps_ && column < 0) column += columns - 1;
+    if (wraps_ && column >= columns) column -= columns - 1;
+    if (column < 0 || row < 0 || column >= columns || row >= rows) return kMissing;
+    const auto x = static_cast<std::uint32_t>(column), y = static_cast<std::uint32_t>(row);
+    if (!holds(x, y)) {
+      const std::uint32_t tx = std::min(x / kTileCells, across_.tiles - 1),
+                          ty = std::min(y / kTileCells, down_.tiles - 1);
+      view_ = surface_.tiles_->view(surface_.first_[level_] + ty * across_.tiles + tx);
+      x0_ = tx * kTileCells;
+      y0_ = ty * kTileCells;
+      known_ = true;
+    }
+    if (!view_) return kMissing;
+    return surface_.post(level_, x, y, view_->height(x - x0_, y - y0_));
+  }
+
+ private:
+  static constexpr Vec3 kMissing{std::numeric_limits<double>::quiet_NaN()};
+  bool holds(std::uint32_t x, std::uint32_t y) const {
+    return known_ && x >= x0_ && y >= y0_ && x - x0_ < kTilePosts && y - y0_ < kTilePosts;
+  }
+
+  const ChartSurface& surface_;
+  std::uint32_t level_;
+  LevelSide across_, down_;
+  bool wraps_, known_ = false;
+  std::optional<TileView> view_;
+  std::uint32_t x0_ = 0, y0_ = 0;
+};
+
+SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
+  LevelPosts posts(*this, point.level);
+  const auto x = static_cast<std::int64_t>(point.column), y = static_cast<std::int64_t>(point.row);
+  // posts of the cell, and those beside them: corners of the square of four are not needed
+  Vec3 grid[4][4];
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      if (!((i == 0 || i == 3) && (j == 0 || j == 3))) grid[j][i] = posts.at(x + i - 1, y + j - 1);
+  const Vec3 &a = grid[1][1], &d = grid[2][2];
+  const Vec3& side = point.triangle == 0 ? grid[1][2] : grid[2][1];
+  // shares of the point along the cell, by areas in its triangle
+  const Vec3 along = side - a, across = d - a, off = point.position - a;
+  const double ss = glm::dot(along, along), sd = glm::dot(along, across),
+               dd = glm::dot(across, across), os = glm::dot(off, along), od = glm::dot(off, across),
+               whole = ss * dd - sd * sd;
+  const double first = std::clamp((dd * os - sd * od) / whole, 0.0, 1.0),
+               second = std::clamp((ss * od - sd * os) / whole, 0.0, 1.0);
+  const double u = second + (point.triangle == 0 ? first : 0),
+               v = second + (point.triangle == 0 ? 0 : first);
+  const double weights[2][2] = {{(1 - u) * (1 - v), u * (1 - v)}, {(1 - u) * v, u * v}};
+  const auto apart = [](const Vec3& before, const Vec3& here, const Vec3& after) {
+    return (std::isnan(after.x) ? here : after) - (std::isnan(before.x) ? here : before);
+  };
+  Vec3 sum(0), up(0);
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const Vec3& here = grid[j + 1][i + 1];
+      const Vec3 right = apart(grid[j + 1][i], here, grid[j + 1][i + 2]),
+                 below = apart(grid[j][i + 1], here, grid[j + 2][i + 1]);
+      const Vec3 normal = glm::cross(below, right);
+      const double length = std::sqrt(glm::dot(normal, normal));
+      // at a pole, or beside voids
+      if (!(length > 0)) return {point.normal, 0};
+      const Vec3 unit = normal / length;
+      sum += weights[j][i] * unit;
+      up += weights[j][i] * glm::dot(here - point.position, unit) * unit;
+    }
+  const double length = std::sqrt(glm::dot(sum, sum));
+  if (!(length > 0)) return {point.normal, 0};
+  const Vec3 normal = sum / length;
+  const double rise = glm::dot(up, normal);
+  return {normal, rise > 0 ? rise : 0};
+}
+
 LatLon ChartSurface::place_of(const Vec3& p) const {
   if (is_plane()) return {p.y, p.x};
   return {det::atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y)) / kDegree,

@@ -71,6 +71,7 @@ class ChartSurface {
   void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
   // Sets the nearest accepted triangle of level 0.
   void approach(GroundApproach& walk, TreeCache& trees) const;
+  SmoothGround smooth(const GroundPoint& point) const;
   GroundPoint point_of(const TriangleHit& hit, const Vec3& position) const;
   // Metres between an observer and the ground of a tile, at least; and between its posts, at most.
   double distance_to(std::uint32_t tile, const Vec3& observer) const;
@@ -96,6 +97,9 @@ class ChartSurface {
   std::optional<TriangleHit> triangle_on(const TileView& view, std::uint32_t column,
                                          std::uint32_t row, std::uint32_t which,
                                          const TerrainRay& ray) const;
+  // Posts of a level in space, NaN where void or beyond the map; the tiles that they lie in are
+  // kept.
+  class LevelPosts;
   std::optional<TileView> tile_of(std::uint32_t column, std::uint32_t row) const;
 
   const Tiles* tiles_;

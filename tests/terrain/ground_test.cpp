@@ -404,6 +404,89 @@ TEST(Ground, BoundedMemory) {
   EXPECT_LE(small.tree_bytes(), kMost);
 }
 
+// Normals of a smooth hill: close to those of its formula, and the same from both sides of the
+// edges of triangles, whose own differ.
+TEST(Ground, SmoothNormalsOfAHill) {
+  const Made made = make(Kind::plane, 300, 90, false);
+  const Ground& ground = *made.ground;
+  const auto normal_at = [&](double x, double y, bool smooth) {
+    const GroundPoint p = ground.at({y, x});
+    EXPECT_TRUE(p) << x << " " << y;
+    return smooth ? ground.smooth(p).normal : p.normal;
+  };
+  Draw draw;
+  double step = 0, facets = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double i = 2 + std::floor(draw() * 290), j = 2 + std::floor(draw() * 80), t = draw();
+    // across a side of a cell, its other side, its diagonal
+    const double x = 10 * (i + (k % 3 == 0 ? 0 : t)) + 5, y = -10 * (j + (k % 3 == 1 ? 0 : t)) - 5;
+    const Vec2 aside = k % 3 == 0 ? Vec2(1, 0) : k % 3 == 1 ? Vec2(0, 1) : Vec2(1, 1);
+    const auto apart = [&](bool smooth) {
+      return glm::length(normal_at(x + 1e-6 * aside.x, y + 1e-6 * aside.y, smooth) -
+                         normal_at(x - 1e-6 * aside.x, y - 1e-6 * aside.y, smooth));
+    };
+    step = std::max(step, apart(true));
+    facets += apart(false) / 400;
+  }
+  printf("smooth normals: %.1e apart at edges, of triangles %.1e in the mean\n", step, facets);
+  EXPECT_LT(step, 2e-6);  // measured: 3.6e-7
+  EXPECT_GT(facets, 0.1);
+}
+
+// Of a globe without relief they are vertical, at the seam of the map as elsewhere.
+TEST(Ground, SmoothNormalsOfAGlobe) {
+  const TemporaryFolder folder;
+  std::string label = label_of(Kind::cylindrical, 720, 360), data;
+  label.replace(label.find("MAP_RESOLUTION = 10"), 19, "MAP_RESOLUTION = 2");
+  for (int k = 0; k < 720 * 360; ++k) data += bytes_of(0.0f, false);
+  (void)folder.write("a.img", data);
+  DiagnosticLog log;
+  const auto dem = Dem::open(folder.write("a.lbl", label), {}, log);
+  ASSERT_TRUE(dem) << to_text(log);
+  ASSERT_TRUE(write_tiles({&*dem, 1}, folder / "a.pan", {}, log)) << to_text(log);
+  auto tiles = Tiles::open(folder / "a.pan", log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  const Ground ground(std::make_shared<const Tiles>(*std::move(tiles)));
+  Draw draw;
+  double worst = 0, flat = 0, rise = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double longitude = k % 4 == 0 ? 179.4 + 1.2 * draw() : 360 * draw() - 180;
+    const GroundPoint p = ground.at({178 * (draw() - 0.5), longitude});
+    ASSERT_TRUE(p) << k;
+    const SmoothGround smooth = ground.smooth(p);
+    const Vec3 up = glm::normalize(p.position);
+    worst = std::max(worst, glm::length(smooth.normal - up));
+    flat = std::max(flat, glm::length(p.normal - up));
+    // twice the depth below the sphere, at most
+    EXPECT_LE(smooth.rise, -2.1 * p.height + 1e-9) << k;
+    EXPECT_GE(smooth.rise, -p.height - 1e-9) << k;
+    rise = std::max(rise, smooth.rise);
+  }
+  printf("normals of a globe: smooth %.1e, of triangles %.1e; rise %.2f m\n", worst, flat, rise);
+  EXPECT_LT(worst, 1e-4);  // measured: 1.9e-5
+  EXPECT_GT(flat, 2e-3);
+}
+
+// Beside voids and borders there is a normal too.
+TEST(Ground, SmoothNormalsBesideVoids) {
+  const Made made = make(Kind::plane, 300, 90, true);
+  Draw draw;
+  int points = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const bool border = k % 2 == 0;
+    const LatLon place{border ? -5 - 9 * draw() : -400 - 410 * draw(),
+                       border ? 5 + 2980 * draw() : 1000 + 220 * draw()};
+    const GroundPoint p = made.ground->at(place);
+    if (!p) continue;
+    ++points;
+    const SmoothGround smooth = made.ground->smooth(p);
+    ASSERT_NEAR(glm::length(smooth.normal), 1, 1e-12);
+    ASSERT_GT(smooth.normal.z, 0.1);
+    ASSERT_TRUE(smooth.rise >= 0 && smooth.rise < 100);
+  }
+  EXPECT_GT(points, 1500);
+}
+
 TEST(Ground, NoneInVoidsAndOutside) {
   const Made made = make(Kind::plane, 300, 90, true);
   EXPECT_FALSE(made.ground->at({-605, 1105}));

@@ -219,11 +219,18 @@ Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& n
   return color;
 }
 
-Point TraceModel::ground_point(const trace::Hit& hit) const {
+Point TraceModel::ground_point(const trace::Target& target, const trace::Hit& hit,
+                               bool flat) const {
   Point result;
-  result.normal = hit.front ? hit.normal : -hit.normal;
+  terrain::SmoothGround smooth{hit.normal, 0};
+  if (!flat && hit.front) {
+    const terrain::SmoothGround ground = target.smooth_ground(hit);
+    // at outlines it may face away from the viewer, whom the triangle faces
+    if (glm::dot(ground.normal, hit.direction) < 0) smooth = ground;
+  }
+  result.normal = hit.front ? smooth.normal : -smooth.normal;
   // far past the rounding of a body's radius
-  const double offset = 1e-4 + 1e-9 * glm::length(hit.position);
+  const double offset = 1e-4 + 1e-9 * glm::length(hit.position) + smooth.rise;
   result.start = hit.position + offset * result.normal;
   result.scatter = &*regolith_;
   return result;

@@ -65,8 +65,8 @@ class TraceModel {
   // flat: by the triangles' own normals.
   Point point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const;
 
-  // Expects: a hit on terrain.
-  Point ground_point(const trace::Hit& hit) const;
+  // Expects: a hit on terrain of the target. flat: as point().
+  Point ground_point(const trace::Target& target, const trace::Hit& hit, bool flat) const;
 
   // Scatters of materials, cells and parts with decals.
   std::span<const Scatter> scatters() const { return scatters_; }
