@@ -229,13 +229,13 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
   job.poll();
   // what is nothing else is left to the reader of VRML, which says what is wrong
   auto imported = read_as(format.value_or(Format::vrml97), files, file, options, log);
-  drop_texts(first, log);
-  if (text.size() >= kHuge) give_back_memory();
   if (imported) {
     settle_appearance(*imported, name, log);
     make_storable(imported->scene, name, log);
     assert(scene::check(imported->scene).empty());
   }
+  drop_texts(first, log);
+  if (text.size() >= kHuge) give_back_memory();
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }

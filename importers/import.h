@@ -63,6 +63,12 @@ struct Options {
   std::optional<Format> assume;  // for a file without a telling header
 };
 
+// Property of a file that scenes do not have.
+struct LostProperty {
+  std::string what;
+  SourceSpan where;  // in the log of the reading
+};
+
 // Properties of a CAD material beyond the scene's material. Linear colours.
 struct CadMaterial {
   std::string name;  // as in the file; may be empty or repeated
@@ -72,8 +78,10 @@ struct CadMaterial {
   double opacity = 1;        // 0 to 1; 0: not visible
   bool see_through = false;  // partly transparent in other ways: textures, transmission
   bool textured = false;
-  std::int32_t palette = -1;      // texture of the scene that gave its colour, by split_palettes()
-  std::vector<std::string> lost;  // properties absent from the scene's material
+  std::int32_t palette = -1;       // texture of the scene that gave its colour, by split_palettes()
+  std::vector<LostProperty> lost;  // absent from the scene's material
+  SourceSpan where;                // first use or definition, in the log of the reading
+  std::string object;              // glTF: "/materials/3"
 };
 
 // A file as imported: its own axes and unit, its own shapes, nothing cleaned. Names are kept;

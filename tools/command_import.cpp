@@ -184,12 +184,14 @@ void describe(const importers::Imported& imported, CommandContext& context) {
     const Json color =
         input.color_known ? Json{input.color.x, input.color.y, input.color.z} : Json();
     guesses.push_back(guess);
+    Json lost = Json::array();
+    for (const importers::LostProperty& each : material.lost) lost.push_back(each.what);
     materials.push_back({{"name", to_utf8(names[i], Encoding::utf8)},
                          {"color", color},
                          {"metallic", input.metallic},
                          {"preset", guess.preset.empty() ? Json() : Json(guess.preset)},
                          {"reason", guess.reason},
-                         {"lost", material.lost}});
+                         {"lost", std::move(lost)}});
   }
   const std::vector<Covered> covered = covered_by(scene);
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -368,7 +368,7 @@ class SceneBuilder {
     if (!mesh.colors.empty() && out_.materials[index].metallic > 0 &&
         !std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white) &&
         coloured_metals_.insert(material).second)
-      ++lost_["vertex colours on metal"];
+      lost_["vertex colours on metal"].push_back(out_.materials[index].object);
     const bool u = repeats_[index][0];
     const bool v = repeats_[index][1];
     if (u && v) return;
@@ -379,7 +379,7 @@ class SceneBuilder {
     };
     if (std::any_of(mesh.texcoords.begin(), mesh.texcoords.end(), is_lost) &&
         beyond_edges_.insert(material).second)
-      ++lost_["textures that do not repeat"];
+      lost_["textures that do not repeat"].push_back(out_.materials[index].object);
   }
 
   // A mesh that has joints waits for them without normals, and may stand somewhere without them.
@@ -510,7 +510,11 @@ class SceneBuilder {
         {material, with_textures}, static_cast<std::int32_t>(out_.scene.materials.size()));
     if (!is_new) return place->second;
     BuiltMaterial built = material_of(model_, material, with_textures, texture_cache_);
-    for (const std::string& what : built.cad.lost) ++lost_[what];
+    if (material >= 0) {
+      built.cad.object = pointer("materials", static_cast<std::size_t>(material));
+      built.cad.where = d_.place_of(built.cad.object);
+    }
+    for (const LostProperty& lost : built.cad.lost) lost_[lost.what].push_back(built.cad.object);
     if (built.coat_changed > worst_coat_.first) worst_coat_ = {built.coat_changed, built.cad.name};
     out_.scene.materials.push_back(std::move(built.material));
     out_.materials.push_back(std::move(built.cad));
@@ -544,15 +548,19 @@ class SceneBuilder {
                 fmt::format("{} and {} are at rest", counted(skinned_, "skinned surface"),
                             counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
-    for (const auto& [what, times] : lost_) {
+    std::string first;
+    for (const auto& [what, materials] : lost_) {
       std::string text = what;
       if (what == "clearcoat" && worst_coat_.first > 0)
         text += fmt::format(", which changes {:.2g} % of the light of {}", 100 * worst_coat_.first,
                             in_quotes(worst_coat_.second));
-      lost.push_back(times > 1 ? fmt::format("{} ({} materials)", text, times) : text);
+      if (materials.size() > 1) text += fmt::format(" ({} materials)", materials.size());
+      if (first.empty()) first = materials[0];
+      if (materials[0] != first) text += " at " + materials[0];
+      lost.push_back(std::move(text));
     }
     if (!lost.empty())
-      d_.report(Code("W6008"), nullptr, "/materials",
+      d_.report(Code("W6008"), nullptr, first,
                 fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
   }
 
@@ -567,7 +575,7 @@ class SceneBuilder {
   std::map<int, std::size_t> position_users_;  // primitives, by accessor
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
-  std::map<std::string, std::size_t> lost_;
+  std::map<std::string, std::vector<std::string>> lost_;  // materials, by property
   std::pair<double, std::string> worst_coat_;  // share of the light that is lost, and its material
   std::set<std::int32_t> coloured_metals_;
   std::set<std::int32_t> beyond_edges_;  // of textures that do not repeat

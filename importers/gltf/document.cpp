@@ -29,14 +29,14 @@ std::string pointer(std::string_view collection, std::size_t index) {
   return fmt::format("/{}/{}", collection, index);
 }
 
+SourceSpan Document::place_of(std::uint32_t offset) const {
+  if (!text) return {source, 0, 0};
+  return {source, json_begin + offset, json_begin + offset + 1};
+}
+
 void Document::report(Code code, std::uint32_t offset, const std::string& object,
                       std::string message, std::string hint) {
-  SourceSpan where{source, 0, 0};
-  if (text) {
-    where.begin = json_begin + offset;
-    where.end = where.begin + 1;
-  }
-  log.report(code, where, std::move(message), std::move(hint), object);
+  log.report(code, place_of(offset), std::move(message), std::move(hint), object);
 }
 
 const Json& Document::nearest(std::string_view object) const {

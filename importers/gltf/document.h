@@ -100,6 +100,10 @@ struct Document {
     report(code, at->offset, object, std::move(message), std::move(hint));
   }
 
+  // Returns the place of a byte of the JSON, of a JSON pointer's value or the nearest one.
+  SourceSpan place_of(std::uint32_t offset) const;
+  SourceSpan place_of(std::string_view object) const { return place_of(nearest(object).offset); }
+
   // Returns the value at a JSON pointer, or the last existing one on the way.
   const Json& nearest(std::string_view object) const;
 

@@ -155,7 +155,7 @@ class MaterialBuilder {
   }
 
  private:
-  void lose(std::string what) { out_.cad.lost.push_back(std::move(what)); }
+  void lose(std::string what) { out_.cad.lost.push_back({std::move(what), {}}); }
 
   Look read_look() {
     Look look;

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "image/decode.h"
 #include "image/srgb.h"
+#include "importers/internal/lost.h"
 #include "importers/internal/storable.h"
 
 namespace panwright::importers {
@@ -75,6 +76,24 @@ class AppearanceRules {
     return out;
   }
 
+  // Materials of a message, and the first of them that has a place.
+  struct Named {
+    std::vector<std::string> parts;
+    const CadMaterial* first = nullptr;
+    void add(const CadMaterial& cad, std::string part) {
+      parts.push_back(std::move(part));
+      if (first == nullptr || is_before(cad.where, first->where)) first = &cad;
+    }
+  };
+
+  void report(Code code, const Named& named, const char* message) {
+    if (named.parts.empty()) return;
+    if (named.first->where.file == kNoFile)
+      log_.report_file(code, name_, message + listed(named.parts));
+    else
+      log_.report(code, named.first->where, message + listed(named.parts), {}, named.first->object);
+  }
+
   double opacity_of(std::int32_t material) const {
     return material == scene::kNone ? 0 : cads_[static_cast<std::size_t>(material)].opacity;
   }
@@ -117,27 +136,25 @@ class AppearanceRules {
           found.insert(material);
         }
     }
-    std::vector<std::string> parts;
+    Named named;
     for (const std::int32_t material : found) {
       const auto index = static_cast<std::size_t>(material);
       CadMaterial& cad = cads_[index];
-      if (std::ranges::find(cad.lost, kOpacity) != cad.lost.end()) continue;
-      cad.lost.emplace_back(kOpacity);
-      parts.push_back(cad.opacity < 1 ? fmt::format("{} ({:.3g})", name_of(index), cad.opacity)
-                                      : name_of(index));
+      if (std::ranges::find(cad.lost, kOpacity, &LostProperty::what) != cad.lost.end()) continue;
+      cad.lost.push_back({kOpacity, cad.where});
+      named.add(cad, cad.opacity < 1 ? fmt::format("{} ({:.3g})", name_of(index), cad.opacity)
+                                     : name_of(index));
     }
     // a reader may have a material in several versions
-    std::ranges::sort(parts);
-    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
-    if (!parts.empty())
-      log_.report_file(Code("W6008"), name_,
-                       fmt::format("unsupported: opacity, drawn opaque: {}", listed(parts)));
+    std::ranges::sort(named.parts);
+    named.parts.erase(std::unique(named.parts.begin(), named.parts.end()), named.parts.end());
+    report(Code("W6008"), named, "unsupported: opacity, drawn opaque: ");
   }
 
   // Lobes without a Fresnel term reflect their colour in all directions; the others share the light
   // with the diffuse part in their readers.
   void limit_energy() {
-    std::vector<std::string> parts;
+    Named named;
     std::vector<Vec3> factors;
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       materials::Material& m = scene_.materials[i];
@@ -158,13 +175,10 @@ class AppearanceRules {
       m.diffuse /= most;
       m.specular /= most;
       materials::fit(m);
-      parts.push_back(fmt::format("{} ({:.3g})", name_of(i), most));
+      named.add(cads_[i], fmt::format("{} ({:.3g})", name_of(i), most));
     }
-    if (!parts.empty())
-      log_.report_file(Code("W1402"), name_,
-                       fmt::format("diffuse and specular colours add up to more than 1, and are "
-                                   "scaled to 1, in {}",
-                                   listed(parts)));
+    report(Code("W1402"), named,
+           "diffuse and specular colours add up to more than 1, and are scaled to 1, in ");
   }
 
   // Of each material, the largest factor of its diffuse colour: vertex colours, and textures of

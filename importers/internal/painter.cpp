@@ -16,6 +16,7 @@ Cover Painter::cover_of(std::int32_t paint) {
   material.name = from.name.empty() ? "none" : to_utf8(from.name, Encoding::utf8);
   CadMaterial cad;
   cad.name = from.name;
+  cad.where = from.where;
   Cover& cover = known->second;
   if (!from.texture.empty()) {
     FileName name{.text = from.texture, .including = from.including};
@@ -30,7 +31,7 @@ Cover Painter::cover_of(std::int32_t paint) {
       material.diffuse[k] = std::clamp(rgba[static_cast<std::size_t>(k)], 0.0, 1.0);
     cad.opacity = std::clamp(rgba[3], 0.0, 1.0);
     if (Vec3(rgba[0], rgba[1], rgba[2]) != material.diffuse || rgba[3] != cad.opacity)
-      cad.lost.emplace_back("values outside of 0 to 1");
+      cad.lost.push_back({"values outside of 0 to 1", from.where});
   }
   cad.base_color = material.diffuse;
   cover.material = assembly_.add_material(std::move(material), std::move(cad));

@@ -140,9 +140,7 @@ void ReaderContext::tell() {
                    : fmt::format("{}; {} more like this one", trouble.message, trouble.more));
   if (!skipped_.empty())
     log.report(Code("N6007"), {source_, 0, 0}, fmt::format("skipped: {}", listed(skipped_)));
-  if (!lost_.empty())
-    log.report(Code("W6008"), {source_, 0, 0},
-               fmt::format("unsupported properties ignored: {}", listed(lost_)));
+  lost_.report({source_, 0, 0}, log);
 }
 
 // ---- meshes
@@ -287,7 +285,7 @@ void Assembly::add_part(std::int32_t node, Mesh mesh, std::int32_t material, Sou
 
 std::int32_t Assembly::add_material(materials::Material material, CadMaterial cad) {
   materials::fit(material);
-  for (const std::string& what : cad.lost) context_.lost(what);
+  for (const LostProperty& lost : cad.lost) context_.lost(lost.what, lost.where);
   out_.scene.materials.push_back(std::move(material));
   out_.materials.push_back(std::move(cad));
   return static_cast<std::int32_t>(out_.scene.materials.size() - 1);

@@ -16,6 +16,7 @@
 #include "geometry/tessellate/polygon.h"
 #include "importers/import.h"
 #include "importers/internal/input_file.h"
+#include "importers/internal/lost.h"
 #include "importers/internal/named_file.h"
 
 namespace panwright::importers::meshes {
@@ -59,7 +60,7 @@ class ReaderContext {
   void served(std::size_t offset);
 
   void skipped(const std::string& what, std::uint64_t count = 1) { add(skipped_, what, count); }
-  void lost(const std::string& what) { add(lost_, what, 1); }
+  void lost(std::string_view what, SourceSpan where) { lost_.add(what, where); }
 
   // Reads a file named by the model, and counts it among its inputs. Nothing: reported, as E6010
   // for a part, else W6004, W6005. Another name than the written one is a tolerated deviation.
@@ -87,7 +88,7 @@ class ReaderContext {
   std::map<std::string_view, std::size_t> kinds_;
   std::vector<Trouble> troubles_;
   Counts skipped_;
-  Counts lost_;
+  LostProperties lost_;
   std::uint64_t memory_ = 0;
   std::uint32_t named_ = 0;  // files asked for
   std::size_t served_ = 0;

@@ -96,6 +96,7 @@ class MtlReader {
       out_.push_back({});
       out_.back().name = to_utf8(trimmed(rest), Encoding::utf8);
       out_.back().library = path_;
+      out_.back().where = at(trimmed(rest).empty() ? word : trimmed(rest));
       return;
     }
     if (out_.empty() || out_.back().library != path_) {
@@ -137,10 +138,10 @@ class MtlReader {
       read_texture(rest, unused);
     }
     for (const auto& [name, what] : kLostMaps)
-      if (key == name) return lose(std::string(what));
+      if (key == name) return lose(std::string(what), word);
     if (std::find(std::begin(kIgnoredStatements), std::end(kIgnoredStatements), key) ==
         std::end(kIgnoredStatements))
-      lose(fmt::format("{}", in_quotes(word)));
+      lose(in_quotes(word), word);
   }
 
   // Where a file gives both, d holds. Tr is 1 − d; MeshLab means d by it, and so does a file that
@@ -162,10 +163,10 @@ class MtlReader {
       if (!m.opacity && m.transparency) m.opacity = swapped ? *m.transparency : 1 - *m.transparency;
   }
 
-  void lose(std::string what) {
-    std::vector<std::string>& lost = out_.back().lost;
-    if (lost.size() < kMostLost && std::find(lost.begin(), lost.end(), what) == lost.end())
-      lost.push_back(std::move(what));
+  void lose(std::string what, std::string_view part) {
+    std::vector<LostProperty>& lost = out_.back().lost;
+    if (lost.size() < kMostLost && std::ranges::find(lost, what, &LostProperty::what) == lost.end())
+      lost.push_back({std::move(what), at(part)});
   }
 
   void bad_number(std::string_view word, std::string_view value) {
@@ -177,7 +178,7 @@ class MtlReader {
 
   void read_number(std::string_view word, std::string_view rest, std::optional<double>& out) {
     const std::string_view value = next_word(rest);
-    if (is_not_finite(value)) return lose(std::string(kOutside));
+    if (is_not_finite(value)) return lose(std::string(kOutside), value);
     const auto number = parse_double(value);
     if (!number) return bad_number(word, value);
     out = number;
@@ -187,7 +188,7 @@ class MtlReader {
   void read_within(double low, double high, std::string_view word, std::string_view rest,
                    std::optional<double>& out) {
     read_number(word, rest, out);
-    if (out && std::clamp(*out, low, high) != *out) lose(std::string(kOutside));
+    if (out && std::clamp(*out, low, high) != *out) lose(std::string(kOutside), word);
     if (out) out = std::clamp(*out, low, high);
   }
 
@@ -195,20 +196,20 @@ class MtlReader {
   void read_color(std::string_view word, std::string_view rest, std::optional<Vec3>& out) {
     Vec3 color(0);
     std::string_view value = next_word(rest);
-    if (value == "spectral" || value == "xyz") return lose(fmt::format("{} {}", word, value));
+    if (value == "spectral" || value == "xyz") return lose(fmt::format("{} {}", word, value), word);
     for (int k = 0; k < 3; ++k) {
       if (k > 0) value = next_word(rest);
       if (k == 1 && value.empty()) {
         color = Vec3(color.x);
         break;
       }
-      if (is_not_finite(value)) return lose(std::string(kOutside));
+      if (is_not_finite(value)) return lose(std::string(kOutside), value);
       const auto number = parse_double(value);
       if (!number) return bad_number(word, value);
       color[k] = *number;
     }
     out = glm::clamp(color, Vec3(0), Vec3(1));
-    if (*out != color) lose(std::string(kOutside));
+    if (*out != color) lose(std::string(kOutside), word);
   }
 
   void read_texture(std::string_view rest, MtlTexture& out) {
@@ -218,7 +219,7 @@ class MtlReader {
                                         [&](const auto& known) { return known.first == word; });
       if (option == std::end(kImageOptions)) break;
       rest = ahead;
-      read_option(*option, rest, out);
+      read_option(*option, word, rest, out);
       ahead = rest;
     }
     const std::string_view name = trimmed(rest);
@@ -228,8 +229,9 @@ class MtlReader {
     declare(s_.files, path_, name, false);
   }
 
-  void read_option(const std::pair<std::string_view, int>& option, std::string_view& rest,
-                   MtlTexture& out) {
+  // option_word: in the file
+  void read_option(const std::pair<std::string_view, int>& option, std::string_view option_word,
+                   std::string_view& rest, MtlTexture& out) {
     Vec3 numbers(option.first == "-s" ? 1.0 : 0.0);
     for (int k = 0; k < option.second; ++k) {
       std::string_view ahead = rest;
@@ -241,7 +243,7 @@ class MtlReader {
     if (option.first == "-s")
       out.repeat = Vec2(numbers);
     else if ((option.first == "-o" || option.first == "-t") && numbers != Vec3(0))
-      lose("offset of a texture");
+      lose("offset of a texture", option_word);
   }
 
   ReaderContext& s_;
@@ -263,7 +265,7 @@ void set_brdfs(const MtlMaterial& from, materials::Material& m, CadMaterial& cad
     m.specular = specular;
     m.specular_brdf = materials::BlinnPhong{std::min(shine, kMostShine)};
     m.weights.y = 1;
-    if (shine > kMostShine) cad.lost.push_back("shininess over 128");
+    if (shine > kMostShine) cad.lost.push_back({"shininess over 128", from.where});
     // α² = 2/(n + 2), and α is the square of the perceptual roughness
     cad.roughness = std::sqrt(std::sqrt(2 / (shine + 2)));
   }
@@ -359,6 +361,7 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, boo
   CadMaterial cad;
   m.name = cad.name = from.name;
   cad.lost = from.lost;
+  cad.where = from.where;
   cad.textured = !from.albedo.name.empty();
   const Vec3 usual = cad.textured ? Vec3(1) : m.diffuse;
   m.diffuse = from.diffuse.value_or(usual);
@@ -379,7 +382,8 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, boo
   cad.metallic = from.metallic.value_or(0);
   if (from.roughness) cad.roughness = *from.roughness;
   cad.opacity = from.opacity.value_or(1);
-  cad.see_through = std::ranges::find(from.lost, "opacity map") != from.lost.end();
+  cad.see_through =
+      std::ranges::find(from.lost, "opacity map", &LostProperty::what) != from.lost.end();
   return place->second = assembly_.add_material(std::move(m), std::move(cad));
 }
 

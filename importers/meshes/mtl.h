@@ -22,6 +22,7 @@ struct MtlTexture {
 struct MtlMaterial {
   std::string name;
   std::string library;                              // path, as in Files
+  SourceSpan where;                                 // name, in the library
   std::optional<Vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
   std::optional<double> shine;                      // Ns
   std::optional<double> opacity;                    // d; after reading, by Tr
@@ -30,7 +31,7 @@ struct MtlMaterial {
   std::optional<double> index;                      // Ni
   std::optional<int> model;                         // illum
   MtlTexture albedo, normal;                        // map_Kd, norm
-  std::vector<std::string> lost;
+  std::vector<LostProperty> lost;
 };
 
 // Material libraries of an OBJ file.

@@ -191,7 +191,7 @@ class PlyReader {
       for (const auto& [name, known] : kSlotNames)
         if (property.name == name && !property.count && !taken[known]) slot = known;
       if (slot == kSlots)
-        s_.lost(fmt::format("vertex property {}", in_quotes(property.name)));
+        s_.lost(fmt::format("vertex property {}", in_quotes(property.name)), s_.at(property.place));
       else
         taken[slot] = true;
       slots.push_back(slot);
@@ -296,7 +296,7 @@ class PlyReader {
     const PlyProperty* numbers = texture_numbers(element);
     for (const PlyProperty& property : element.properties)
       if (&property != indices && &property != wedges && property.name != "texnumber")
-        s_.lost(fmt::format("face property {}", in_quotes(property.name)));
+        s_.lost(fmt::format("face property {}", in_quotes(property.name)), s_.at(property.place));
     const std::uint64_t count = count_of(element);
     if (!s_.charge(count * (sizeof(Face) + 3 * sizeof(std::uint32_t)))) return;
     ends_.reserve(ends_.size() + count);

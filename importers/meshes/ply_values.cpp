@@ -111,7 +111,8 @@ class HeaderReader {
       return wrong(type.empty() ? line : type,
                    fmt::format("{} is not a PLY type", in_quotes(type)));
     property.type = *found;
-    property.name = next_word(rest);
+    property.place = next_word(rest);
+    property.name = property.place;
     out_.elements.back().properties.push_back(std::move(property));
   }
 

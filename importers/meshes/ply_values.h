@@ -19,6 +19,7 @@ inline bool is_float(PlyType type) { return type >= PlyType::float32; }
 
 struct PlyProperty {
   std::string name;
+  std::string_view place;  // of the file's bytes: its name
   PlyType type = PlyType::float32;
   std::optional<PlyType> count;  // of a list: the type of its length
 };

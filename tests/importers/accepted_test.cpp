@@ -59,6 +59,8 @@ DEF A Joint { jointType "rotate" jointAxis @ @ @ llimit [ @ ] ulimit [ @ ] trans
    Shape { appearance Appearance { material Material { diffuseColor @ @ @ specularColor @ @ @ shininess @ transparency @ emissiveColor @ @ @ } } geometry Sphere { radius @ } }
    Shape { geometry Cone { bottomRadius @ height @ } } Shape { geometry Cylinder { radius @ height @ } }
    Shape { geometry Box { size @ @ @ } }
+   Shape { geometry ElevationGrid { xDimension 2 zDimension 2 xSpacing @ zSpacing @ height [ @ @ @ @ ] } }
+   Shape { geometry Extrusion { crossSection [ 0 0, @ 0, @ @ ] spine [ 0 0 0, 0 @ 0, @ @ @ ] } }
    Shape { geometry IndexedFaceSet { coord Coordinate { point [ @ @ @, @ @ @, @ @ @, 0 1 0 ] } coordIndex [ 0 1 2 3 -1 ] creaseAngle @ } } ] } } } ] }
 )";
 
@@ -82,8 +84,9 @@ const std::string kUrdf = R"(<robot name="r"><material name="m"><color rgba="@ @
 <joint name="l" type="continuous"><parent link="c"/><child link="d"/><mimic joint="k" multiplier="@" offset="@"/></joint></robot>)";
 
 const std::string kMjcf =
-    R"(<mujoco><asset><material name="m" rgba="@ @ @ @"/><mesh name="o" file="m.obj" scale="@ @ @"/></asset>
-<worldbody><geom type="box" size="1 1 1"/><body name="a" pos="@ @ @" euler="@ @ @"><joint name="j" type="hinge" axis="@ @ @" pos="@ @ @" range="@ @" ref="@"/>
+    R"(<mujoco><asset><material name="m" rgba="@ @ @ @"/><mesh name="o" file="m.obj" scale="@ @ @"/>
+<mesh name="p" vertex="@ @ @ 1 0 0 0 @ 0 0 0 @" face="0 2 1 0 1 3 0 3 2 1 2 3"/></asset>
+<worldbody><geom type="mesh" mesh="p"/><geom type="sphere" size="@"/><geom type="plane" size="@ @ 1"/><geom type="box" size="1 1 1"/><body name="a" pos="@ @ @" euler="@ @ @"><joint name="j" type="hinge" axis="@ @ @" pos="@ @ @" range="@ @" ref="@"/>
 <geom type="capsule" size="@ @"/><geom type="capsule" fromto="@ @ @ @ @ @" size="@"/><geom type="ellipsoid" size="@ @ @" material="m"/>
 <body name="b"><joint name="k" type="slide" axis="@ @ @" range="@ @" ref="@"/><geom type="mesh" mesh="o" pos="@ @ @" quat="@ @ @ @"/><geom type="cylinder" size="@ @"/>
 </body></body></worldbody><equality><joint joint1="k" joint2="j" polycoef="@ @ 0 0 0"/></equality></mujoco>)";

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,15 @@ std::size_t count(const DiagnosticLog& log, Code code) {
   std::size_t n = 0;
   for (const Diagnostic& entry : log.entries()) n += entry.code == code ? 1 : 0;
   return n;
+}
+
+// Whether all diagnostics of a code stand at an element: behind the begin of a text, or at a JSON
+// pointer.
+bool is_placed(const DiagnosticLog& log, Code code) {
+  return std::ranges::all_of(log.entries(), [&](const Diagnostic& entry) {
+    return entry.code != code ||
+           (entry.where.file != kNoFile && (entry.where.begin > 0 || !entry.object.empty()));
+  });
 }
 
 // A solid part, and one of an opacity between 0 and 1, whose text is the argument of `make`.
@@ -109,6 +119,7 @@ TEST(Opacity, PartlyTransparentMaterialsAreNamedOnceAndHideNothing) {
     ASSERT_EQ(reading->scene().instances.size(), 2u);
     EXPECT_EQ(count(reading->log, Code("W6008")), 1u) << reading->text();
     EXPECT_THAT(reading->text(), HasSubstr("'dome' (0.25)"));
+    EXPECT_TRUE(is_placed(reading->log, Code("W6008"))) << reading->text();
     EXPECT_FALSE(reading->scene().instances[0].see_through);
     EXPECT_TRUE(reading->scene().instances[1].see_through);
     const auto solid = read_meshes(format.make("1"));
@@ -170,6 +181,7 @@ TEST(Energy, DiffuseAndSpecularAreScaledToOne) {
     EXPECT_LT(glm::length(m.specular - Vec3(0.4)), 1e-15);
     EXPECT_EQ(count(reading->log, Code("W1402")), 1u) << reading->text();
     EXPECT_THAT(reading->text(), HasSubstr("'a' (1.5)"));
+    EXPECT_TRUE(is_placed(reading->log, Code("W1402"))) << reading->text();
   }
 }
 
@@ -184,6 +196,59 @@ TEST(Energy, ADarkTextureLeavesRoomForALobe) {
     ASSERT_TRUE(reading->out) << reading->text();
     EXPECT_EQ(count(reading->log, Code("W1402")), bright ? 1u : 0u) << reading->text();
     EXPECT_NEAR(reading->material(0).specular.x, bright ? 1.0 / 3 : 0.5, 1e-15);
+  }
+}
+
+// ---- lost properties
+
+TEST(Lost, PropertiesHaveAPlaceInEveryFormat) {
+  Sample velvet = triangle();
+  velvet.json["extensionsUsed"] = {"KHR_materials_sheen"};
+  velvet.json["materials"] = {
+      {{"name", "plain"}}, {{"extensions", {{"KHR_materials_sheen", nlohmann::json::object()}}}}};
+  velvet.json["meshes"][0]["primitives"][0]["material"] = 1;
+  const std::string obj = "mtllib m.mtl\n" + kBox + "usemtl a\nf 1 2 3\n";
+  const std::string shape =
+      "Shape {\nappearance Appearance { material Material { diffuseColor 2 0 0 } }\ngeometry Box "
+      "{} }";
+  struct Case {
+    std::vector<MemoryFile> files;
+    std::string place;  // file and line; of glTF a pointer
+    std::string more;   // of the message
+  };
+  const std::vector<Case> cases = {
+      {{{"m.obj", obj}, {"m.mtl", "newmtl a\nKd 1 1 1\naniso 0.5\nsharpness 2\nPcr 1\n"}},
+       "m.mtl:3:1: ",
+       "anisotropy, clearcoat (line 5)"},
+      {{{"m.obj", obj}, {"m.mtl", "newmtl a\nKd 1 1 1\nKs 1 nan 1\n"}}, "m.mtl:3:6: ", "outside"},
+      {{{"m.wrl", "#VRML V2.0 utf8\n" + shape}}, "m.wrl:3:34: ", "outside"},
+      {{{"m.wrl", "#VRML V1.0 ascii\nSeparator {\nMaterial { diffuseColor 2 0 0 } Cube {} }"}},
+       "m.wrl:3:1: ",
+       "outside"},
+      {{{"m.urdf",
+         "<robot name=\"r\"><link name=\"a\"><visual><geometry><sphere radius=\"1\"/></geometry>"
+         "\n<material name=\"m\"><color rgba=\"1 2 1 1\"/></material></visual></link></robot>"}},
+       "m.urdf:2:",
+       "outside"},
+      {{{"m.xml",
+         "<mujoco><asset>\n<texture type=\"skybox\" builtin=\"gradient\"/></asset><worldbody>"
+         "<geom size=\"1\"/></worldbody></mujoco>"}},
+       "m.xml:2:2: ",
+       "procedural textures"},
+      {{{"m.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+         "float z\nproperty float heat\nelement face 1\nproperty list uchar int vertex_indices\n"
+         "end_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"}},
+       "m.ply:7:16: ",
+       "'heat'"},
+      {{{"m.glb", velvet.glb()}}, "m.glb: ", "sheen (at /materials/1)"},
+  };
+  for (const Case& each : cases) {
+    const auto reading = read_meshes(each.files);
+    ASSERT_TRUE(reading->out) << reading->text();
+    EXPECT_EQ(count(reading->log, Code("W6008")), 1u) << reading->text();
+    EXPECT_THAT("\n" + reading->text(), HasSubstr("\n" + each.place)) << each.place;
+    EXPECT_THAT(reading->text(), HasSubstr(each.more)) << reading->text();
   }
 }
 

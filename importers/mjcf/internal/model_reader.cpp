@@ -158,7 +158,7 @@ class ModelReader {
           {std::string(name.text), std::move(name.including), text_.at(element.attribute("file"))});
       return;
     }
-    c_.lost(file.empty() ? "procedural textures" : "cube textures");
+    c_.lost(file.empty() ? "procedural textures" : "cube textures", text_.at(element));
     add_asset(element, file, textures_, texture_files_.size());
     texture_files_.emplace_back();
   }

@@ -20,7 +20,7 @@ namespace {
 bool same(const CadMaterial& a, const CadMaterial& b) {
   return a.name == b.name && a.base_color == b.base_color && a.metallic == b.metallic &&
          a.roughness == b.roughness && a.opacity == b.opacity && a.textured == b.textured &&
-         a.lost == b.lost;
+         a.lost.empty() && b.lost.empty();
 }
 
 Vec3 clamped(const Vec3& v) { return glm::clamp(v, Vec3(0), Vec3(1)); }
@@ -102,7 +102,8 @@ std::int32_t Builder::add_material(const materials::Material& material, const Ca
   return index;
 }
 
-std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool textured) {
+std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool textured,
+                                SourceSpan where) {
   materials::Material material;
   material.name = name;
   material.diffuse = clamped(phong.diffuse);
@@ -124,9 +125,10 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
   if (material.diffuse != phong.diffuse || specular != phong.specular ||
       material.emissive != phong.emissive || shininess != phong.shininess ||
       transparency != phong.transparency)
-    lost("values outside of 0 to 1");
+    lost("values outside of 0 to 1", where);
   materials::fit(material);
   cad.name = name;
+  cad.where = where;
   cad.base_color = material.diffuse;
   cad.opacity = 1 - transparency;
   cad.textured = textured;
@@ -234,13 +236,7 @@ void Builder::skipped(std::string_view type) {
     skipped_.emplace(type, 1);
 }
 
-void Builder::lost(std::string_view property) {
-  const auto place = lost_.find(property);
-  if (place != lost_.end())
-    ++place->second;
-  else
-    lost_.emplace(property, 1);
-}
+void Builder::lost(std::string_view property, SourceSpan where) { lost_.add(property, where); }
 
 bool Builder::enter(const Node& node) {
   if (std::find(open_nodes_.begin(), open_nodes_.end(), &node) != open_nodes_.end()) {
@@ -270,14 +266,14 @@ bool Builder::enter(const Document& document, SourceSpan where) {
 
 void Builder::leave(const Document&) { open_documents_.pop_back(); }
 
-void Builder::lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t) {
+void Builder::lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t, SourceSpan where) {
   const auto* mesh =
       std::get_if<geometry::MeshShape>(&out_.scene.shapes[static_cast<std::size_t>(shape)]);
   if (mesh == nullptr) return;
   const auto leaves = [](double at) { return at < 0 || at > 1; };
   for (const Vec2& at : (*mesh)->texcoords)
     if ((!repeat_s && leaves(at.x)) || (!repeat_t && leaves(at.y)))
-      return lost("textures that do not repeat");
+      return lost("textures that do not repeat", where);
 }
 
 Imported Builder::finished(Format format, std::string_view file_name) {
@@ -285,9 +281,7 @@ Imported Builder::finished(Format format, std::string_view file_name) {
   out_.scene.inputs = context.further_inputs;
   if (!skipped_.empty())
     context.log.report_file(Code("N6007"), file_name, fmt::format("skipped: {}", listed(skipped_)));
-  if (!lost_.empty())
-    context.log.report_file(Code("W6008"), file_name,
-                            fmt::format("unsupported properties ignored: {}", listed(lost_)));
+  lost_.report({}, context.log);
   return std::move(out_);
 }
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "importers/internal/lost.h"
 #include "importers/vrml/internal/reader_context.h"
 
 namespace panwright::importers::vrml {
@@ -43,7 +44,8 @@ class Builder {
   std::int32_t add_material(const materials::Material& material, const CadMaterial& cad);
   // Adds Blinn-Phong with exponent 128·shininess; numbers are clamped to 0…1. Transparency is
   // counted as lost.
-  std::int32_t add_phong(const Phong& phong, std::string_view name, bool textured);
+  std::int32_t add_phong(const Phong& phong, std::string_view name, bool textured,
+                         SourceSpan where);
 
   // Adds the texture of some URLs, or returns kNone: as ReaderContext::bytes_of.
   std::int32_t add_texture(std::span<const std::string_view> urls, SourceSpan where);
@@ -59,9 +61,9 @@ class Builder {
   // Counts a node without surface, by its type, for the single note N6007.
   void skipped(std::string_view type);
   // Counts a lost property for the single note W6008.
-  void lost(std::string_view property);
+  void lost(std::string_view property, SourceSpan where);
   // Counts a non-repeating texture as lost if the coordinates of its mesh leave it.
-  void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t);
+  void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t, SourceSpan where);
 
   // Tracks the nodes from the top, for cycles and depth. enter() reports E6109 and returns false
   // when the node contains itself; throws OverLimit past limits.depth, and for more visits than
@@ -97,7 +99,7 @@ class Builder {
   std::map<std::string, std::int32_t> asked_;          // by requesting file, and all URLs
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
-  std::map<std::string, std::uint64_t, std::less<>> lost_;
+  LostProperties lost_;
   std::unordered_map<std::uint64_t, Position> positions_;  // by file and byte
   std::vector<const Node*> open_nodes_;
   std::vector<const Document*> open_documents_;

@@ -76,7 +76,10 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
     if (list == List::points) points = std::vector<double>();
     if (list == List::coord_index) index = std::vector<std::int32_t>();
   };
-  return mesh_of(faces, own, problems);
+  geometry::Mesh mesh = mesh_of(faces, own, problems);
+  for (ListProblem& problem : problems)
+    if (problem.list == List::points) problem.list = List::heights;  // one for each point
+  return mesh;
 }
 
 }  // namespace panwright::importers::vrml

@@ -352,11 +352,12 @@ void Scene10::add_primitive(Node& node, const Primitive& primitive, std::size_t 
   const Materials10 materials(state_.material);
   const std::int32_t texture = texture_index();
   if (texture != scene::kNone && state_.texture_transform != Mat3(1))
-    builder_.lost("texture transforms on primitives");
-  builder_.add_instance(place, builder_.add_shape(primitive.shape, node.where),
-                        builder_.add_phong(materials.at(has_parts_of_their_own() ? part : 0),
-                                           materials.name(), texture != scene::kNone),
-                        texture, node.where);
+    builder_.lost("texture transforms on primitives", node.where);
+  builder_.add_instance(
+      place, builder_.add_shape(primitive.shape, node.where),
+      builder_.add_phong(materials.at(has_parts_of_their_own() ? part : 0), materials.name(),
+                         texture != scene::kNone, materials.where(node)),
+      texture, node.where);
 }
 
 void build10(Builder& builder, Document& document, std::int32_t parent) {

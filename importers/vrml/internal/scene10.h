@@ -51,6 +51,8 @@ class Materials10 {
   bool lit() const { return lit_; }            // false: its colours were only emissive
   std::vector<double> diffuse_colors() const;  // 3*size
   std::string_view name() const;
+  // The place of the node; else that of the shape.
+  SourceSpan where(const Node& shape) const { return (node_ != nullptr ? *node_ : shape).where; }
 
  private:
   std::span<const double> list(std::string_view field) const;

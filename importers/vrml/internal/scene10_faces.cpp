@@ -257,8 +257,9 @@ void Scene10::add_faces(Node& node, const Faces10& faces) {
   if (known == parts_.end()) known = parts_.emplace(use, parts_of(node, faces)).first;
   for (const Part& part : known->second) {
     const std::int32_t material =
-        one && !part.colored ? builder_.add_phong(materials.at(0), materials.name(), textured)
-                             : part.material;
+        one && !part.colored
+            ? builder_.add_phong(materials.at(0), materials.name(), textured, materials.where(node))
+            : part.material;
     builder_.add_instance(place, part.shape, material, texture, node.where);
   }
 }
@@ -329,14 +330,16 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
   const std::int32_t index = builder_.add_shape(shape, node.where);
   if (textured)
     builder_.lost_clamping(index, state_.texture->strings("wrapS")[0] != "CLAMP",
-                           state_.texture->strings("wrapT")[0] != "CLAMP");
-  parts.push_back(
-      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured), colored});
+                           state_.texture->strings("wrapT")[0] != "CLAMP", state_.texture->where);
+  const Materials10 materials(state_.material);
+  parts.push_back({index,
+                   builder_.add_phong(phong, materials.name(), textured, materials.where(node)),
+                   colored});
 }
 
 std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
   const Materials10 materials(state_.material);
-  if (!materials.lit()) builder_.lost("light that is part of colours");
+  if (!materials.lit()) builder_.lost("light that is part of colours", materials.where(node));
   const Bound10 normals = bound(state_.normal_binding, faces.normal_index, faces.coord_index);
   FaceSet set = set_of(node, faces, normals);
   std::vector<Part> parts;
@@ -356,7 +359,8 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
   if (!materials.only_diffuse_varies() && !bound_to.per_vertex)
     used = in_order_of_use(items, materials.size());
   if (used.empty() || used.size() > kMostParts) {
-    if (!materials.only_diffuse_varies()) builder_.lost("materials that vary over one shape");
+    if (!materials.only_diffuse_varies())
+      builder_.lost("materials that vary over one shape", node.where);
     const std::vector<double> colors = materials.diffuse_colors();
     set.colors = colors;
     set.color_index = items;

@@ -147,7 +147,7 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
 }
 
 std::int32_t Scene97::add_group(const Node& node, std::string_view name, std::int32_t parent) {
-  if (node.spec->name == "Billboard") builder_.lost("rotation of billboards");
+  if (node.spec->name == "Billboard") builder_.lost("rotation of billboards", node.where);
   const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
   add_all(node.nodes("children"), made);
   add_all(node.children, made);

@@ -106,7 +106,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
   const std::int32_t shape = mesh_shape(*geometry, look, &colored);
   if (shape == scene::kNone) return scene::kNone;
   if (look.texture != scene::kNone && !(look.repeat_s && look.repeat_t))
-    builder_.lost_clamping(shape, look.repeat_s, look.repeat_t);
+    builder_.lost_clamping(shape, look.repeat_s, look.repeat_t, node.where);
   made = builder_.add_node(parent, Mat4(1), name, "Shape", node.where);
   builder_.add_instance(made, shape, material_of(look, colored), look.texture, node.where);
   return made;
@@ -127,7 +127,7 @@ std::int32_t Scene97::place(const Primitive& primitive, const Look& look, std::i
   const std::int32_t made =
       builder_.add_node(parent, primitive.theirs_from_shape, name, "Shape", geometry.where);
   if (look.transform != nullptr && look.texture != scene::kNone)
-    builder_.lost("texture transforms on primitives");
+    builder_.lost("texture transforms on primitives", look.transform->where);
   builder_.add_instance(made, builder_.add_shape(shape, geometry.where), material_of(look, false),
                         look.texture, geometry.where);
   return made;
@@ -265,7 +265,10 @@ void Scene97::report(const ListProblems& problems, const Node& node) {
   for (const ListProblem& problem : problems) {
     SourceSpan where = node.where;
     for (const Place& place : kPlaces) {
-      if (place.list != problem.list) continue;
+      // grids and extrusions make points and faces of their own
+      if (place.list != problem.list ||
+          (!place.member.empty() && node.spec->find(place.member) == nullptr))
+        continue;
       const Node* holder = place.member.empty() ? &node : context_.actual(node.node(place.member));
       const Field* field = holder != nullptr ? holder->find(place.field) : nullptr;
       if (field != nullptr) where = place_of_item(context_.log.sources(), *field, problem.item);
@@ -389,7 +392,9 @@ std::int32_t Scene97::make_material(const Look& look, bool textured, bool replac
   }
   // a texture in colour and colours of the mesh replace the diffuse colour (4.14.4)
   if (replaced) phong.diffuse = Vec3(1);
-  return builder_.add_phong(phong, look.name, textured);
+  const Node* const from = look.material != nullptr ? look.material : look.appearance;
+  return builder_.add_phong(phong, look.name, textured,
+                            from != nullptr ? from->where : SourceSpan());
 }
 
 }  // namespace panwright::importers::vrml

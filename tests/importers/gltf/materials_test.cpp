@@ -387,7 +387,9 @@ TEST(GltfMaterials, ExtensionsAreMappedOrListed) {
   EXPECT_EQ(material.weights.z, 1);
   const CadMaterial& cad = out.imported->materials[0];
   EXPECT_TRUE(cad.see_through);
-  EXPECT_EQ(cad.lost, (std::vector<std::string>{"transmission", "sheen", "opacity"}));
+  std::vector<std::string> lost;
+  for (const LostProperty& each : cad.lost) lost.push_back(each.what);
+  EXPECT_EQ(lost, (std::vector<std::string>{"transmission", "sheen", "opacity"}));
   EXPECT_TRUE(out.log.contains(Code("W6008")));
 }
 
@@ -465,7 +467,8 @@ TEST(GltfMaterials, ClearcoatsOverMetalsAreNamedWithTheirSize) {
   const materials::Material material = with_clearcoat({Vec3(0.7), 1, 0.6}, 1, 0.3, out);
   EXPECT_FALSE(material.coat);
   EXPECT_NE(out.text().find("clearcoat, which changes"), std::string::npos) << out.text();
-  EXPECT_EQ(out.imported->materials[0].lost, std::vector<std::string>{"clearcoat"});
+  ASSERT_EQ(out.imported->materials[0].lost.size(), 1u);
+  EXPECT_EQ(out.imported->materials[0].lost[0].what, "clearcoat");
 }
 
 // The slopes of a normal texture are multiplied by its scale.

@@ -105,7 +105,7 @@ TEST(MjcfParts, MeshesMaterialsAndTextures) {
 <geom name="own" size="1" material="gold" rgba="0 1 0 1"/><geom size="1" material="painted"/></body></worldbody>)",
       {{"parts/sub/cube.stl", stl_text_of(cube())}, {"images/a.ppm", image}});
   ASSERT_TRUE(reading->out) << reading->text();
-  EXPECT_THAT(reading->places(), ElementsAre("8:3 W6502", "1:1 W6008"))
+  EXPECT_THAT(reading->places(), ElementsAre("8:3 W6502", "5:44 W6008"))
       << reading->text();  // squares in STL; the gradient
   const scene::Scene& scene = reading->scene();
   ASSERT_EQ(scene.instances.size(), 4u);

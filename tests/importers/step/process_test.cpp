@@ -100,7 +100,7 @@ TEST(StepProcess, AnswersWhatIsReadHere) {
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.base_color, b.base_color);
     EXPECT_EQ(a.opacity, b.opacity);
-    EXPECT_EQ(a.lost, b.lost);
+    EXPECT_EQ(a.lost.size(), b.lost.size());
     EXPECT_EQ(there->scene().materials[i].diffuse, here->scene().materials[i].diffuse);
   }
 }

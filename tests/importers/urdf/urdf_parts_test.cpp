@@ -46,7 +46,7 @@ TEST(UrdfParts, MaterialsAreSharedByName) {
 <visual><geometry><sphere radius="4"/></geometry></visual>
 </link>)");
   ASSERT_TRUE(reading->out) << reading->text();
-  EXPECT_THAT(reading->places(), ElementsAre("1:1 W6008"));  // its transparency
+  EXPECT_THAT(reading->places(), ElementsAre("7:51 W6008"));  // its transparency
   EXPECT_EQ(reading->material(0).diffuse, Vec3(0.8, 0.6, 0.1));
   EXPECT_EQ(reading->material(1).diffuse, Vec3(1, 0, 0));  // named before it stands
   EXPECT_EQ(reading->scene().instances[1].material, reading->scene().instances[2].material);

@@ -21,7 +21,7 @@ TEST(VrmlRecovery, MisspeltFieldsHaveSuggestions) {
       "Shape {\n apperance Appearance { material DEF M Material {} }\n"
       " appearance Appearance { material Material { diffColor 1 0 0 transparency 0.5 } }\n"
       " geometry Sphere {} }");
-  EXPECT_THAT(reading->places(), ElementsAre("4:2 E6104", "5:46 E6104", "1:1 W6008"));
+  EXPECT_THAT(reading->places(), ElementsAre("4:2 E6104", "5:46 E6104", "5:35 W6008"));
   EXPECT_THAT(reading->log.entries()[0].hint, HasSubstr("'appearance'"));
   EXPECT_THAT(reading->log.entries()[1].hint, HasSubstr("'diffuseColor'"));
   ASSERT_EQ(reading->scene().instances.size(), 3u);

@@ -273,13 +273,25 @@ TEST(VrmlScene, Materials) {
   EXPECT_EQ(reading->scene().materials[1].diffuse, Vec3(0.8));
 }
 
+// Their points and faces are no nodes of the file.
+TEST(VrmlScene, GridsAndExtrusionsBeyondAllCoordinatesAreReportedAtTheirNumbers) {
+  const auto reading = read97(
+      "Shape { geometry ElevationGrid { xDimension 2 zDimension 2\nheight [ 0 0\n1e300 0 ] } }\n"
+      "Shape { geometry\nExtrusion { spine [ 0 0 0, 0 1e300 0 ] } }\n"
+      "Shape { geometry Box { } }");
+  ASSERT_TRUE(reading->out) << to_text(reading->log);
+  EXPECT_THAT(reading->places(), ElementsAre("4:1 E6107", "2:18 W6009", "6:1 E6107", "6:1 W6009"))
+      << to_text(reading->log);
+  EXPECT_EQ(reading->scene().instances.size(), 1u);
+}
+
 TEST(VrmlScene, PixelTextures) {
   const auto reading = read97(
       "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } texture "
       "PixelTexture { image 1 2 3 0x102030 0x405060 } } geometry Box {} }\n"
       "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } texture "
       "PixelTexture { image 1 1 2 0x8040 } } geometry Box {} }");
-  EXPECT_THAT(reading->places(), ElementsAre("1:1 W6008")) << to_text(reading->log);
+  EXPECT_THAT(reading->places(), ElementsAre("3:42 W6008")) << to_text(reading->log);
   ASSERT_EQ(reading->scene().textures.size(), 2u);
   // rows from the bottom in the file, from the top here
   EXPECT_THAT(reading->scene().textures[0].rgba,
