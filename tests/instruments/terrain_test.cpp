@@ -389,8 +389,8 @@ TEST(TerrainRadar, AltitudeAndSectionOfLevelGround) {
       if (off <= 15 * kDegree) section += 50 * 50 * step * step * 0.4 * cosine * cosine * cosine;
     }
   printf("cross-section: %.5f of the closed form\n", found->targets[0].cross_section / section);
-  // measured: 5e-4
-  EXPECT_NEAR(found->targets[0].cross_section / section, 1, 2e-3);
+  // measured: 1.6e-4
+  EXPECT_NEAR(found->targets[0].cross_section / section, 1, 1e-3);
   // of another material: terrain is guessed, and that is said
   ASSERT_TRUE(measure(altimeter("steel"), moment, nullptr, ideal, log));
   ASSERT_EQ(log.entries().size(), 1u);
