@@ -66,6 +66,16 @@ TEST(TerrainText, EveryAttribute) {
   EXPECT_EQ(b.raise + b.blend, 0);
 }
 
+TEST(TerrainText, Defaults) {
+  const Read r = read_terrain(R"(<terrain><dem file="a.lbl"/></terrain>)");
+  ASSERT_TRUE(r.terrain);
+  EXPECT_EQ(r.terrain->error, 0);
+  ASSERT_EQ(r.terrain->dems.size(), 1u);
+  EXPECT_EQ(r.terrain->dems[0].reduce, 1u);
+  EXPECT_EQ(r.terrain->dems[0].raise, 0);
+  EXPECT_EQ(r.terrain->dems[0].blend, 0);
+}
+
 TEST(TerrainText, ProblemsHaveTheirPlace) {
   const auto told = [](const std::string& attributes) {
     return read_terrain("<terrain><dem file=\"a.lbl\" " + attributes + "/></terrain>")
