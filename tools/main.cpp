@@ -1,7 +1,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
 
 #include "tools/run.h"
 
@@ -49,9 +53,34 @@ void hold_standard_streams() {
     }
 }
 
+// Starts commands that draw again with an allocator that asks for large pages: software contexts
+// take hundreds of megabytes, and where the system gives small pages, each costs a fault. The
+// allocator reads the setting at the start of a process alone.
+void use_large_pages([[maybe_unused]] int argc, [[maybe_unused]] char** argv) {
+#ifdef __GLIBC__
+  constexpr const char* kVariable = "GLIBC_TUNABLES";
+  constexpr const char* kSetting = "glibc.malloc.hugetlb=1";
+  constexpr std::string_view kDraw[] = {"render", "run", "dataset", "serve"};
+  if (const char* set = std::getenv(kVariable)) {
+    // of the first start, and not for the programs that this one starts; a user's own stays
+    if (std::string_view(set) == kSetting) unsetenv(kVariable);
+    return;
+  }
+  if (argc < 2 || std::ranges::find(kDraw, std::string_view(argv[1])) == std::end(kDraw)) return;
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  // not a loader or an emulator
+  if (error || !program.filename().string().starts_with("panwright")) return;
+  setenv(kVariable, kSetting, 1);
+  execv(program.c_str(), argv);
+  unsetenv(kVariable);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  use_large_pages(argc, argv);
   hold_standard_streams();
   std::signal(SIGBUS, mapped_file_is_gone);
   // a file above the limit of the shell is a write that fails, as on a full disk

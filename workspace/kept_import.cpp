@@ -135,14 +135,18 @@ void KeptImport::report_again() {
 
 std::optional<std::vector<std::byte>> KeptImport::find() {
   if (!file_) return std::nullopt;
-  const auto kept = cache_->find(Work::imports, key_);
+  auto kept = cache_->find(Work::imports, key_);
   if (!kept) return std::nullopt;
   ByteReader reader(*kept);
-  std::vector<std::byte> pan, said;
-  reader.list(pan);
+  std::vector<std::byte> said;
   reader.list(said);
-  if (!reader.at_end() || !read_diagnostics(said)) return std::nullopt;
-  return pan;
+  const std::uint64_t size = reader.number(), before = kept->size() - size;
+  if (!reader.good() || size > kept->size() || before != 2 * sizeof size + said.size() ||
+      !read_diagnostics(said))
+    return std::nullopt;
+  // moved in place: hundreds of megabytes of fresh memory cost more
+  kept->erase(kept->begin(), kept->begin() + static_cast<std::ptrdiff_t>(before));
+  return kept;
 }
 
 void KeptImport::keep(const pan::Model& model) const {
@@ -151,8 +155,8 @@ void KeptImport::keep(const pan::Model& model) const {
   const auto said = diagnostics();
   if (!said) return;
   ByteWriter out;
-  out.list(model.bytes());
   out.list(*said);
+  out.list(model.bytes());
   cache_->keep(Work::imports, key_, out.bytes());
 }
 

@@ -32,6 +32,21 @@ std::string model(const std::string& body) {
   return "<?xml version=\"1.0\"?>\n<pangu_model ver=\"0\">\n" + body + "\n</pangu_model>\n";
 }
 
+// Commands that draw start again with large pages, unless the user sets the allocator.
+TEST(Program, LargePagesChangeNoImage) {
+  const TemporaryFolder folder;
+  std::vector<std::string> images;
+  for (const std::string variable : {"GLIBC_TUNABLES", "GLIBC_TUNABLES=glibc.malloc.perturb=0"}) {
+    const std::string image = folder / "image.npy";
+    const Outcome drawn = panwright(
+        {"render", kFigure8, "-o", image, "--size", "48x32", "--camera", "0 -4 1"}, {variable});
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    images.push_back(contents(image));
+  }
+  EXPECT_GT(images[0].size(), 3u * 4 * 48 * 32);
+  EXPECT_EQ(images[0], images[1]);
+}
+
 TEST(Program, CompilesAndShowsFigure8) {
   const TemporaryFolder folder;
   const Outcome compile = panwright({"compile", kFigure8, "-o", folder / "f.pan"});
