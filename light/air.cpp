@@ -26,9 +26,13 @@ constexpr double kMieDepth = 0.05, kMieScale = 1200, kMieAlbedo = 0.95, kMieAsym
 const Vec3 kOzoneDepth = 300 * 2.687e20 * Vec3(2.24e-25, 3.5e-25, 2.3e-26);
 constexpr double kOzoneMiddle = 25e3, kOzoneHalf = 15e3;
 
+// A ray that grazes the ground is bent by twice the horizontal refraction, 35 minutes of arc, as of
+// a refractivity that falls exponentially: N·sqrt(2 pi R/H).
+constexpr double kRefractivity = 2.81e-4, kRefractivityScale = 7600;
+
 constexpr int kHeights = 48, kAngles = 160;       // of transmittances
 constexpr int kManyHeights = 16, kManySuns = 48;  // of multiple scattering
-constexpr int kGroundSuns = 96, kViews = 64;
+constexpr int kGroundSuns = 96, kViews = 64, kGrazing = 201;
 constexpr double kLowestSun = -0.36;  // sine of its height, where the air is dark
 
 // Heights of the Sun, closest to each other at the horizon: 0 to 1.
@@ -82,6 +86,7 @@ Vec3 on_meridian(double mu) { return {std::sqrt(std::max(0.0, 1 - mu * mu)), 0, 
 Air::Air(double radius) : radius_(radius), top_(1 + kTop / radius) {
   assert(radius >= kLeastRadius);
   fill_transmittance();
+  fill_grazing();
   fill_multiple();
   fill_ground();
   fill_seen();
@@ -154,6 +159,30 @@ void Air::fill_transmittance() {
       put(transmittance_, row * kAngles + static_cast<std::size_t>(column), exp3(-depth));
     }
   });
+}
+
+double Air::bending(double r) const {
+  return kRefractivity * std::sqrt(2 * kPi * radius_ / kRefractivityScale) *
+         det::exp(-(r - 1) * radius_ / kRefractivityScale);
+}
+
+Vec3 Air::grazing(double r) const {
+  if (r >= top_) return Vec3(1);
+  const auto [i, a] = node_of((r - 1) / (top_ - 1), kGrazing);
+  return exp3(-glm::mix(grazing_[i], grazing_[i + 1], a));
+}
+
+void Air::fill_grazing() {
+  constexpr int kSteps = 96;
+  grazing_.assign(kGrazing, Vec3(0));
+  for (std::size_t i = 0; i + 1 < kGrazing; ++i) {
+    const double r = 1 + (top_ - 1) * static_cast<double>(i) / (kGrazing - 1);
+    const double step = std::sqrt((top_ - r) * (top_ + r)) / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      const double t = (k + 0.5) * step;
+      grazing_[i] += 2 * step * matter(std::sqrt(r * r + t * t)).extinction;
+    }
+  }
 }
 
 Vec3 Air::multiple(double r, double mu_sun) const {

@@ -40,6 +40,11 @@ class Air {
   //
   //   r   distance from the centre, 1 to top(); mu: cosine of the zenith angle
   Vec3 transmittance(double r, double mu) const;
+  // Returns the angle by which the air bends a ray that comes and goes outside, about the planet,
+  // radians: at the ground 70 minutes of arc. r: lowest distance from the centre, 1 or more.
+  double bending(double r) const;
+  // Returns what the air leaves of such a ray.
+  Vec3 grazing(double r) const;
   // Returns the mean radiance of light that was scattered twice or more above black ground.
   Vec3 multiple(double r, double mu_sun) const;
 
@@ -78,6 +83,7 @@ class Air {
                    const Steps& steps, Sums& sums) const;
   AirLight light_of(const Sums& sums, double cosine) const;
   void fill_transmittance();
+  void fill_grazing();
   void fill_multiple();
   void fill_ground();
   void fill_seen();
@@ -87,6 +93,7 @@ class Air {
 
   double radius_, top_;
   std::vector<float> transmittance_;  // Vec3 by r and mu
+  std::vector<Vec3> grazing_;         // optical depths of whole rays by their lowest r
   std::vector<float> multiple_;       // Vec3 by r and mu_sun
   std::vector<float> ground_;         // Vec3 by mu_sun
   std::vector<float> upward_;         // Vec3 by mu

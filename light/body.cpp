@@ -111,7 +111,7 @@ bool is_sound(const Body& body) {
          is_finite(albedo) && albedo.x >= 0 && albedo.y >= 0 && albedo.z >= 0 &&
          law.single_scattering >= 0 && law.single_scattering <= 1 && law.asymmetry > -1 &&
          law.asymmetry < 1 && law.surge >= 0 && std::isfinite(law.surge) && law.surge_width > 0 &&
-         std::isfinite(law.surge_width) &&
+         std::isfinite(law.surge_width) && (body.air || !body.sunset) &&
          (!body.air || (law.law == Law::lambert && !law.rolo && least >= Air::kLeastRadius));
 }
 

@@ -51,6 +51,7 @@ struct Body {
   std::shared_ptr<const BodyMap> map;  // factors of the albedo; null: none
   // The Earth's air above the ellipsoid; the albedo is that of both. Expects: Lambert's law.
   bool air = false;
+  bool sunset = false;  // the last sunlight on targets comes through its air. Expects: air
   std::shared_ptr<const BodyMap> night;  // lights of the night, of kNightRadiance; null: none
   bool operator==(const Body&) const = default;
 };

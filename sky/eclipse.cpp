@@ -163,7 +163,8 @@ std::optional<EclipseEdge> Sky::eclipse_edge(const Vec3& point, double radius) c
   return deepest;
 }
 
-std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius) const {
+std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius,
+                                            std::optional<std::size_t> except) const {
   constexpr double kMostBend = 1.5e-3;  // of a limb within the radius, radii of the Sun's disc
   constexpr double kWide = 100;  // bodies so many times as wide as the Sun have straight limbs
   constexpr std::size_t kMost = 2;
@@ -173,8 +174,9 @@ std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius) co
     NearEclipse eclipse;
   };
   std::vector<Found> found;
-  bool bends = false;
+  bool bends = except.has_value();
   for (std::size_t i = 0; i < size(); ++i) {
+    if (i == except) continue;
     const Ellipsoid& shape = shapes_[i];
     const Vec3& radii = bodies_[i].radii;
     const double most = std::max({radii.x, radii.y, radii.z});
@@ -203,7 +205,7 @@ std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius) co
     bends = bends || bend > kMostBend || wide < kWide * sun_sine_;
   }
   std::vector<NearEclipse> out;
-  if (!bends && found.size() < 2) return out;
+  if (found.empty() || (!bends && found.size() < 2)) return out;
   std::ranges::stable_sort(found, {}, &Found::depth);
   // of all bodies, the axes of the disc are those towards the first
   const Vec3 along = sun_sine_ * found[0].along;

@@ -150,7 +150,7 @@ DirectLights direct_lights(const world::World& world, const Vec3& point,
   lights.white = world.white();
   if (!world.bodies().empty()) {
     const sky::Sky sky(world);
-    lights.sun_irradiance *= sky.sun_share(point);
+    lights.sun_irradiance *= sky.sunlight(point);
     lights.bodies = sky::shine_table(sky, point);
   }
   return lights;

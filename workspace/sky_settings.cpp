@@ -144,17 +144,18 @@ std::string set_law(std::span<const std::string_view> words, light::Body& body) 
   return {};
 }
 
-std::string set_air(std::span<const std::string_view> words, std::optional<bool>& air) {
+std::string set_air(std::span<const std::string_view> words, PlanetText& out) {
   const std::string_view name = words.size() == 1 ? words[0] : std::string_view();
-  if (name != "earth" && name != "none") return "air=earth or none";
-  air = name == "earth";
+  if (name != "earth" && name != "sunset" && name != "none") return "air=earth, sunset or none";
+  out.air = name != "none";
+  out.body.sunset = name == "sunset";
   return {};
 }
 
 std::string set_member(const Word& word, PlanetText& out, bool& sized) {
   light::Body& body = out.body;
   if (word.key == "law") return set_law(word.values, body);
-  if (word.key == "air") return set_air(word.values, out.air);
+  if (word.key == "air") return set_air(word.values, out);
   if (word.key != "radius" && word.key != "albedo")
     return fmt::format("radius=, albedo=, law=, air=, map=, clouds= or night= instead of {}",
                        in_quotes(std::string(word.key) + "="));
@@ -198,7 +199,8 @@ std::string read_planet(const std::string& name, std::string_view text, PlanetTe
   const bool suits = out.body.photometry == light::Photometry() &&
                      std::min({radii.x, radii.y, radii.z}) >= light::Air::kLeastRadius;
   out.body.air = out.air.value_or(out.body.air && suits);
-  if (out.body.air && !suits) return "air=earth with law=lambert and a radius= of 1,000 km or more";
+  if (out.body.air && !suits)
+    return "air=earth or sunset with law=lambert and a radius= of 1,000 km or more";
   if (!light::is_sound(out.body))
     return "finite numbers, semi-axes within 1:100, parameters of a law within their range";
   return {};

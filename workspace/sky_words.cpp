@@ -44,9 +44,15 @@ std::vector<std::string> sky_words(const Frame& frame, const world::World& world
   const Vec3& eye = frame.camera().position;
   for (std::size_t i = 0; i < sky.size(); ++i) out.push_back(words_of_body(sky, i, eye));
   const auto eclipsed = [&](const std::string& what, const Vec3& at) {
-    const double share = sky.sun_share(at);
-    if (share == 0)
+    const Vec3 bands = sky.sunlight(at);
+    const double share = bands.y;
+    if (bands == Vec3(0))
       out.push_back(what + ": no Sun, bodies hide it");
+    else if (bands.x != share || bands.z != share)
+      out.push_back(
+          fmt::format("{}: {:.3g}, {:.3g} and {:.3g} % of the Sun's light at 650, 550 and 450 nm, "
+                      "beside bodies and through air",
+                      what, 100 * bands.x, 100 * share, 100 * bands.z));
     else if (share < 1)
       out.push_back(
           fmt::format("{}: {:.3g} % of the Sun's light beside bodies", what, 100 * share));

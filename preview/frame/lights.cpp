@@ -11,6 +11,8 @@
 namespace panwright::preview {
 namespace {
 
+static_assert(sky::Sunset::kNodes == kSunsetNodes);
+
 constexpr std::uint64_t kLampBytes = 1ull << 26;  // two maps of 2048, or 32 of 512
 constexpr unsigned kPlanetSide = 512;
 constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
@@ -45,16 +47,29 @@ double radius_of(const AxisBox& bounds) {
   return std::max(0.5 * glm::length(bounds.high - bounds.low), 1e-3);
 }
 
+void add_sunset(const sky::Sunset& sunset, LightBlock& block) {
+  copy_floats(sunset.edge.gradient, block.eclipse);
+  block.eclipse[3] = static_cast<float>(sunset.edge.value);
+  block.sunset[0] = static_cast<float>(sunset.first);
+  block.sunset[1] = static_cast<float>(1 / sunset.step);
+  for (std::size_t k = 0; k < kSunsetNodes; ++k)
+    copy_floats(sunset.shares[k], block.sunset_shares + 4 * k);
+}
+
 // Sets the shadow's edge of a body across a receiver; without shadow maps, and so without places of
 // samples, its light at the middle. Returns whether the receiver has nothing of the Sun.
 bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool places, bool bends,
                  LightBlock& block) {
   if (!places) {
-    const auto share = static_cast<float>(sky.sun_share(origin));
-    for (float& band : block.irradiance) band *= share;
-    return share == 0;
+    const Vec3 share = sky.sunlight(origin);
+    for (int k = 0; k < 3; ++k) block.irradiance[k] *= static_cast<float>(share[k]);
+    return share == Vec3(0);
   }
-  const auto bodies = bends ? sky.near_eclipses(origin, radius) : std::vector<sky::NearEclipse>();
+  const auto sunset = bends ? sky.sunset(origin, radius) : std::nullopt;
+  if (sunset) add_sunset(*sunset, block);
+  const auto bodies =
+      bends ? sky.near_eclipses(origin, radius, sunset ? std::optional(sunset->body) : std::nullopt)
+            : std::vector<sky::NearEclipse>();
   if (!bodies.empty()) {
     block.eclipses = static_cast<std::int32_t>(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -77,11 +92,13 @@ bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool pl
         static_cast<float>(ball ? std::min(1.05 * most / nearest / sky.sun_sine(), 1.0) : 1);
     return false;
   }
+  // samples may stand a whole width of the bounds off
+  if (sunset)
+    return sunset->edge.value + 2 * radius * glm::length(sunset->edge.gradient) < sunset->first;
   const auto edge = sky.eclipse_edge(origin, radius);
   if (!edge) return false;
   copy_floats(edge->gradient, block.eclipse);
   block.eclipse[3] = static_cast<float>(edge->value);
-  // samples may stand a whole width of the bounds off
   return edge->value + 2 * radius * glm::length(edge->gradient) < -1;
 }
 
@@ -123,7 +140,9 @@ void Lights::begin_scene(const FrameScene& scene, const RenderOptions& options) 
     const AxisBox& box = *scene.state(r).bounds;
     const world::Pose& pose = scene.world[scene.visible.targets[r].target].pose();
     const Vec3 centre = pose.translation + pose.rotation * (0.5 * (box.low + box.high));
-    eclipsed_ = eclipsed_ || !sky.near_eclipses(centre, radius_of(box)).empty();
+    const double radius = radius_of(box);
+    eclipsed_ =
+        eclipsed_ || sky.sunset_near(centre, radius) || !sky.near_eclipses(centre, radius).empty();
   }
 }
 

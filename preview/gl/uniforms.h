@@ -16,6 +16,7 @@ inline constexpr unsigned kMostLamps = 64;  // lights after the Sun on one targe
 inline constexpr unsigned kMostLampMaps = 64;  // layers of their shadow maps
 inline constexpr unsigned kMostPlanetParts = 16;  // parts of the light of planets, and groups of them, each with a shadow map
 inline constexpr unsigned kPlanetTableSide = 64;  // of a layer of planet_light, without the border of a texel all round
+inline constexpr unsigned kSunsetNodes = 64;  // of the light through the air of a planet by the place beside its limb
 inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of samples have 30 bits
 
 // Flags.
@@ -168,7 +169,8 @@ struct alignas(16) LightBlock {
   float eclipse_sun[24];  // of each in that space: to the middle of the Sun's disc, and from there by its radius along and across
   std::int32_t eclipses;  // number of these bodies; 0: by the edge
   float eclipse_chords;  // distance from the middle of the Sun's disc, in its radii, at most
-  float padding_248[2];
+  float sunset[2];  // of the edge: least place, and nodes of sunset_shares a radius of the Sun's disc; 0 0: none
+  float sunset_shares[256];  // RGB, of the Sun's light by the place beside the edge
   float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
   float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose
   float half_map[2];  // half its width and height, texels
@@ -176,12 +178,12 @@ struct alignas(16) LightBlock {
   float texel_depth;  // of one texel, as a share of the map's depth, times w of a place
   std::int32_t points;  // of the light's disc; they are layers of the map
   std::int32_t tiles;  // of the map; 0: it is one
-  float padding_396[1];
+  float padding_1420[1];
   float tile_place[48];  // of each tile: a place times w, plus xyz
   float tile_inside[48];  // of each tile: x and y from, x and y to
   float disc[512];  // shears of rays to points of the disc, two a row
 };
-static_assert(sizeof(LightBlock) == 2832);
+static_assert(sizeof(LightBlock) == 3856);
 static_assert(offsetof(LightBlock, to_light) == 0);
 static_assert(offsetof(LightBlock, alpha2) == 12);
 static_assert(offsetof(LightBlock, irradiance) == 16);
@@ -191,16 +193,18 @@ static_assert(offsetof(LightBlock, eclipse_space) == 48);
 static_assert(offsetof(LightBlock, eclipse_sun) == 144);
 static_assert(offsetof(LightBlock, eclipses) == 240);
 static_assert(offsetof(LightBlock, eclipse_chords) == 244);
-static_assert(offsetof(LightBlock, map_from_sample) == 256);
-static_assert(offsetof(LightBlock, map_plane_from_sample) == 320);
-static_assert(offsetof(LightBlock, half_map) == 368);
-static_assert(offsetof(LightBlock, texel_size) == 376);
-static_assert(offsetof(LightBlock, texel_depth) == 384);
-static_assert(offsetof(LightBlock, points) == 388);
-static_assert(offsetof(LightBlock, tiles) == 392);
-static_assert(offsetof(LightBlock, tile_place) == 400);
-static_assert(offsetof(LightBlock, tile_inside) == 592);
-static_assert(offsetof(LightBlock, disc) == 784);
+static_assert(offsetof(LightBlock, sunset) == 248);
+static_assert(offsetof(LightBlock, sunset_shares) == 256);
+static_assert(offsetof(LightBlock, map_from_sample) == 1280);
+static_assert(offsetof(LightBlock, map_plane_from_sample) == 1344);
+static_assert(offsetof(LightBlock, half_map) == 1392);
+static_assert(offsetof(LightBlock, texel_size) == 1400);
+static_assert(offsetof(LightBlock, texel_depth) == 1408);
+static_assert(offsetof(LightBlock, points) == 1412);
+static_assert(offsetof(LightBlock, tiles) == 1416);
+static_assert(offsetof(LightBlock, tile_place) == 1424);
+static_assert(offsetof(LightBlock, tile_inside) == 1616);
+static_assert(offsetof(LightBlock, disc) == 1808);
 
 // Lights after the Sun on one receiver, and their shadow maps (lamps.h). Positions as of its samples. std140.
 struct alignas(16) LampsBlock {

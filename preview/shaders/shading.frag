@@ -278,12 +278,8 @@ float share_beside_bodies(vec3 at) {
 
 #endif
 
-// The share of the Sun's disc beyond the limb of a body: sky::share_beyond().
-float share_beyond_limb(ivec2 place) {
-  vec3 at = uintBitsToFloat(texelFetch(position_samples, place, 0).xyz);
-#ifdef BODIES
-  if (light.eclipses > 0) return share_beside_bodies(at);
-#endif
+// The share of the Sun's disc beyond the straight limb of a body: sky::share_beyond().
+float share_beyond_edge(vec3 at) {
   float t = dot(light.eclipse, vec4(at, 1.0));
   if (t >= 1.0) return 1.0;
   t = max(t, -1.0);
@@ -292,12 +288,32 @@ float share_beyond_limb(ivec2 place) {
   float round_disc = 0.5 + 0.25 * t * (3.0 - t * t);
   return ((1.0 - u) * even + u * 0.66666667 * round_disc) / (1.0 - u * 0.33333333);
 }
+
+#ifdef BODIES
+// sky::Sunset::at()
+vec3 share_through_air(vec3 at) {
+  float place = (dot(light.eclipse, vec4(at, 1.0)) - light.sunset.x) * light.sunset.y;
+  place = clamp(place, 0.0, float(kSunsetNodes - 1));
+  float node = min(floor(place), float(kSunsetNodes - 2));
+  return mix(light.sunset_shares[int(node)].rgb, light.sunset_shares[int(node) + 1].rgb, place - node);
+}
+
+vec3 share_beyond_limb(vec3 at) {
+  vec3 share = vec3(1.0);
+  if (light.eclipses > 0) share *= share_beside_bodies(at);
+  if (light.sunset.y > 0.0) return share * share_through_air(at);
+  return light.eclipses > 0 ? share : vec3(share_beyond_edge(at));
+}
+#else
+float share_beyond_limb(vec3 at) { return share_beyond_edge(at); }
+#endif
 #endif
 
 // What a sample has for every light.
 struct Seen {
   ivec2 place;
-  vec3 at;  // of ADDED
+  vec3 at;          // of ADDED, and the surface's own normal
+  vec3 own_normal;
   vec3 to_viewer;
   vec3 normal;        // unit, or 0
   float turning;      // length of the normal sample where the normal turns from sample to sample, else 0
@@ -322,8 +338,9 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   float lifted = length(from.to_light);
   from.to_light /= lifted;
   from.irradiance *= lifted;
-  float wide = from.alpha2 > kWideDisc ? disc_radius(from) : 0.0;
-  if (wide > 0.0) widen(surface, from, seen.normal);
+  float radius = disc_radius(from);
+  bool wide = from.alpha2 > kWideDisc;
+  if (wide) widen(surface, from, seen.normal);
 #endif
 #ifdef ROUGH
   bool has_cells = material_cell_count(seen.first_row).x > 0.0;
@@ -364,13 +381,23 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
 #ifdef SHADOWED
   if (dot(seen.normal, from.to_light) > 0.0) {
 #ifdef ADDED
-    vec2 visibility = lamp_visibility(lamp, seen.place);
     // the map looks along the disc's middle: surfaces whose horizon cuts the disc would shade themselves
-    if (wide > 0.0 && abs(lamps.kind[lamp].z) == 1.0)
-      visibility = mix(vec2(1.0), visibility, clamp(dot(seen.normal, to_middle) / wide, 0.0, 1.0));
+    float above = wide ? clamp(dot(seen.normal, to_middle) / radius, 0.0, 1.0) : 1.0;
+    vec2 visibility = lamp_visibility(lamp, seen.place, seen.at, seen.own_normal, to_middle, radius, above);
 #else
-    vec2 visibility =
-        light_visibility(seen.place, to_middle, disc_radius(from)) * share_beyond_limb(seen.place);
+    vec2 visibility = light_visibility(seen.place, to_middle, disc_radius(from));
+    vec3 place = uintBitsToFloat(texelFetch(position_samples, seen.place, 0).xyz);
+#ifdef BODIES
+    // each band has its own
+    vec3 share = share_beyond_limb(place);
+    vec3 visible = visibility.x * share;
+    visibility *= share.g;
+#else
+    visibility *= share_beyond_limb(place);
+#endif
+#endif
+#ifndef BODIES
+    float visible = visibility.x;
 #endif
     // what is left where the light does not shine
     vec3 shaded = emitted;
@@ -381,7 +408,7 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
     if ((view.flags & kTellsRelief) != 0u)
       sent.a += max(visibility.y - visibility.x, 0.0) * dot(sent.rgb - shaded, vec3(1.0 / 3.0)) /
                 view.told_irradiance;
-    sent.rgb = mix(shaded, sent.rgb, visibility.x);
+    sent.rgb = mix(shaded, sent.rgb, visible);
   }
 #endif
   return sent;
@@ -480,7 +507,11 @@ void main() {
 #endif
 
 #ifdef ADDED
-  seen.at = uintBitsToFloat(texelFetch(position_samples, seen.place, 0).xyz);
+  uvec4 placed = texelFetch(position_samples, seen.place, 0);
+  seen.at = uintBitsToFloat(placed.xyz);
+#ifdef SHADOWED
+  seen.own_normal = unpacked_normal(placed.w);
+#endif
   radiance = vec4(0.0);
   // Software contexts run both sides of a branch: lamps that do not light a sample are found first, by a few
   // operations each, and each sample goes on to the next of its own.

@@ -93,13 +93,12 @@ vec2 map_visibility(int map, bool around, vec3 at, vec3 normal) {
   return point_visibility(int(lamps.texel_depth[map].y), place, slope, texel_depth / on_map.w, slack);
 }
 
-// Of a light after the Sun, as light_visibility(). One point: all of it or nothing stands for its disc.
-vec2 lamp_visibility(int lamp, ivec2 sample_at) {
-  uvec4 found = texelFetch(position_samples, sample_at, 0);
-  vec3 at = uintBitsToFloat(found.xyz);
+// Of a light after the Sun, as light_visibility(). One point: all of it or nothing stands for its disc; above: how
+// much of that the horizon leaves to the map.
+vec2 lamp_visibility(int lamp, ivec2 sample_at, vec3 at, vec3 normal, vec3 to_middle, float radius, float above) {
   vec4 kind = lamps.kind[lamp];
+  if (dot(normal, to_middle) < -radius - kNormalSlack) return vec2(0.0);
   if (kind.y < 0.0) return vec2(1.0);
-  vec3 normal = unpacked_normal(found.w);
 #ifndef POINTS
   int points = int(abs(kind.z));
   if (points > 1) {
@@ -118,7 +117,8 @@ vec2 lamp_visibility(int lamp, ivec2 sample_at) {
     return sum > 0.0 ? seen / sum : vec2(0.0);
   }
 #endif
-  return map_visibility(int(kind.y), kind.z < 0.0, at, normal);
+  vec2 visible = map_visibility(int(kind.y), kind.z < 0.0, at, normal);
+  return above < 1.0 ? mix(vec2(1.0), visible, above) : visible;
 }
 #else
 // The finest tile that holds a place. Where none does, nothing shades it: it is out of view.

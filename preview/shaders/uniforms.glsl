@@ -6,6 +6,7 @@ const int kMostLamps = 64;
 const int kMostLampMaps = 64;
 const int kMostPlanetParts = 16;
 const int kPlanetTableSide = 64;
+const int kSunsetNodes = 64;
 const int kMostItems = 1073741823;
 const uint kTurns = 2147483648u;
 const uint kPredictsErrors = 1u;
@@ -103,6 +104,8 @@ const int kLightBinding = 4;
   vec4 eclipse_sun[6]; \
   int eclipses; \
   float eclipse_chords; \
+  vec2 sunset; \
+  vec4 sunset_shares[64]; \
   mat4 map_from_sample; \
   vec4 map_plane_from_sample[3]; \
   vec2 half_map; \

@@ -1931,6 +1931,7 @@ inline constexpr Number kNumbers_planet_radius[] = {
 };
 inline constexpr std::string_view kWords_planet_air[] = {
     "earth",
+    "sunset",
     "none",
 };
 inline constexpr Attribute kAttributes_planet[] = {

@@ -123,5 +123,34 @@ TEST(ReferenceLamps, AsInOpenGl) {
   }
 }
 
+// A thin box with normals that are smooth across its edges, in the light of a lamp above: its dark
+// side stays dark in both, the other has the same flux.
+TEST(ReferenceLamps, FacesAwayFromALamp) {
+  geometry::Mesh mesh = box(Vec3(4, 2, 0.004));
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
+    mesh.normals[i] = glm::normalize(mesh.positions[i] / Vec3(2, 1, 0.002));
+  Renderer renderer(shared_device());
+  for (const Vec3& place : {Vec3(-2.5, -0.5, 6), Vec3(-4, -1.2, 2)})
+    for (const double height : {-0.02, -0.5, 0.5}) {
+      const View view = looking_from({1, 0.4, height}, 6, 0.8, 64);
+      const world::World world = lit_world(
+          single(mesh, lambert(1)), {light::Point{.position = place, .intensity = Vec3(30)}});
+      const ReferenceImage exact = traced(world, view.camera, direct_light(64));
+      DiagnosticLog log;
+      const auto image =
+          renderer.render(world, view.camera, {.samples = 8, .shadow_side = 512}, log);
+      ASSERT_TRUE(image) << to_text(log);
+      const double got = intensity(*image, view.camera, 6),
+                   want = intensity(exact.image, view.camera, 6);
+      printf("from %.2f: flux %.4e, reference %.4e\n", height, got, want);
+      if (height < 0) {
+        EXPECT_EQ(got, 0) << height;
+        EXPECT_EQ(want, 0) << height;
+      } else {
+        EXPECT_NEAR(got / want, 1, 3e-3) << height;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace panwright::preview::reference_lamps_test

@@ -185,6 +185,40 @@ TEST(ReferenceSky, Eclipse) {
   }
 }
 
+// The Sun through the Earth's air, by directions of its disc one by one: beside the Earth's own
+// light, which is the same without.
+TEST(ReferenceSky, LastLightThroughAir) {
+  const pan::Model model = model_of(plate(10, 0, lambert(0.6)));
+  const double distance = kRadius + 400e3;
+  for (const double t : {-1.5, 0.0, 1.0, 3.0, 6.0}) {
+    const double angle = std::asin(kRadius / distance) + t * world::kSunSineAtOneAu;
+    world::World world = over_earth(model, 400e3, 0);
+    world.set_sun({.direction = {std::sin(angle), 0, std::cos(angle)}, .limb_darkening = 0.6});
+    std::vector<light::Body> bodies(world.bodies().begin(), world.bodies().end());
+    bodies[0].air = true;
+    world.set_sky(bodies, false);
+    const ReferenceImage hard = traced(world, above(), direct(4096));
+    const double geometric = sky::Sky(world).sun_share(Vec3(0));
+    bodies[0].sunset = true;
+    world.set_sky(bodies, false);
+    const ReferenceImage soft = traced(world, above(), direct(4096));
+    const Vec3 share = sky::Sky(world).sunlight(Vec3(0));
+    const double pixels = static_cast<double>(soft.image.pixels());
+    for (std::size_t k = 0; k < 3; ++k) {
+      double got = 0, error = 0;
+      for (std::size_t i = k; i < soft.image.radiance.size(); i += 3) {
+        got += (soft.image.radiance[i] - hard.image.radiance[i]) / pixels;
+        error += std::pow(soft.standard_error[i] / pixels, 2) +
+                 std::pow(hard.standard_error[i] / pixels, 2);
+      }
+      const double white = 0.6 / kPi * std::cos(angle);
+      const double want = share[static_cast<int>(k)] - geometric;
+      printf("t = %g, band %zu: %.5f of %.5f\n", t, k, got / white, want);
+      EXPECT_NEAR(got / white, want, 4 * std::sqrt(error) / white + 2e-3) << t << ' ' << k;
+    }
+  }
+}
+
 // Its own rays and those of sky/.
 TEST(ReferenceSky, BackgroundAsByAreas) {
   const pan::Model model = model_of(plate(1, 0, lambert(0.6)));

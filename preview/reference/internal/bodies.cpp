@@ -42,11 +42,44 @@ Bodies::Bodies(std::span<const light::Body> bodies, const trace::RigidFrame& fra
   }
 }
 
-bool Bodies::hides(const Vec3& origin, const Vec3& direction) const {
-  return std::ranges::any_of(bodies_, [&](const Placed& one) {
-    const Vec3 from = one.to_unit(origin - one.centre);
-    return glm::dot(from, from) < 1 || way_to_sphere(from, one.to_unit(direction)).has_value();
-  });
+// Around the ring of a body's air, from outside: light that is not bent would come at the angle s
+// from the centre; it is seen at angles a, where a − bending(a) is s, or −s on the other side, and
+// spread by how these change.
+Vec3 Bodies::through_ring(const Placed& one, const Vec3& from, const Vec3& ray) {
+  const light::Air& air = *one.air;
+  const double distance = glm::length(from);
+  const double sine = glm::length(glm::cross(from, ray)) / distance;
+  const double straight = std::atan2(sine, -glm::dot(from, ray) / distance);
+  const auto source = [&](double r) { return std::asin(r / distance) - air.bending(r); };
+  if (straight >= source(air.top())) return Vec3(1);
+  Vec3 sum(0);
+  for (const double side : {1.0, -1.0}) {
+    const double want = side * straight;
+    if (want < source(1)) continue;
+    double low = 1, high = air.top();
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (low + high);
+      (source(middle) < want ? low : high) = middle;
+    }
+    constexpr double kStep = 1e-7;
+    const double turned = std::asin((low + kStep) / distance) - std::asin(low / distance);
+    const double change = source(low + kStep) - source(low);
+    sum += air.grazing(low) * (turned / change * (low / distance) / std::max(sine, 1e-12));
+  }
+  return sum;
+}
+
+Vec3 Bodies::passes(const Vec3& origin, const Vec3& direction) const {
+  Vec3 share(1);
+  for (const Placed& one : bodies_) {
+    const Vec3 from = one.to_unit(origin - one.centre), along = one.to_unit(direction);
+    const double distance = glm::length(from);
+    if (one.body->sunset && distance > one.air->top() && glm::dot(from, along) < 0)
+      share *= through_ring(one, from, glm::normalize(along));
+    else if (distance < 1 || way_to_sphere(from, along))
+      return Vec3(0);
+  }
+  return share;
 }
 
 std::optional<Bodies::Hit> Bodies::nearest(const Vec3& origin, const Vec3& direction) const {

@@ -26,8 +26,9 @@ class Bodies {
 
   bool empty() const { return bodies_.empty(); }
 
-  // Returns whether a body stands in a direction.
-  bool hides(const Vec3& origin, const Vec3& direction) const;
+  // Returns the share of light from infinity that arrives from a direction, per band: 0 where a
+  // body stands, unless its air bends light around it (light::Body::sunset).
+  Vec3 passes(const Vec3& origin, const Vec3& direction) const;
 
   struct Hit {
     std::size_t body = 0;
@@ -66,6 +67,7 @@ class Bodies {
   // Distance in the space where what sample() aims at, the ground or its air, is the unit sphere.
   static Vec3 sampled_from(const Placed& one, const Vec3& origin);
   bool eclipsed(std::size_t body, const Vec3& at, const Vec2& u) const;
+  static Vec3 through_ring(const Placed& one, const Vec3& from, const Vec3& ray);
   Vec3 radiance(const Vec3& origin, const Vec3& direction, const Hit& hit, const Vec2& u) const;
   // Share of a body among all in sample(): its disc in steradians of its own sphere.
   static double disc_of(const Placed& one, const Vec3& origin);

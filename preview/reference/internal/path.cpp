@@ -36,8 +36,10 @@ struct Lit {
   const Point& point;
 
   bool open(const Vec3& to_light) const { return !scene.any({{point.start, to_light}, target}); }
-  bool reaches(const Vec3& to_sun) const {
-    return !(bodies && bodies->hides(point.start, to_sun)) && open(to_sun);
+  // share of the Sun's light from a direction
+  Vec3 arriving(const Vec3& to_sun) const {
+    const Vec3 share = bodies ? bodies->passes(point.start, to_sun) : Vec3(1);
+    return !(share == Vec3(0)) && open(to_sun) ? share : Vec3(0);
   }
   bool reaches(const TraceLamp::Sample& light) const {
     constexpr double kShort = 1 - 1e-9;  // of a lamp that lies on a surface
@@ -68,7 +70,7 @@ Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
               (kPi * density);
   }
   ++counts.shadow;
-  return lit.reaches(light.to_light) ? result : Vec3(0);
+  return lit.arriving(light.to_light) * result;
 }
 
 // The Sun's disc as mirrors show it.
@@ -83,7 +85,7 @@ Vec3 mirrored_disc(const Lit& lit, const Vec3& to_viewer, RayCounts& counts) {
     const Vec3 shown = sun.radiance(one.to_light) * one.reflectance;
     if (is_black(shown) || !(glm::dot(one.to_light, point.normal) > 0)) continue;
     ++counts.shadow;
-    if (lit.reaches(one.to_light)) result += shown;
+    result += lit.arriving(one.to_light) * shown;
   }
   return result;
 }
@@ -251,7 +253,7 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
     if (!sampled || is_black(sampled->weight)) break;
     Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
     if (lit.bodies != nullptr) {
-      if (!is_black(disc) && lit.bodies->hides(point.start, sampled->to_light)) disc = Vec3(0);
+      if (!is_black(disc)) disc *= lit.bodies->passes(point.start, sampled->to_light);
       disc += body_seen(lit, *sampled, {w[1], w[2]});
     }
     if (last && is_black(disc)) break;
