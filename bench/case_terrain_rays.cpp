@@ -125,6 +125,7 @@ void add_normals(const Site& site, const terrain::Ground& ground, Row row,
       if (hits[k]) normals[k] = ground.smooth(hits[k]->point).normal;
   };
   const auto count = std::ranges::count_if(hits, [](const auto& hit) { return bool(hit); });
+  if (count == 0) return;
   row.setting += ", smooth normals";
   row.speed_unit = "M/s";
   row.error_unit = "rad";

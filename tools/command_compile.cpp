@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.h"
 #include "base/text.h"
@@ -117,9 +118,11 @@ int tile(const Options& options, const std::string& output, scene::Scene& scene,
   if (!made) return context.finish();
   context.wrote(output, counted(made->tiles.tiles, "tile"));
   if (!options.depfile.empty()) {
+    std::set<std::string> known;  // several parts may be of one file
     for (const std::string& file : made->files)
-      scene.inputs.push_back(
-          {std::filesystem::path(file).lexically_relative(folder).string(), {}, 0});
+      if (known.insert(file).second)
+        scene.inputs.push_back(
+            {std::filesystem::path(file).lexically_relative(folder).string(), {}, 0});
     const auto rule = dependencies(options, output, scene.inputs, log);
     if (rule && write_file(options.depfile, as_bytes(*rule), log)) context.wrote(options.depfile);
   }
