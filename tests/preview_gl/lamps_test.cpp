@@ -146,8 +146,7 @@ TEST(Lamps, SpotEdge) {
 }
 
 // An open sheet whose normals lean, from both sides: what faces a lamp has the closed form of its
-// normals; what faces away is dark, though the normals face the lamp. Without the horizon of
-// triangles the sheet had up to 1.4 times the light of its other side.
+// normals; what faces away is dark, though the normals face the lamp.
 TEST(Lamps, TrianglesThatFaceAwayAreDark) {
   geometry::Mesh sheet = plate(4, 4);
   sheet.normals.assign(4, Vec3(0.6, 0, 0.8));

@@ -105,12 +105,12 @@ TEST(SpecularFilter, RodsKeepTheirFlux) {
           view.sun_distance = 1000;
           const double expected =
               kLength * radius * radius / (4 * slope * std::sqrt(kPi)) * (1 + slope * slope / 2);
-          const double off = flux_error(model, view, expected, one_sample(true), 8);
+          const double off = flux_error(model, view, expected, one_sample(true), 64);
           printf("slope %g turn %g phase %g radius %g: %.1e\n", slope, turn, phase, radius, off);
           worst = std::max(worst, off);
         }
-      // 4.3e-2 measured: along rows, 80 degrees, 4 px
-      EXPECT_LE(worst, 0.05) << slope << ' ' << turn;
+      // measured over 64 places: 4.1e-2 along rows, 5.3e-3 aslant, both at 80 degrees and 4 px
+      EXPECT_LE(worst, turn == 0 ? 0.044 : 0.008) << slope << ' ' << turn;
     }
   }
 }
