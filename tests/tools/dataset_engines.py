@@ -1,17 +1,44 @@
 #!/usr/bin/env python3
-"""dataset_engines.py PANWRIGHT EXAMPLES: a data set by each engine that is installed has the bytes of one run.
+"""dataset_engines.py PANWRIGHT EXAMPLES [--cluster]: a data set by each engine that is installed has the bytes of one run.
 
-Slurm's array script is run by sh with the variables that Slurm sets: no cluster is started.
+Slurm's array script is run by sh with the variables that Slurm sets; --cluster submits it to a Slurm of one node,
+started here without rights of root, and runs nothing else.
 """
+import contextlib
 import os
 import pathlib
+import pwd
 import shutil
+import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import time
 
 program, examples = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 SHARDS = 3
+# four processors are told of a smaller machine too: the script asks for as many
+CONFIGURATION = """ClusterName=test
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={controller}
+SlurmdPort={worker}
+AuthInfo=socket={home}/munge
+SlurmUser={user}
+SlurmdUser={user}
+StateSaveLocation={home}/state
+SlurmdSpoolDir={home}/spool
+SlurmctldPidFile={home}/slurmctld.pid
+SlurmdPidFile={home}/slurmd.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SchedulerParameters=sched_interval=2
+SelectType=select/cons_tres
+SlurmdParameters=config_overrides
+NodeName={host} NodeAddr=127.0.0.1 CPUs=8
+PartitionName=all Nodes={host} Default=YES
+"""
 PLAN = """frames = 6
 seed = 3
 [targets]
@@ -46,6 +73,52 @@ def slurm(folder):
         run(["sh", examples / "slurm.sh", "set"], folder, SLURM_ARRAY_TASK_ID=str(k), SLURM_ARRAY_TASK_COUNT=str(SHARDS))
 
 
+@contextlib.contextmanager
+def slurm_cluster():
+    """A Slurm of this machine, its files in a folder of its own, on ports that are free: environment of its commands."""
+    with tempfile.TemporaryDirectory() as home, contextlib.ExitStack() as stack:
+        home = pathlib.Path(home)
+        ports = []
+        for _ in range(2):
+            with socket.socket() as probe:
+                probe.bind(("127.0.0.1", 0))
+                ports.append(probe.getsockname()[1])
+        # munged asks for a folder that nobody else can write, and a socket that all can reach
+        home.chmod(0o755)
+        (home / "key").write_bytes(os.urandom(128))
+        (home / "key").chmod(0o600)
+        for name in ("state", "spool"):
+            (home / name).mkdir()
+        user, host = pwd.getpwuid(os.getuid()).pw_name, socket.gethostname().split(".")[0]
+        (home / "slurm.conf").write_text(CONFIGURATION.format(user=user, host=host, home=home, controller=ports[0], worker=ports[1]))
+        environment = {"SLURM_CONF": str(home / "slurm.conf")}
+
+        def start(*words):
+            log = open(home / f"{words[0]}.txt", "w")
+            started = subprocess.Popen(words, stdout=log, stderr=log, env={**os.environ, **environment})
+            stack.callback(started.wait)
+            stack.callback(started.send_signal, signal.SIGTERM)
+
+        start("munged", "-F", f"--key-file={home}/key", f"--socket={home}/munge", f"--pid-file={home}/munged.pid",
+              f"--log-file={home}/munged.log", f"--seed-file={home}/munged.seed")
+        start("slurmctld", "-D", "-i")
+        start("slurmd", "-D")
+        for _ in range(60):
+            said = subprocess.run(["sinfo", "-h", "-o", "%T"], capture_output=True, text=True, env={**os.environ, **environment})
+            if said.stdout.strip() == "idle":
+                break
+            time.sleep(0.5)
+        else:
+            sys.exit(f"Slurm did not start: {said.stdout}{said.stderr}\n"
+                     + "\n".join(f"{f.name}: {f.read_text()[-2000:]}" for f in home.glob("*.txt")))
+        yield environment
+
+
+def sent_to_slurm(folder):
+    with slurm_cluster() as environment:
+        run(["sbatch", "--wait", f"--array=0-{SHARDS - 1}", examples / "slurm.sh", "set"], folder, **environment)
+
+
 def parallel(folder):
     run(["sh", examples / "parallel.sh", "set", SHARDS], folder)
 
@@ -68,6 +141,12 @@ ENGINES = {
     "snakemake": (snakemake, shutil.which("snakemake"), "snakemake"),
     "dask": (dask, DASK, "python3-distributed"),
 }
+if "--cluster" in sys.argv[3:]:
+    os.environ["PATH"] += ":/usr/sbin"
+    if not all(shutil.which(p) for p in ("slurmctld", "slurmd", "munged")):
+        print("not run, as slurm-wlm and munge are not installed")
+        sys.exit(77)
+    ENGINES = {"Slurm": (sent_to_slurm, True, "")}
 
 with tempfile.TemporaryDirectory() as temporary:
     def planned(name):
