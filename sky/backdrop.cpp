@@ -490,7 +490,8 @@ void Painter::splat_air(const Disc& disc, SmallDisc& result) const {
 }  // namespace
 
 Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
-            const std::vector<float>* depths, bool before, const Job& job) {
+            const std::vector<float>* depths, bool before, const Job& job,
+            const std::vector<float>* coverage) {
   const auto margin = psf_sigma > 0 ? static_cast<std::uint32_t>(std::ceil(5 * psf_sigma)) + 1 : 0u;
   world::Camera wide = camera;
   wide.width += 2 * margin;
@@ -510,6 +511,7 @@ Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
   const auto paint = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < wide.width; ++column) {
       const auto line = static_cast<std::uint32_t>(row);
+      if (margin == 0 && coverage && !((*coverage)[row * wide.width + column] < 1)) continue;
       const Shade shade = painter.pixel(column, line, part_of(column, line));
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t at = 3 * (row * wide.width + column) + k;
@@ -534,8 +536,8 @@ Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
 }
 
 std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
-                            const Job& job) {
-  return layer(sky, camera, psf_sigma, nullptr, false, job).light;
+                            const Job& job, const std::vector<float>* coverage) {
+  return layer(sky, camera, psf_sigma, nullptr, false, job, coverage).light;
 }
 
 }  // namespace panwright::sky

@@ -18,9 +18,10 @@ namespace panwright::sky {
 // Any lens.
 //
 //   psf_sigma  RMS width of a Gaussian PSF, pixels; 0: none
+//   coverage   H·W, of targets: without a PSF pixels that they cover are left black; null: none
 // Error: limbs 0.02 px, flux of a disc 1e-3. Lets Cancelled pass. Cost: O(pixels).
 std::vector<float> backdrop(const Sky& sky, const world::Camera& camera, double psf_sigma,
-                            const Job& job = {});
+                            const Job& job = {}, const std::vector<float>* coverage = nullptr);
 
 // Adds a backdrop to an image of targets, by the share of each pixel that they leave. Coverage and
 // the truth layers stay those of the targets.

@@ -62,7 +62,7 @@ class SolidAngles {
   // Pixels from `first` to `last`, these included.
   SolidAngles(const world::Camera& camera, const std::int64_t (&first)[2],
               const std::int64_t (&last)[2])
-      : camera_(camera) {
+      : camera_(camera), first_(first[0]) {
     constexpr std::int64_t kFew = 6;  // on a side: not worth it
     if (last[0] - first[0] < kFew || last[1] - first[1] < kFew) return;
     for (int k = 0; k < 2; ++k) {
@@ -77,9 +77,27 @@ class SolidAngles {
     const std::int64_t x = first[0] + 1, y = first[1] + 1;
     const double between = exact(x, y);
     smooth_ = all && std::fabs(by_nodes(x, y) - between) <= kSmooth * between;
+    if (!smooth_) return;
+    for (std::int64_t column = first[0]; column <= last[0]; ++column) {
+      const Vec3 across = weights(node_[0], static_cast<double>(column));
+      for (int i = 0; i < 3; ++i) across_[i].push_back(across[i]);
+    }
   }
 
-  double at(std::int64_t x, std::int64_t y) const { return smooth_ ? by_nodes(x, y) : exact(x, y); }
+  // Sets those of a row of the rectangle.
+  void row(std::int64_t y, std::span<double> out) const {
+    if (!smooth_) {
+      for (std::size_t x = 0; x < out.size(); ++x)
+        out[x] = exact(first_ + static_cast<std::int64_t>(x), y);
+      return;
+    }
+    std::ranges::fill(out, 0.0);
+    const Vec3 down = weights(node_[1], static_cast<double>(y));
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        for (std::size_t x = 0; x < out.size(); ++x)
+          out[x] += down[j] * across_[i][x] * value_[j][i];
+  }
 
  private:
   double exact(std::int64_t x, std::int64_t y) const {
@@ -105,9 +123,11 @@ class SolidAngles {
   }
 
   const world::Camera& camera_;
+  std::int64_t first_ = 0;
   std::int64_t node_[2][3] = {};
   double value_[3][3] = {};
   bool smooth_ = false;
+  std::vector<double> across_[3];  // weights of the columns
 };
 
 }  // namespace
@@ -190,19 +210,18 @@ void add_point(const Vec2& pixel, const Vec3& irradiance, const world::Camera& c
                                 std::max<std::int64_t>(down.first, 0)};
   const std::int64_t last[] = {std::min(end_of(across), width - 1),
                                std::min(end_of(down), height - 1)};
+  if (first[0] > last[0] || first[1] > last[1]) return;
   const SolidAngles angles(camera, first, last);
-  for (std::size_t j = 0; j < down.of.size(); ++j) {
-    const std::int64_t y = down.first + static_cast<std::int64_t>(j);
-    if (y < 0 || y >= height) continue;
-    for (std::size_t i = 0; i < across.of.size(); ++i) {
-      const std::int64_t x = across.first + static_cast<std::int64_t>(i);
-      if (x < 0 || x >= width) continue;
-      const double angle = angles.at(x, y);
-      if (!(angle > 0)) continue;
-      float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + x)];
+  std::vector<double> row(static_cast<std::size_t>(last[0] - first[0] + 1));
+  for (std::int64_t y = first[1]; y <= last[1]; ++y) {
+    angles.row(y, row);
+    const Vec3 along = irradiance * down.of[static_cast<std::size_t>(y - down.first)];
+    const double* shares = &across.of[static_cast<std::size_t>(first[0] - across.first)];
+    float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + first[0])];
+    for (std::size_t x = 0; x < row.size(); ++x, radiance += 3) {
+      if (!(row[x] > 0)) continue;
       for (int band = 0; band < 3; ++band)
-        radiance[band] += static_cast<float>(
-            std::min(irradiance[band] * down.of[j] * across.of[i] / angle, kMost));
+        radiance[band] += static_cast<float>(std::min(along[band] * shares[x] / row[x], kMost));
     }
   }
 }

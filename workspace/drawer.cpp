@@ -272,7 +272,8 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
   if (here.bodies && here.before)
     sky::add_around(*here.sky, here.camera, here.psf_sigma, image, job);
   else if (here.bodies)
-    sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job), image);
+    sky::add_behind(sky::backdrop(*here.sky, here.camera, here.psf_sigma, job, &image.coverage),
+                    image);
   if ((here.before || here.ground) && !here.truth) {
     image.depth.clear();
     image.range.clear();

@@ -15,8 +15,10 @@ struct Layer {
 
 // The bodies of a side of the depths, or all.
 //
-//   depths  height·width; null: all bodies
+//   depths    height·width; null: all bodies
+//   coverage  as of backdrop()
 Layer layer(const Sky& sky, const world::Camera& camera, double psf_sigma,
-            const std::vector<float>* depths, bool before, const Job& job);
+            const std::vector<float>* depths, bool before, const Job& job,
+            const std::vector<float>* coverage = nullptr);
 
 }  // namespace panwright::sky

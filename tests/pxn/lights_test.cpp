@@ -136,7 +136,9 @@ TEST(Lights, SceneIsSettingsOfViews) {
 TEST(Lights, SceneProblems) {
   for (const auto& [scene, says] : std::initializer_list<std::pair<const char*, const char*>>{
            {R"(<planet at="0 0 0"/>)", "E1103"},
-           {R"(<planet body="earth" air="mars"/>)", "E1"},
+           {R"(<planet body="earth" air="mars"/>)", "2:34 E1204"},
+           {R"(<planet body="earth" air="sunrise"/>)", "2:34 E1204"},
+           {R"(<planet body="earth" air=""/>)", "2:34 E1103"},
            {R"(<planet body="earth" clouds="none.png"/>)", "E1301"},
            {R"(<planet body="rock" at="0 0 0" radius="0"/>)", "2:47 E1202"},
            {R"(<planet body="earth" at="0 0 0" map="none.png"/>)", "E1301"},
@@ -160,7 +162,7 @@ TEST(Lights, ComeBackFromText) {
       R"(<scene date="2026-01-01" orbit="earth"><sun direction="1 0 2" visible="on"/>
          <planet body="moon" air="none"/>
          <planet body="rock" at="1 2 3" quat="0 0 0 1" radius="2km 1km 1km" law="hapke 0.3 -0.2 1 0.1" air="none"/>
-         <planet body="earth" at="0 0 -6778km" albedo="0.3"/><stars to="6.5"/></scene>
+         <planet body="earth" at="0 0 -6778km" albedo="0.3" air="sunset"/><stars to="6.5"/></scene>
          <lamp name="a" type="spot" at="0.3 0 0" direction="1 2 3" intensity="4" half_angle="20"
                exponent="2" radius="0.01" pulse="-0.5 0.25" state="off"/>
          <node name="n"><lamp name="b" type="point" power="1 2 3"/>

@@ -166,6 +166,30 @@ TEST_F(Views, AnImageIsMadeAgain) {
       }
 }
 
+// The last sunlight through air is of the record: made again it is the same, without it another
+// image.
+TEST_F(Views, TheLastSunlightIsMadeAgain) {
+  const std::string image = folder_ / "dusk.npz", again = folder_ / "again.npz";
+  std::vector<std::string> words = {"render",    box_,
+                                    "-o",        image,
+                                    "--engine",  "reference",
+                                    "--samples", "4",
+                                    "--size",    "8x8",
+                                    "--camera",  "9 0 1",
+                                    "--look-at", "0 0 0",
+                                    "--fov",     "10",
+                                    "--planet",  "earth=0 0 -6778km radius=6371km air=sunset",
+                                    "--sun",     "0.9399 0 -0.34145"};
+  ASSERT_EQ(panwright(words).code, 0);
+  const Outcome made = panwright({"render", "--again", image, "-o", again});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_TRUE(contents(image) == contents(again));
+  const Outcome other = panwright(
+      {"render", "--again", image, "-o", again, "--planet", "earth=0 0 -6778km radius=6371km"});
+  ASSERT_EQ(other.code, 0) << other.err;
+  EXPECT_FALSE(contents(image) == contents(again));
+}
+
 TEST_F(Views, AModelThatChangedIsSaidAndAnImageWithoutARecordToo) {
   const std::string image = folder_ / "a.png";
   const auto render = [&](std::vector<std::string> words) {

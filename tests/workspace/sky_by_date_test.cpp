@@ -2,10 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "scenario/dated_sky.h"
 #include "sky/sky.h"
@@ -354,6 +358,96 @@ TEST_F(ScenarioByDate, FilesAreThoseOfTheScenariosFolder) {
   EXPECT_NE(cloudy.sky->bodies[0].map, nullptr);
   EXPECT_NE(cloudy.sky->bodies[0].night, nullptr);
   EXPECT_EQ(frame.sky->stars.catalogue->stars.size(), 1u);
+}
+
+// Apparent places from the Earth's centre: astropy 5.2 (ERFA), SkyCoord.apply_space_motion() from
+// J1991.25 of the rows of Hipparcos, then to GCRS, with the light's deflection by the Sun and
+// without parallax. Degrees.
+struct Apparent {
+  std::uint32_t hip;
+  double ra, dec;
+};
+struct NightSky {
+  const char* date;
+  std::vector<Apparent> stars;
+};
+// motions: Groombridge 1830 7.1 arcsec a year, Lacaille 9352 6.9, 61 Cygni 5.3, 40 Eridani 4.1,
+// alpha Centauri 3.7, Arcturus 2.3, Sirius 1.3; at the poles Polaris and sigma Octantis
+const NightSky kNightSkies[] = {
+    {"1991-04-02T13:30:00",
+     {{57939, 178.238992109, 37.731841958},
+      {114046, 346.440708037, -35.856750186},
+      {104214, 316.708029877, 38.737052383},
+      {19849, 63.820191005, -7.647302884},
+      {71683, 219.929954608, -60.834118219},
+      {32349, 101.288428621, -16.716775693},
+      {11767, 37.576597116, 89.266349239},
+      {60718, 186.661281500, -63.100533409},
+      {27989, 88.791622494, 7.405492170},
+      {104382, 317.028440698, -88.952240141},
+      {69673, 213.923279501, 19.184544172}}},
+    {"2004-01-05T00:00:00",
+     {{57939, 178.252331961, 37.708357227},
+      {114046, 346.472964766, -35.855062601},
+      {104214, 316.724572394, 38.754626105},
+      {19849, 63.820001233, -7.657709673},
+      {71683, 219.888273965, -60.829230643},
+      {32349, 101.292530502, -16.718050540},
+      {11767, 38.150420812, 89.269295885},
+      {60718, 186.650836628, -63.094252406},
+      {27989, 88.798603561, 7.406706217},
+      {104382, 316.935156578, -88.959747186},
+      {69673, 213.911812735, 19.177897644}}},
+    {"2026-07-03T18:00:00",
+     {{57939, 178.280612931, 37.679556712},
+      {114046, 346.531063101, -35.839935241},
+      {104214, 316.769774377, 38.771670834},
+      {19849, 63.796847634, -7.677166239},
+      {71683, 219.852124652, -60.834441775},
+      {32349, 101.277130310, -16.724723043},
+      {11767, 37.780559994, 89.259073443},
+      {60718, 186.648163498, -63.103967523},
+      {27989, 88.787626088, 7.407428728},
+      {104382, 317.450582314, -88.953108142},
+      {69673, 213.909127061, 19.169789079}}},
+    {"2045-10-20T06:30:00",
+     {{57939, 178.303419509, 37.644595067},
+      {114046, 346.577819381, -35.836635541},
+      {104214, 316.794611734, 38.795619846},
+      {19849, 63.793718195, -7.693981184},
+      {71683, 219.795267893, -60.827638570},
+      {32349, 101.281662779, -16.728287131},
+      {11767, 38.409734256, 89.263192075},
+      {60718, 186.637693685, -63.096504188},
+      {27989, 88.796056303, 7.408606006},
+      {104382, 317.302287868, -88.961494632},
+      {69673, 213.894930476, 19.159008844}}},
+};
+
+// Within 0.1 arcsec, by proper motion and aberration of a date.
+TEST(SkyByDate, StarsStandWhereAnIndependentReductionHasThem) {
+  double worst = 0;
+  for (const NightSky& night : kNightSkies) {
+    const Frame frame =
+        frame_of(settings_of({{SettingId::date, night.date}, {SettingId::stars, "8"}}));
+    ASSERT_TRUE(frame.sky);
+    const light::Stars& stars = frame.sky->stars;
+    std::size_t found = 0;
+    for (const Apparent& want : night.stars)
+      for (const light::Star& star : stars.catalogue->stars) {
+        if (star.hip != want.hip) continue;
+        const Vec3 at =
+            sky::apparent_direction(star, stars.year - stars.catalogue->epoch, stars.velocity);
+        const double ra = want.ra * kDegree, dec = want.dec * kDegree;
+        const Vec3 there(std::cos(dec) * std::cos(ra), std::cos(dec) * std::sin(ra), std::sin(dec));
+        const double off = glm::length(at - there) / kDegree * 3600;
+        worst = std::max(worst, off);
+        EXPECT_LT(off, 0.1) << night.date << ' ' << star.hip;
+        ++found;
+      }
+    EXPECT_EQ(found, night.stars.size()) << night.date;
+  }
+  printf("stars: at most %.3f arcsec\n", worst);
 }
 
 }  // namespace

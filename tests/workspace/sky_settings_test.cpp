@@ -113,11 +113,33 @@ TEST(SkySettings, Air) {
   EXPECT_FALSE(sky_of(with("earth=0 0 -50 radius=20"))->bodies[0].air);
   EXPECT_FALSE(sky_of(with("moon=1e8 0 0"))->bodies[0].air);
   EXPECT_TRUE(sky_of(with("venus=0 0 -9000km radius=6052km air=earth"))->bodies[0].air);
-  for (const char* wrong : {"earth=0 0 -6778km air=mars", "earth=0 0 -50 radius=20 air=earth",
-                            "moon=1e8 0 0 air=earth", "earth=0 0 -6778km air="}) {
+  for (const char* wrong :
+       {"earth=0 0 -6778km air=mars", "earth=0 0 -50 radius=20 air=earth", "moon=1e8 0 0 air=earth",
+        "earth=0 0 -6778km air=", "earth=0 0 -6778km air=Sunset",
+        "earth=0 0 -6778km air=sunset earth", "earth=0 0 -50 radius=20 air=sunset",
+        "moon=1e8 0 0 air=sunset", "earth=0 0 -6778km law=rolo air=sunset"}) {
     DiagnosticLog log;
     EXPECT_FALSE(check_sky(with(wrong), log)) << wrong;
     EXPECT_NE(first_error(log).find("air="), std::string::npos) << first_error(log);
+    EXPECT_NE(first_error(log).find("expected air=earth"), std::string::npos) << first_error(log);
+  }
+}
+
+// The last sunlight through air: by its name alone, and the same from what is written.
+TEST(SkySettings, LastSunlight) {
+  EXPECT_FALSE(sky_of(with("earth=0 0 -6778km"))->bodies[0].sunset);
+  EXPECT_FALSE(sky_of(with("earth=0 0 -6778km air=earth"))->bodies[0].sunset);
+  EXPECT_FALSE(sky_of(with("earth=0 0 -6778km air=none"))->bodies[0].sunset);
+  for (const char* text :
+       {"earth=0 0 -6778km air=sunset", "venus=0 0 -9000km air=sunset radius=6052km albedo=0.7"}) {
+    const Settings settings = with(text);
+    const light::Body& body = sky_of(settings)->bodies[0];
+    EXPECT_TRUE(body.air && body.sunset) << text;
+    for (const std::string& written : setting_texts(SettingId::planet, settings)) {
+      const light::Body& again = sky_of(with(written))->bodies[0];
+      EXPECT_TRUE(again.air && again.sunset) << written;
+      EXPECT_EQ(again.albedo, body.albedo) << written;
+    }
   }
 }
 
