@@ -22,6 +22,8 @@ pid_t start(const std::vector<std::string>& words, const std::vector<std::string
   const int flags = O_WRONLY | O_CREAT | O_TRUNC;
   dup2(open(out.c_str(), flags, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), flags, 0600), STDERR_FILENO);
+  // tests in the background of a shell would pass on that signals are ignored
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) signal(number, SIG_DFL);
   // what a test finds is not what an earlier one left in the user's own cache
   setenv("PANWRIGHT_CACHE", "off", 1);
   for (const std::string& entry : environment) putenv(const_cast<char*>(entry.c_str()));
