@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "base/text.h"
 #include "scenario/internal/json.h"
 #include "scenario/internal/track.h"
+#include "scenario/internal/tracks.h"
 
 namespace panwright::scenario {
 
@@ -35,7 +37,8 @@ struct Curves {
   Curve<Vec3> sun;
   Curve<double> sun_distance;
   Curve<double> fov;
-  std::vector<std::string> names;  // one for each keyframe
+  std::array<Curve<double>, 4> intrinsics;  // of views alone
+  std::vector<std::string> names;           // one for each keyframe
   std::vector<std::optional<std::uint64_t>> seeds;
 };
 
@@ -103,12 +106,29 @@ class KeyframeReader {
     return SourcePtr(std::make_shared<KeyframeSource>(std::move(info_), std::move(curves_)));
   }
 
+  Result<SourcePtr> read_views() {
+    views_ = true;
+    method_ = Method::linear;
+    const auto list = parse_json_lines(input_);
+    if (!list) return failed;
+    if (list->items.empty()) fail(*list, "expected views, one a line or a list of them");
+    for (const JsonValue& item : list->items) {
+      if (!input_.more()) break;
+      read_view(item);
+    }
+    if (input_.errors() > 0) return failed;
+    info_.name = input_.name();
+    Tracks all = tracks();
+    return track_source(std::move(info_), std::move(all));
+  }
+
  private:
   void fail(const JsonValue& at, std::string message, std::string hint = {}) {
     input_.error(Code("E8001"), at.at, std::move(message), std::move(hint));
   }
 
   void unknown(const JsonValue::Member& member) {
+    if (views_ && !unknown_.insert(member.name).second) return;
     const auto near = nearest_name(member.name, kMembers);
     const std::string hint = near ? fmt::format("did you mean '{}'?", *near) : std::string();
     const std::string message = "unknown member " + in_quotes(member.name) + " is skipped";
@@ -167,26 +187,104 @@ class KeyframeReader {
       fail(value, "\"interpolation\" is \"cubic\" or \"linear\"");
   }
 
+  void read_view(const JsonValue& item) {
+    if (item.kind != JsonKind::object) return fail(item, "a view is an object of its members");
+    const auto time =
+        std::ranges::find(item.members, std::string("time"), &JsonValue::Member::name);
+    const bool timed = time != item.members.end();
+    const std::size_t number = curves_.names.size();
+    if (number > 0 && timed != !info_.times.empty())
+      return fail(item, "\"time\" stands in some views and not in others");
+    if (timed)
+      read_keyframe(item);
+    else
+      read_members(item, static_cast<double>(number));
+    if (input_.errors() > 0) return;
+    if (!curves_.look_at.samples.values.empty()) aim(item);
+    const auto check = [&](const auto& curve, const Channel& channel) {
+      const std::size_t count = curve.samples.values.size();
+      if (count > 0 && count != number + 1 && input_.errors() == 0)
+        fail(item, channel_text(channel) + " stands in some views and not in others");
+    };
+    for (const auto& each : curves_.positions) check(each, {Quantity::position, each.target, {}});
+    for (const auto& each : curves_.rotations) check(each, {Quantity::rotation, each.target, {}});
+    for (const auto& each : curves_.joints) check(each, {Quantity::joint, each.target, each.joint});
+    check(curves_.fov, {Quantity::lens, {}, {}});
+    check(curves_.intrinsics[0], {Quantity::lens, {}, {}});
+    check(curves_.sun, {Quantity::sun_direction, {}, {}});
+    check(curves_.sun_distance, {Quantity::sun_distance, {}, {}});
+    if (curves_.seeds.back().has_value() != curves_.seeds.front().has_value())
+      fail(item, "the seed stands in some views and not in others");
+  }
+
+  // The attitude of a view that looks at a point.
+  void aim(const JsonValue& item) {
+    const auto camera = std::ranges::find(curves_.positions, std::string(), &Curve<Vec3>::target);
+    DiagnosticLog ignored;
+    const auto turn =
+        camera == curves_.positions.end()
+            ? failed
+            : world::looking_at(camera->samples.values.back(),
+                                curves_.look_at.samples.values.back(), std::nullopt, ignored);
+    if (!turn)
+      return fail(item, "\"look_at\" needs \"camera\", a position that is not the point itself");
+    add(curve(curves_.rotations, {}, {}, 0), *turn);
+    curves_.look_at.samples = {};
+  }
+
+  Tracks tracks() {
+    Tracks out;
+    out.times = info_.times;
+    out.frames = curves_.names.size();
+    out.method = Method::linear;
+    for (auto& each : curves_.positions)
+      out.positions.push_back({each.target, std::move(each.samples.values), {}});
+    for (auto& each : curves_.rotations)
+      out.rotations.push_back({each.target, std::move(each.samples.values)});
+    for (auto& each : curves_.joints)
+      out.joints.push_back({each.target, each.joint, each.component, each.samples.values});
+    if (!curves_.fov.samples.values.empty())
+      out.lens.push_back({LensNumber::fov, curves_.fov.samples.values});
+    constexpr LensNumber kNumbers[] = {LensNumber::focal_x, LensNumber::focal_y,
+                                       LensNumber::principal_x, LensNumber::principal_y};
+    for (std::size_t k = 0; k < 4; ++k)
+      if (auto& values = curves_.intrinsics[k].samples.values; !values.empty())
+        out.lens.push_back({kNumbers[k], values});
+    out.sun_directions = curves_.sun.samples.values;
+    out.sun_distances = curves_.sun_distance.samples.values;
+    if (std::ranges::any_of(curves_.names, [](const auto& name) { return !name.empty(); }))
+      out.names = curves_.names;
+    if (curves_.seeds.front())
+      for (const auto& seed : curves_.seeds) out.seeds.push_back(*seed);
+    return out;
+  }
+
   void read_keyframe(const JsonValue& item) {
     const auto time =
         std::ranges::find(item.members, std::string("time"), &JsonValue::Member::name);
     if (item.kind != JsonKind::object || time == item.members.end() ||
         time->value.kind != JsonKind::number)
       return fail(item, "a keyframe is an object with \"time\", a number of seconds");
-    time_ = time->value.number;
-    if (!info_.times.empty() && !(time_ > info_.times.back())) {
+    if (!info_.times.empty() && !(time->value.number > info_.times.back())) {
       input_.error(Code("E8004"), time->value.at,
-                   fmt::format("time {} is not after that of the keyframe before", time_));
+                   fmt::format("time {} is not after that of the {} before", time->value.number,
+                               views_ ? "view" : "keyframe"));
       return;
     }
-    info_.times.push_back(time_);
+    info_.times.push_back(time->value.number);
+    read_members(item, time->value.number);
+  }
+
+  void read_members(const JsonValue& item, double time) {
+    time_ = time;
     curves_.names.emplace_back();
     curves_.seeds.emplace_back();
     for (const JsonValue::Member& member : item.members) read_member(member);
   }
 
   void read_member(const JsonValue::Member& member) {
-    const std::string& name = member.name;
+    std::string name = member.name;
+    if (views_) std::ranges::replace(name, '-', '_');
     const JsonValue& value = member.value;
     if (name == "time") return;
     if (name == "camera") {
@@ -214,6 +312,11 @@ class KeyframeReader {
       if (!angle || !(*angle > 0 && *angle < kPi))
         return fail(value, "\"fov\" is an angle above 0 and below 180 degrees");
       add(curves_.fov, *angle);
+    } else if (name == "intrinsics" && views_) {
+      std::array<double, 7> n{};
+      if (!numbers(value, 4, n)) return;
+      if (!(n[0] > 0 && n[1] > 0)) return fail(value, "focal lengths are above 0 pixels");
+      for (std::size_t k = 0; k < 4; ++k) add(curves_.intrinsics[k], n[k]);
     } else if (name == "name") {
       if (value.kind != JsonKind::string) return fail(value, "\"name\" is a string");
       curves_.names.back() = value.string;
@@ -229,12 +332,32 @@ class KeyframeReader {
   }
 
   bool numbers(const JsonValue& value, std::size_t count, std::array<double, 7>& out) {
+    if (views_ && value.kind == JsonKind::string) return text_numbers(value, count, out);
     bool sound = value.kind == JsonKind::list && value.items.size() == count;
     for (std::size_t i = 0; sound && i < count; ++i) {
       sound = value.items[i].kind == JsonKind::number;
       out[i] = value.items[i].number;
     }
     if (!sound) fail(value, fmt::format("expected a list of {} numbers", count));
+    return sound;
+  }
+
+  // "0 -40 5", as on a command line.
+  bool text_numbers(const JsonValue& value, std::size_t count, std::array<double, 7>& out) {
+    constexpr std::string_view kBetween = " ,\t";
+    std::string_view rest = value.string;
+    std::size_t found = 0;
+    for (; found <= count; ++found) {
+      rest.remove_prefix(std::min(rest.find_first_not_of(kBetween), rest.size()));
+      if (rest.empty()) break;
+      const std::string_view word = rest.substr(0, rest.find_first_of(kBetween));
+      const auto number = parse_double(word);
+      if (!number || found == count) break;
+      out[found] = *number;
+      rest.remove_prefix(word.size());
+    }
+    const bool sound = found == count && rest.empty();
+    if (!sound) fail(value, fmt::format("expected {} numbers", count));
     return sound;
   }
 
@@ -371,6 +494,8 @@ class KeyframeReader {
 
   const KeyframeOptions& options_;
   Input& input_;
+  bool views_ = false;
+  std::set<std::string> unknown_;  // members of views that are reported
   Method method_ = Method::cubic;
   double time_ = 0;
   std::string_view look_at_place_;
@@ -385,6 +510,11 @@ Result<SourcePtr> read_keyframes(const Text& text, const KeyframeOptions& option
                                  DiagnosticLog& log) {
   Input input(text, log);
   return KeyframeReader(options, input).read();
+}
+
+Result<SourcePtr> read_views(const Text& text, const KeyframeOptions& options, DiagnosticLog& log) {
+  Input input(text, log);
+  return KeyframeReader(options, input).read_views();
 }
 
 }  // namespace panwright::scenario

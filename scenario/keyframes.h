@@ -1,4 +1,5 @@
-// Keyframes: a few states of camera, targets, joints and Sun as JSON, with curves between them.
+// Keyframes: a few states of camera, targets, joints and Sun as JSON, with curves between them; and
+// views, states one by one.
 //
 //   {"epoch": "2026-01-01T00:00:00 UTC", "interpolation": "cubic",
 //    "keyframes": [{"time": 0, "camera": [0, -20, 5], "look_at": [0, 0, 0]},
@@ -34,5 +35,12 @@ struct KeyframeOptions {
 // Reports: W8002, W8006. Fails: E8001, E8004, E8005, E8007, E8008.
 Result<SourcePtr> read_keyframes(const Text& text, const KeyframeOptions& options,
                                  DiagnosticLog& log);
+
+// Reads views (docs/views.md), a list of them or one a line, as frames by their order or, where all
+// have a `time`, by time; the motion between these is even, by slerp. They have the members of
+// keyframes and `intrinsics`, "fx fy cx cy"; numbers may be text. Each has the same ones.
+//
+// Reports: W8002 for other members, once each, and W8006. Fails: E8001, E8004, E8005, E8008.
+Result<SourcePtr> read_views(const Text& text, const KeyframeOptions& options, DiagnosticLog& log);
 
 }  // namespace panwright::scenario

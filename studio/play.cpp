@@ -75,7 +75,8 @@ Result<std::shared_ptr<const Moment>> moment_of(const Play& play, std::uint64_t 
   if (!frame) return failed;
   auto view = workspace::view_of(play.scenario, *frame, number, world, log);
   if (!view) return failed;
-  const auto exposure = view->settings.exposure;
+  auto exposure = view->settings.exposure;
+  if (!view->settings.ev->number && !exposure) exposure = workspace::Settings::Exposure::automatic;
   leave_out(*view);
   auto made = maker.frame(*view, log);
   if (!made) return failed;

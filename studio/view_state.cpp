@@ -99,8 +99,13 @@ void ViewState::turn_sun(double right, double down) {
 
 workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height) {
   workspace::Settings out;
+  // numbers of a detector have the exposure time of its panel, or its own
+  const bool numbers = view.own() != nullptr ? view.own()->frame.imager != nullptr
+                                             : view.sized() && view.has_detector;
   const auto expose = [&] {
-    if (view.auto_ev)
+    if (numbers)
+      out.ev = workspace::Settings().ev;
+    else if (view.auto_ev)
       out.ev = workspace::Settings::Ev::automatic;
     else
       out.ev = typed(view.ev);

@@ -44,8 +44,9 @@ struct ViewState {
   // Camera file, unless a scenario plays; and what is not as in its [detector], or the scenario's:
   // exposure, gain and temperature.
   workspace::Settings detector;
-  double ev = 0;        // stops
-  bool auto_ev = true;  // exposure is found from the exact image
+  bool has_detector = false;  // of the camera file
+  double ev = 0;              // stops
+  bool auto_ev = true;        // exposure is found from the exact image
   // as of Settings
   workspace::Settings::Shadows shadows = workspace::Settings::Shadows::automatic;
   workspace::Settings::Imposters imposters = workspace::Settings::Imposters::automatic;

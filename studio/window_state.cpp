@@ -87,6 +87,7 @@ void WindowState::take_camera() {
     detector.camera_file = workspace::Settings().camera_file;
   else
     detector.camera_file = options.camera_file;
+  view.has_detector = camera != nullptr && camera->imager;
   if (camera != nullptr && camera->width_m == 0)
     view.camera.fov = std::clamp(
         2 * std::atan(0.5 * camera->width / camera->lens.focal.x) / kDegree, 0.001, 170.0);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -31,11 +34,22 @@ struct Options {
   CommonOptions common;
   std::string file;
   std::string svg;
+  std::string output;
+  std::optional<std::string> format;
   double albedo = 0.3;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("camera", options.file, "Camera file (docs/cameras.md)").required().type("FILE");
+  arguments
+      .add("-o,--output", options.output, "File to write the size and the lens into, in --format")
+      .type("FILE");
+  arguments
+      .add(
+          "--format", options.format,
+          "Format of the file: toml (default; the only one with optics and detector), opencv, ros, "
+          "kalibr or speed (camera.json)")
+      .type("NAME");
   arguments
       .add("--svg", options.svg,
            "Folder to write plots of photon transfer, MTF and encircled energy into")
@@ -347,9 +361,41 @@ class CameraReport {
   std::array<double, sensor::kBands> airy_{};
 };
 
+std::optional<sensor::CameraFormat> format_of(const Options& options, DiagnosticLog& log) {
+  using sensor::CameraFormat;
+  constexpr std::pair<std::string_view, CameraFormat> kFormats[] = {
+      {"toml", CameraFormat::toml},
+      {"opencv", CameraFormat::opencv},
+      {"ros", CameraFormat::ros},
+      {"kalibr", CameraFormat::kalibr},
+      {"speed", CameraFormat::speed}};
+  if (options.format && options.output.empty())
+    log.report(Code("E0201"), {}, "--format needs -o, the file to write");
+  const std::string name = options.format.value_or("toml");
+  for (const auto& [known, format] : kFormats)
+    if (name == known) return format;
+  log.report(
+      Code("E0201"), {},
+      fmt::format("--format is {}, expected toml, opencv, ros, kalibr or speed", in_quotes(name)));
+  return std::nullopt;
+}
+
+void write_camera(const sensor::CameraFile& camera, sensor::CameraFormat format,
+                  const Options& options, CommandContext& context) {
+  if (camera.imager && format != sensor::CameraFormat::toml)
+    context.log().report_file(Code("W0221"), options.file,
+                              "the format holds no optics and no detector: they are left out",
+                              "--format toml");
+  const auto text = sensor::camera_text(camera, format, context.log());
+  if (text && write_file(options.output, as_bytes(*text), context.log()))
+    context.wrote(options.output);
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("camera", options.common, host);
   DiagnosticLog& log = context.log();
+  const auto format = format_of(options, log);
+  if (!options.output.empty()) context.files().will_write(options.output, "-o", log);
   if (!(options.albedo > 0 && options.albedo <= 1))
     log.report(Code("E0201"), {},
                fmt::format("--albedo is {}, expected above 0 to 1", options.albedo));
@@ -357,7 +403,8 @@ int run(const Options& options, const Host& host) {
   const auto text = read_file(options.file, kMostBytes, log);
   if (!text || log.has_errors()) return context.finish();
   const auto camera = sensor::read_camera(*text, options.file, log);
-  if (camera) (void)CameraReport(*camera, options, context).run();
+  if (camera && CameraReport(*camera, options, context).run() && !options.output.empty())
+    write_camera(*camera, *format, options, context);
   return context.finish();
 }
 
@@ -365,7 +412,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace command_camera
 
 Command camera_command() {
-  return command("camera", "Show what a camera file makes: field, MTF, noise, exposure",
+  return command("camera", "Show what a camera file makes: field, MTF, noise, exposure; convert it",
                  command_camera::declare_all, command_camera::run);
 }
 

@@ -11,6 +11,7 @@
 #include "tools/frame_json.h"
 #include "tools/plot.h"
 #include "tools/print.h"
+#include "tools/scenario_course.h"
 #include "tools/scenario_options.h"
 
 namespace panwright::tools {
@@ -19,45 +20,28 @@ namespace command_scenario {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using scenario::Frame;
 
 struct Options {
   CommonOptions common;
   ScenarioInput input;
+  std::vector<std::string> targets;
   std::string plot;  // SVG; empty: none
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.input);
-  arguments.add("--plot", options.plot, "Write range and phase angle over time as SVG")
+  arguments
+      .add("--target", options.targets,
+           "Model of a target for --plot, instead of the scenario's; may be repeated")
+      .one_value()
+      .type("NAME=FILE");
+  arguments
+      .add(
+          "--plot", options.plot,
+          "Write range and phase angle over time as SVG; where models are named also their pixels, "
+          "their share in the image, and that of the Sun that bodies leave them")
       .type("FILE.svg");
   declare(arguments, options.common);
-}
-
-// Of a target over the frames.
-struct Course {
-  std::string name;
-  PlotPoints range;  // time, metres from the camera
-  PlotPoints phase;  // time, degrees between the Sun and the camera as the target has them
-};
-
-// Adds a frame to the courses of its targets; of a frame without targets to that of the origin.
-void add(const Frame& frame, double time, std::vector<Course>& courses) {
-  if (!frame.camera.position) return;
-  const auto add_to = [&](const std::string& name, const Vec3& place) {
-    auto course = std::ranges::find(courses, name, &Course::name);
-    if (course == courses.end()) course = courses.insert(courses.end(), Course{name, {}, {}});
-    const Vec3 to_camera = *frame.camera.position - place;
-    course->range.emplace_back(time, glm::length(to_camera));
-    if (frame.sun_direction && glm::length(to_camera) > 0)
-      course->phase.emplace_back(time, angle_between(*frame.sun_direction, to_camera) / kDegree);
-  };
-  bool any = false;
-  for (const scenario::TargetState& target : frame.targets) {
-    any = any || target.placement.position.has_value();
-    if (target.placement.position) add_to(target.name, *target.placement.position);
-  }
-  if (!any) add_to("the origin", Vec3(0));
 }
 
 std::pair<double, double> extremes(const PlotPoints& points) {
@@ -123,6 +107,17 @@ void print_summary(const ScenarioInput& input, const ScenarioInput::Opened& open
       words += fmt::format("; phase angle: {:.4g} deg to {:.4g} deg", from, to);
     }
     print("{}\n", words);
+    if (course.pixels.empty()) continue;
+    const auto seen =
+        std::ranges::count_if(course.in_image, [](const auto& p) { return p.second > 0; });
+    const auto [few, many] = extremes(course.pixels);
+    words = fmt::format("    {:.4g} to {:.4g} pixels; in the image in {} of {} frames", few, many,
+                        seen, course.in_image.size());
+    if (!course.sun.empty()) {
+      const auto [dark, light] = extremes(course.sun);
+      words += fmt::format("; {:.3g} to {:.3g} of the Sun", dark, light);
+    }
+    print("{}\n", words);
   }
 }
 
@@ -131,17 +126,27 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   if (!options.plot.empty() && !context.files().will_write(options.plot, "--plot", log))
     return context.finish();
-  const auto opened = options.input.open(log);
+  auto opened = options.input.open(log);
   if (!opened) return context.finish();
   workspace::check_stars(opened->scenario, log);
   const scenario::Sequence& sequence = opened->scenario.sequence;
   std::vector<Course> courses;
+  std::optional<SeenTargets> seen;
+  if (!options.plot.empty()) {
+    if (!options.targets.empty()) opened->scenario.settings.targets = options.targets;
+    if (opened->scenario.settings.targets) {
+      auto made = SeenTargets::of(opened->scenario, log, context.job());
+      if (!made) return context.finish();
+      seen = *std::move(made);
+    }
+  }
   Json frames = Json::array();
   for (std::size_t k = 0; k < opened->times.size(); ++k) {
     const double time = opened->times[k];
     const auto frame = workspace::frame_at(opened->scenario, time, log);
     if (!frame) return context.finish();
     add(*frame, time, courses);
+    if (seen && !seen->add(*frame, opened->first + k, time, courses, log)) return context.finish();
     if (options.common.json) frames.push_back(frame_json(*frame, opened->first + k));
   }
   if (options.common.json) {
@@ -161,7 +166,10 @@ int run(const Options& options, const Host& host) {
     const char* x_name = sequence.ordered() ? "frame" : "s";
     std::vector<std::string> plots;
     for (std::string plot : {plotted(courses, &Course::range, "Range", "m", x_name),
-                             plotted(courses, &Course::phase, "Phase angle", "deg", x_name)})
+                             plotted(courses, &Course::phase, "Phase angle", "deg", x_name),
+                             plotted(courses, &Course::pixels, "Convex outline", "pixels", x_name),
+                             plotted(courses, &Course::in_image, "Share in the image", "", x_name),
+                             plotted(courses, &Course::sun, "Share of the Sun", "", x_name)})
       if (!plot.empty()) plots.push_back(std::move(plot));
     if (write_file(options.plot, as_bytes(stacked(plots)), log)) context.wrote(options.plot);
   }

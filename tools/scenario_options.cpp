@@ -37,8 +37,8 @@ void declare(Arguments& arguments, ScenarioInput& input) {
   constexpr const char* kGroup = "Frames";
   arguments
       .add("input", input.file,
-           "Scenario (.toml, docs/scenarios.md), or a trajectory alone: .csv, .fli, .json "
-           "(keyframes), CCSDS OEM or AEM")
+           "Scenario (.toml or .json, docs/scenarios.md), or a trajectory alone: .csv, .fli, .json "
+           "(keyframes, views), .jsonl (views), CCSDS OEM or AEM")
       .required()
       .type("SCENARIO");
   arguments

@@ -11,9 +11,9 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/text.h"
+#include "workspace/convex_outline.h"
 #include "workspace/dataset.h"
 #include "workspace/sky_settings.h"
-#include "world/evaluation.h"
 
 namespace panwright::workspace {
 
@@ -106,76 +106,6 @@ class FrameDraws {
   std::uint32_t frame_, attempt_;
 };
 
-// Points of a target, in its frame, whose hull is nearly its own: the farthest in many directions.
-std::vector<Vec3> extreme_points(const world::Instance& target) {
-  constexpr int kDirections = 400;
-  std::vector<Vec3> all;
-  const world::EvaluatedInstance nodes = world::evaluated(target);
-  const pan::Model& model = *target.model();
-  std::vector<std::pair<double, Vec3>> far;
-  std::vector<Vec3> along;
-  for (int k = 0; k < kDirections; ++k) {  // a spiral over the sphere
-    const double z = 1 - (2 * k + 1.0) / kDirections;
-    const auto [s, c] = det::sincos(k * kPi * (3 - std::sqrt(5.0)));
-    along.push_back(Vec3(std::sqrt(1 - z * z) * Vec2(c, s), z));
-    far.emplace_back(-HUGE_VAL, Vec3(0));
-  }
-  for (const pan::layout::Instance& placed : model.instances()) {
-    if (!nodes.node_visible[placed.node]) continue;
-    const auto& o = model.meshes()[placed.mesh].origin;
-    for (const pan::layout::Float3& p : model.mesh(placed.mesh).positions) {
-      const Vec3 at(nodes.model_from_nodes[placed.node] *
-                    Vec4(o[0] + p.x, o[1] + p.y, o[2] + p.z, 1));
-      for (int k = 0; k < kDirections; ++k)
-        if (const double d = glm::dot(at, along[k]); d > far[k].first) far[k] = {d, at};
-    }
-  }
-  for (const auto& [distance, at] : far)
-    if (std::isfinite(distance) && std::ranges::find(all, at) == all.end()) all.push_back(at);
-  return all;
-}
-
-double cross(const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; }
-
-// Convex hull, by A. M. Andrew's monotone chain.
-std::vector<Vec2> hull_of(std::vector<Vec2> points) {
-  std::ranges::sort(
-      points, [](const Vec2& a, const Vec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  std::vector<Vec2> out;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = out.size();
-    for (const Vec2& p : points) {
-      while (out.size() >= base + 2 && cross(out.back() - out[out.size() - 2], p - out.back()) <= 0)
-        out.pop_back();
-      out.push_back(p);
-    }
-    out.pop_back();
-    std::ranges::reverse(points);
-  }
-  return out;
-}
-
-// Area of a convex polygon within an image.
-double area_within(std::vector<Vec2> polygon, double width, double height) {
-  const std::array<Vec3, 4> sides = {Vec3(1, 0, 0), Vec3(-1, 0, width), Vec3(0, 1, 0),
-                                     Vec3(0, -1, height)};
-  for (const Vec3& side : sides) {
-    std::vector<Vec2> cut;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Vec2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-      const double da = side.x * a.x + side.y * a.y + side.z;
-      const double db = side.x * b.x + side.y * b.y + side.z;
-      if (da >= 0) cut.push_back(a);
-      if ((da < 0) != (db < 0)) cut.push_back(a + da / (da - db) * (b - a));
-    }
-    polygon = std::move(cut);
-  }
-  double area = 0;
-  for (std::size_t k = 0; k < polygon.size(); ++k)
-    area += 0.5 * cross(polygon[k], polygon[(k + 1) % polygon.size()]);
-  return std::fabs(area);
-}
-
 struct Rejections {
   std::size_t keep_out = 0, sun = 0, pixels = 0, near = 0, lens = 0;
 };
@@ -248,7 +178,7 @@ class FramePlanner {
       if (!(glm::dot(at - camera.position, boresight) > 0)) return refuse(rejected_.near);
       if (const auto pixel = world::project(camera, at)) outline.push_back(*pixel);
     }
-    if (outline.size() > 2) out.pixels = area_within(hull_of(std::move(outline)), size.x, size.y);
+    out.pixels = hull_area(std::move(outline), camera.width, camera.height).within;
     if (!(out.pixels >= plan_.pixels[0] && out.pixels <= plan_.pixels[1]))
       return refuse(rejected_.pixels);
     out.view = row_of(number, camera, pose, sun);

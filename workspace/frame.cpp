@@ -357,6 +357,8 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
     known = std::make_shared<const sensor::Imager>(*imager);
   }
   frame.imager = known;
+  // the exposure of a real camera is its time
+  if (!settings.ev->number && !settings.exposure) settings.exposure = Settings::Exposure::automatic;
   if (settings.gain || settings.temperature) {
     auto changed = std::make_shared<sensor::Imager>(*known);
     sensor::Detector& detector = changed->detector;

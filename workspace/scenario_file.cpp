@@ -17,7 +17,6 @@
 #include "scenario/csv.h"
 #include "scenario/formulas.h"
 #include "scenario/kernels.h"
-#include "scenario/simulators.h"
 #include "scenario/sun.h"
 #include "workspace/internal/config_json.h"
 #include "workspace/internal/scenario_instruments.h"
@@ -72,7 +71,7 @@ class ScenarioReader {
     good_ = read_instruments(reader, folder_, instruments_, log_) && good_;
     read_sources(reader);
     reader.finish();
-    if (!reader.ok() || !good_) return failed;
+    if (!reader.ok() || !good_ || !given_once(parts_, places_, log_)) return failed;
     place_others(settings);
     auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
     if (!made) return failed;
@@ -215,10 +214,11 @@ class ScenarioReader {
   }
   void read_part(const Table& table) {
     ConfigTable part(table, "a source", Code("E8013"), log_);
-    const auto file = part.text("file");
     const auto offset = part.number("offset");
     std::optional<scenario::SourcePtr> source;
-    if (file)
+    if (part.find("simulator") != nullptr)
+      source = read_simulator(part, target_of(part), folder_, files_, log_);
+    else if (const auto file = part.text("file"))
       source = of_file(part, *file);
     else if (const Table* kernels = part.find("kernels"))
       source = of_kernels(part, *kernels);
@@ -226,7 +226,9 @@ class ScenarioReader {
       source = of_formula(part, table);
     part.finish();
     good_ = good_ && part.ok() && source.has_value();
-    if (source) parts_.push_back({*source, offset.value_or(0)});
+    if (!source) return;
+    parts_.push_back({*source, offset.value_or(0)});
+    places_.push_back(table.where);
   }
 
   std::optional<scenario::SourcePtr> of_file(ConfigTable& part, const std::string& file) {
@@ -237,12 +239,14 @@ class ScenarioReader {
       read_csv_options(part, options.csv);
     else if (extension == ".fli")
       read_fli_options(part, options);
-    else if (extension != ".json")
+    else if (extension != ".json" && extension != ".jsonl")
       options.target = target_of(part);
     if (!part.ok()) return std::nullopt;
     const fs::path path = folder_ / file;
     files_.push_back(path.string());
-    auto source = read_source(path, options, log_);
+    const auto text = scenario::read_text(path, log_);
+    if (!text) return std::nullopt;
+    auto source = read_source(path, *text, options, log_);
     if (!source) return std::nullopt;
     return *source;
   }
@@ -329,7 +333,7 @@ class ScenarioReader {
     const auto formula = part.text("formula");
     const std::string target = target_of(part);
     if (!formula) {
-      part.fail(table, "a source has neither file, kernels nor formula");
+      part.fail(table, "a source has neither file, kernels, simulator nor formula");
       return std::nullopt;
     }
     if (*formula == "clohessy_wiltshire") {
@@ -490,6 +494,7 @@ class ScenarioReader {
   std::vector<std::string> files_;
   std::vector<std::string> names_;  // of the targets
   std::vector<scenario::Part> parts_;
+  std::vector<SourceSpan> places_;        // of these in the text
   std::optional<scenario::Epoch> epoch_;  // of the scenario
   scenario::TimeSystem system_ = scenario::TimeSystem::utc;
   std::optional<Labelling> labels_;
@@ -542,7 +547,8 @@ nlohmann::json config_json(const ConfigValue& value) {
 }
 
 bool is_scenario(const fs::path& path) {
-  constexpr std::string_view kExtensions[] = {".toml", ".csv", ".fli", ".json", ".oem", ".aem"};
+  constexpr std::string_view kExtensions[] = {".toml", ".csv",   ".fli", ".json",
+                                              ".oem",  ".jsonl", ".aem"};
   if (std::ranges::find(kExtensions, lower_extension(path)) != std::end(kExtensions)) return true;
   std::string head(64, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -553,23 +559,26 @@ bool is_scenario(const fs::path& path) {
 
 Result<Scenario> open_scenario(const fs::path& path, const ScenarioOptions& options,
                                DiagnosticLog& log) {
-  if (lower_extension(path) != ".toml") {
+  const std::string extension = lower_extension(path);
+  const auto text = scenario::read_text(path, log);
+  if (!text) return failed;
+  const bool json = extension == ".json" && is_json_scenario(*text->bytes);
+  if (extension != ".toml" && !json) {
     SourceOptions of_source;
     of_source.strict = options.strict;
     of_source.target = options.target;
-    const auto source = read_source(path, of_source, log);
+    const auto source = read_source(path, *text, of_source, log);
     if (!source) return failed;
     auto sequence = scenario::Sequence::of({{*source, 0}}, {}, log);
     if (!sequence) return failed;
     return Scenario{*std::move(sequence), {}, {}, {}, {}, {path.string()}, {}, {}};
   }
-  const auto text = scenario::read_text(path, log);
-  if (!text) return failed;
   SourceFile source;
   source.name = text->name;
   source.bytes = text->bytes;
   const FileId file = log.sources().add(std::move(source));
-  const auto root = parse_config(*text->bytes, ConfigFormat::toml, file, Code("E8013"), log);
+  const auto root = parse_config(*text->bytes, json ? ConfigFormat::yaml : ConfigFormat::toml, file,
+                                 Code("E8013"), log);
   if (!root) return failed;
   return ScenarioReader(path, options, log).read(*root);
 }

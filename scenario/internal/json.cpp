@@ -33,6 +33,17 @@ class JsonParser {
     return value;
   }
 
+  std::optional<JsonValue> parse_lines() {
+    skip_blanks();
+    if (text_.substr(at_).starts_with('[')) return parse();
+    JsonValue list;
+    list.kind = JsonKind::list;
+    list.at = text_.substr(std::min(at_, text_.size()), 1);
+    for (; at_ < text_.size(); skip_blanks())
+      if (!parse_value(list.items.emplace_back(), 1)) return std::nullopt;
+    return list;
+  }
+
  private:
   bool fail(std::string_view expected) {
     const std::string_view found = text_.substr(at_, 1);
@@ -220,5 +231,6 @@ class JsonParser {
 }  // namespace
 
 std::optional<JsonValue> parse_json(Input& input) { return JsonParser(input).parse(); }
+std::optional<JsonValue> parse_json_lines(Input& input) { return JsonParser(input).parse_lines(); }
 
 }  // namespace panwright::scenario

@@ -34,4 +34,7 @@ struct JsonValue::Member {
 // also for a member that stands twice.
 std::optional<JsonValue> parse_json(Input& input);
 
+// Parses a text of one list, or of values one after another (JSON Lines), as a list.
+std::optional<JsonValue> parse_json_lines(Input& input);
+
 }  // namespace panwright::scenario

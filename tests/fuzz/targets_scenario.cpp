@@ -82,6 +82,7 @@ std::size_t scenario(std::span<const std::byte> input) {
     count([&](DiagnosticLog& log) { return sc::read_aem(text, {"a", strict}, log); });
     count([&](DiagnosticLog& log) { return sc::read_fli(text, {{}, {}, strict}, log); });
     count([&](DiagnosticLog& log) { return sc::read_keyframes(text, {strict}, log); });
+    count([&](DiagnosticLog& log) { return sc::read_views(text, {strict}, log); });
   }
   for (const sc::Method method : {sc::Method::linear, sc::Method::cubic, sc::Method::hermite})
     count([&](DiagnosticLog& log) { return sc::read_csv(text, {method, 5, false}, log); });

@@ -123,5 +123,95 @@ TEST(Keyframes, Problems) {
   EXPECT_EQ(problem("{\"keyframes\": [{\"time\": 0, \"name\": \"\\ud800\"}]}"), "E8001:1");
 }
 
+// ---- views
+
+SourcePtr views(const std::string& text) {
+  DiagnosticLog log;
+  auto source = read_views(memory_text("t.jsonl", text), {}, log);
+  EXPECT_TRUE(source) << to_text(log);
+  EXPECT_EQ(codes(log), "");
+  return source ? *source : nullptr;
+}
+
+std::string problem_of_views(const std::string& text) {
+  DiagnosticLog log;
+  EXPECT_EQ(read_views(memory_text("t.jsonl", text), {}, log).ok(), !log.has_errors());
+  return codes(log) + ":" + std::to_string(first_line(log));
+}
+
+Frame frame(const Source& source, std::size_t index) {
+  Frame out;
+  DiagnosticLog log;
+  EXPECT_TRUE(source.frame(index, out, log)) << to_text(log);
+  return out;
+}
+
+TEST(ViewsSource, FramesByTheirOrder) {
+  const auto source = views(
+      "{\"name\": \"a\", \"camera\": [0, -10, 0], \"look-at\": [0, 0, 0], \"intrinsics\": \"20 21 "
+      "5 6\",\n"
+      " \"pose\": {\"box\": [1, 2, 3, 1, 0, 0, 0]}, \"joint\": {\"box/lid\": \"90deg\"}, \"sun\": "
+      "[0, 0, 2]}\n"
+      "{\"name\": \"b\", \"camera\": \"0 0, -5\", \"quat\": [1, 0, 0, 0], \"intrinsics\": [30, 31, "
+      "7, 8],\n"
+      " \"pose\": {\"box\": [4, 5, 6, 0, 1, 0, 0]}, \"joint\": {\"box/lid\": \"1rad\"}, \"sun\": "
+      "[1, 0, 0]}\n");
+  ASSERT_TRUE(source);
+  EXPECT_EQ(source->info().ordered, 2u);
+  const Frame first = frame(*source, 0), second = frame(*source, 1);
+  EXPECT_EQ(first.name, "a");
+  EXPECT_EQ(first.camera.position, Vec3(0, -10, 0));
+  // the boresight is +y, x stays to the right
+  EXPECT_LT(length(*first.camera.rotation * Vec3(0, 0, 1) - Vec3(0, 1, 0)), 1e-15);
+  EXPECT_LT(length(*first.camera.rotation * Vec3(1, 0, 0) - Vec3(1, 0, 0)), 1e-15);
+  EXPECT_EQ(first.lens.focal, Vec2(20, 21));
+  EXPECT_EQ(first.lens.principal, Vec2(5, 6));
+  EXPECT_EQ(first.find("box")->joints.at(0).values[0], 90 * kDegree);
+  EXPECT_EQ(first.sun_direction, Vec3(0, 0, 1));
+  EXPECT_EQ(second.camera.position, Vec3(0, 0, -5));
+  EXPECT_EQ(second.camera.rotation, Quat(1, 0, 0, 0));
+  EXPECT_EQ(second.find("box")->placement.position, Vec3(4, 5, 6));
+  EXPECT_EQ(second.find("box")->placement.rotation, Quat(0, 1, 0, 0));
+  EXPECT_EQ(second.sun_direction, Vec3(1, 0, 0));
+}
+
+TEST(ViewsSource, FramesByTime) {
+  const auto source = views(
+      "[{\"time\": 2, \"camera\": [0, 0, 0], \"quat\": [1, 0, 0, 0]},\n"
+      "{\"time\": 4, \"camera\": [2, 0, 0], \"quat\": [0.6, 0, 0, 0.8]}]");
+  ASSERT_TRUE(source);
+  EXPECT_EQ(source->info().times, (std::vector<double>{2, 4}));
+  const Frame middle = at(*source, 3);
+  EXPECT_EQ(middle.camera.position, Vec3(1, 0, 0));
+  // half of that turn about z: cos² = (1 + 0.6)/2. Measured: 1.1e-16
+  EXPECT_LT(
+      support::turn_between(*middle.camera.rotation, Quat(std::sqrt(0.8), 0, 0, std::sqrt(0.2))),
+      1e-15);
+}
+
+TEST(ViewsSource, Problems) {
+  const std::string one = "{\"camera\": [0, -1, 0]}\n";
+  EXPECT_EQ(problem_of_views(""), "E8001:1");
+  EXPECT_EQ(problem_of_views("[]"), "E8001:1");
+  EXPECT_EQ(problem_of_views(one + "5"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": [0, -1, 0]"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + one), ":0");
+  EXPECT_EQ(problem_of_views(one + "{}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": [0, -1, 0], \"sun\": [1, 0, 0]}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": [0, -1, 0], \"time\": 1}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": [0, -1, 0], \"seed\": 1}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": \"0 -1\"}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": \"0 -1 0 2\"}"), "E8001:2");
+  EXPECT_EQ(problem_of_views(one + "{\"camera\": \"0 -1 x\"}"), "E8001:2");
+  EXPECT_EQ(problem_of_views("{\"look-at\": [0, 0, 0]}"), "E8001:1");
+  EXPECT_EQ(problem_of_views("{\"camera\": [0, 0, 0],\n\"look-at\": [0, 0, 0]}"), "E8001:1");
+  EXPECT_EQ(problem_of_views("{\"intrinsics\": [0, 1, 2, 3]}"), "E8001:1");
+  EXPECT_EQ(problem_of_views("{\"time\": 1}\n{\"time\": 1}"), "E8004:2");
+  EXPECT_EQ(problem_of_views("{\"quat\": [0, 0, 0, 0]}"), "E8005:1");
+  // settings stand in the scenario: once for each name
+  const std::string more = "{\"camera\": [0, -1, 0], \"output\": \"a.png\"}\n";
+  EXPECT_EQ(problem_of_views(more + more), "W8002:1");
+}
+
 }  // namespace
 }  // namespace panwright::scenario::keyframes_test

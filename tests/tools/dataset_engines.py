@@ -8,6 +8,7 @@ import contextlib
 import os
 import pathlib
 import pwd
+import re
 import shutil
 import signal
 import socket
@@ -132,9 +133,13 @@ def dask(folder):
     run([DASK, examples / "with_dask.py", "set", SHARDS], folder)
 
 
-# Debian's Python has the package, another one may not
-DASK = next((p for p in (sys.executable, "/usr/bin/python3")
-             if subprocess.run([p, "-c", "import distributed"], capture_output=True).returncode == 0), None)
+# Debian's Python has the packages, another one may not
+def with_packages(names):
+    return next((p for p in (sys.executable, "/usr/bin/python3")
+                 if subprocess.run([p, "-c", f"import {names}"], capture_output=True).returncode == 0), None)
+
+
+DASK, NUMPY = with_packages("distributed"), with_packages("numpy, PIL")
 ENGINES = {
     "slurm": (slurm, True, "bash"),
     "GNU parallel": (parallel, shutil.which("parallel"), "parallel"),
@@ -161,6 +166,12 @@ with tempfile.TemporaryDirectory() as temporary:
     run([program, "dataset", "run", "set"], alone)
     expected = tree(alone / "set")
     assert len(expected) == 6 + 6 * 4, sorted(expected)
+    # what the page says of arrays
+    block = re.search(r"(?s)<!-- run by .*?```python\n(.*?)```", (examples / "../../docs/datasets.md").read_text()).group(1)
+    if NUMPY:
+        run([NUMPY, "-c", block + "assert images.shape == (6, 24, 32, 3), images.shape\nassert len(places) == 6\n"], alone)
+    else:
+        print("the page's block: not run, as numpy or PIL is not installed")
     for name, (engine, found, package) in ENGINES.items():
         if not found:
             print(f"{name}: not run, as {package} is not installed")

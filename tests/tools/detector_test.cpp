@@ -182,7 +182,10 @@ TEST(DetectorFiles, HaveTheirExposureAndNoise) {
   const auto brightest = [](const auto& dn) { return *std::max_element(dn.begin(), dn.end()); };
   EXPECT_LT(brightest(numbers({"--exposure", "1e-5"})), 0.6 * brightest(first));
   // 80 % of the full well: 50 + 0.8 · 4045
-  EXPECT_NEAR(brightest(numbers({"--exposure", "auto"})), 3286, 250);
+  const auto chosen = numbers({"--exposure", "auto"});
+  EXPECT_NEAR(brightest(chosen), 3286, 250);
+  EXPECT_EQ(numbers({"--ev", "auto"}), chosen);
+  EXPECT_EQ(numbers({"--ev", "auto", "--exposure", "1e-5"}), numbers({"--exposure", "1e-5"}));
 }
 
 // A gain and a temperature in place of the file's, which the record of the image has.
@@ -306,6 +309,35 @@ TEST(CameraCommand, SaysWhatAFileMakes) {
   for (const char* name : {"transfer", "mtf", "energy"})
     EXPECT_THAT(contents(folder / ("plots/camera-" + std::string(name) + ".svg")),
                 HasSubstr("</svg>"));
+}
+
+// Each format of a lens and back: the same numbers, half a pixel apart inside the files of others.
+TEST(CameraCommand, ConvertsLenses) {
+  const TemporaryFolder folder;
+  const std::string camera = folder.write("a.toml",
+                                          "size = [64, 48]\nfocal = [80.5, 80.25]\n"
+                                          "principal = [31.5, 23.75]\ndistortion = \"brown\"\n"
+                                          "coefficients = [-0.25, 0.125, 0.5, 0.0625]\n");
+  const auto converted = [&](const std::string& from, const std::string& to, const char* format) {
+    const Outcome done = panwright({"camera", from, "-o", folder / to, "--format", format});
+    EXPECT_EQ(done.code, 0) << done.err;
+    return contents(folder / to);
+  };
+  const std::string own = converted(camera, "own.toml", "toml");
+  EXPECT_THAT(own, HasSubstr("principal = [31.5, 23.75]"));
+  for (const char* format : {"opencv", "ros", "kalibr", "speed"}) {
+    const std::string text = converted(camera, format + std::string(".yaml"), format);
+    EXPECT_THAT(text, HasSubstr("31.0")) << format;
+    EXPECT_EQ(converted(folder / (format + std::string(".yaml")), "back.toml", "toml"), own)
+        << format;
+  }
+  const std::string real = folder.write("real.toml", std::string(kCamera) + kDetector);
+  EXPECT_THAT(panwright({"camera", real, "-o", folder / "real.yaml", "--format", "ros"}).err,
+              HasSubstr("holds no optics and no detector"));
+  EXPECT_THAT(panwright({"camera", real, "-o", folder / "b", "--format", "matlab"}).err,
+              HasSubstr("--format is 'matlab'"));
+  EXPECT_THAT(panwright({"camera", real, "--format", "ros"}).err, HasSubstr("needs -o"));
+  EXPECT_EQ(panwright({"camera", camera, "-o", camera}).code, 2);
 }
 
 }  // namespace

@@ -250,6 +250,12 @@ TEST_F(Scenarios, MistakesAreAtTheirPlaces) {
   EXPECT_THAT(problem("[[source]]\nfile = \"none.csv\"\n"), HasSubstr("E0101"));
   EXPECT_THAT(problem("[[source]]\nfile = \"box.pxn\"\n"), HasSubstr("E0202"));
   EXPECT_THAT(problem("[view]\nfof = 3\n"), HasSubstr("did you mean 'fov'?"));
+  const std::string fixed = "[[source]]\nformula = \"fixed\"\nsun = [1, 0, 0]\n";
+  EXPECT_THAT(problem(fixed + fixed),
+              HasSubstr("bad.toml:4:1: error: a source above gives the direction of the Sun"));
+  // keypoints are all of them: none is chosen by a name, which no model might have
+  EXPECT_THAT(problem("[labels]\nkeypoints = [\"nose\"]\n"),
+              HasSubstr("bad.toml:2:13: error: 'keypoints' is no member of labels"));
   EXPECT_THAT(problem("[view]\nfov = 300\n"), HasSubstr("bad.toml:2:7: error: --fov is"));
   EXPECT_THAT(problem("[view]\nfov = [1]\n"), HasSubstr("error: 'fov' has the wrong type, exp"));
   EXPECT_THAT(problem("[view]\nlamp = 5\n"),
@@ -260,6 +266,89 @@ TEST_F(Scenarios, MistakesAreAtTheirPlaces) {
   EXPECT_THAT(panwright({"run", bare, "-o", folder_ / "bare"}).err,
               HasSubstr("names no model of a target"));
   EXPECT_FALSE(fs::exists(folder_ / "bare"));
+}
+
+// The same scenario as TOML and as JSON: the same frames.
+TEST_F(Scenarios, AreJsonToo) {
+  const std::string file =
+      folder_.write("run.json",
+                    "{\"step\": 5, \"targets\": {\"box\": \"box.pxn\"},\n"
+                    "\"source\": [{\"file\": \"way.csv\"},\n"
+                    "{\"formula\": \"fixed\", \"sun\": [1, -2, 1]}],\n"
+                    "\"labels\": {\"flow\": true},\n"
+                    "\"view\": {\"size\": [24, 16], \"fov\": 30, \"engine\": \"reference\", "
+                    "\"samples\": 2}}");
+  const auto frames = [&](const std::string& path) {
+    const Outcome done = panwright({"scenario", path, "--json"});
+    EXPECT_EQ(done.code, 0) << done.err;
+    return json::parse(done.out)["frames"];
+  };
+  EXPECT_EQ(frames(file), frames(scenario_));
+  const Outcome done = panwright({"run", file, "-o", folder_ / "json", "--type", "npy"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  ASSERT_EQ(run("toml").code, 0);
+  EXPECT_EQ(contents(folder_ / "json/000001.npy"), contents(folder_ / "toml/000001.npy"));
+  EXPECT_TRUE(fs::exists(folder_ / "json/000000.forward.flo"));
+  EXPECT_THAT(panwright({"scenario", folder_.write("bad.json",
+                                                   "{\"source\": [{\"file\": \"way.csv\"}],\n"
+                                                   "\"stp\": 1}")})
+                  .err,
+              HasSubstr("bad.json:2:8: error: 'stp' is no member of a scenario"));
+}
+
+// Frames of 42 and Basilisk: positions in metres; x y z w, and Rodrigues parameters of the passive
+// matrix, both as they are.
+TEST_F(Scenarios, SourcesOfSimulators) {
+  folder_.write("time.42", "0\n10\n");
+  folder_.write("PosR.42", "1 2 3\n3 2 1\n");
+  folder_.write("qbn.42", "0 0 0 1\n0 0 0.6 0.8\n");
+  // the turn of qbn.42: tan(angle/4) about z, with cos(angle/2) = 0.8
+  folder_.write(
+      "sc.csv",
+      "time[s],sigma_BN[0],sigma_BN[1],sigma_BN[2]\n0,0,0,0\n10,0,0,0.33333333333333331\n");
+  const auto pose = [&](const std::string& source) {
+    const std::string file =
+        folder_.write("simulated.toml", "[targets]\nbox = \"box.pxn\"\n[[source]]\n" + source);
+    const Outcome done = panwright({"scenario", file, "--at", "10", "--json"});
+    return done.code == 0 ? json::parse(done.out)["frames"][0]["poses"]["box"]
+                          : json(panwright({"scenario", file, "--at", "10"}).err);
+  };
+  EXPECT_EQ(pose("simulator = \"42\"\ntarget = \"box\"\ntime = \"time.42\"\n"
+                 "position = \"PosR.42\"\nrotation = \"qbn.42\"\n"),
+            json({3.0, 2.0, 1.0, 0.8, 0.0, 0.0, 0.6}));
+  const json other = pose("simulator = \"basilisk\"\ntarget = \"box\"\nfile = \"sc.csv\"\n");
+  ASSERT_EQ(other.size(), 7u) << other;
+  EXPECT_NEAR(other[3].get<double>(), 0.8, 1e-15);
+  EXPECT_NEAR(other[6].get<double>(), 0.6, 1e-15);
+  EXPECT_THAT(pose("simulator = \"43\"\n").get<std::string>(),
+              HasSubstr("simulated.toml:4:13: error: simulator is '43', expected 42 or basilisk"));
+  EXPECT_THAT(pose("simulator = \"42\"\nposition = \"PosR.42\"\n").get<std::string>(),
+              HasSubstr("'time'"));
+  EXPECT_THAT(pose("simulator = \"42\"\ntime = \"time.42\"\n").get<std::string>(),
+              HasSubstr("42 needs position or rotation"));
+  EXPECT_THAT(
+      pose("simulator = \"42\"\ntime = \"none.42\"\nposition = \"PosR.42\"\n").get<std::string>(),
+      HasSubstr("E0101"));
+}
+
+// Views, as a table of frames by their order: what `render --views` takes.
+TEST_F(Scenarios, ViewsAreASource) {
+  const std::string views = folder_.write(
+      "views.jsonl",
+      "{\"camera\": [0, -6, 0], \"look-at\": [0, 0, 0], \"joint\": {\"box/lid\": \"10deg\"}}\n"
+      "{\"camera\": [1, -6, 0], \"look-at\": [0, 0, 0], \"joint\": {\"box/lid\": \"60deg\"}}\n");
+  const std::vector<std::string> settings = {"--size",    "24x16",  "--fov",    "30",
+                                             "--sun",     "1 -2 1", "--engine", "reference",
+                                             "--samples", "2"};
+  std::vector<std::string> words = {"run",    views, "-o",       folder_ / "of_views",
+                                    "--type", "npy", "--target", "box=" + box_};
+  words.insert(words.end(), settings.begin(), settings.end());
+  const Outcome done = panwright(words);
+  ASSERT_EQ(done.code, 0) << done.err;
+  words = {"render", box_, "-o", folder_ / "one.npy", "--camera", "1 -6 0", "--joint", "lid=60deg"};
+  words.insert(words.end(), settings.begin(), settings.end());
+  ASSERT_EQ(panwright(words).code, 0);
+  EXPECT_EQ(contents(folder_ / "of_views/000001.npy"), contents(folder_ / "one.npy"));
 }
 
 // Sources move by their offset, dates or not; what lies outside of them is never cut in silence.
@@ -319,6 +408,37 @@ TEST_F(Scenarios, CourseIsDrawn) {
   EXPECT_THAT(done.out, HasSubstr("the rotation of target 'box'"));
   EXPECT_THAT(contents(svg), HasSubstr("Range"));
   EXPECT_THAT(contents(svg), HasSubstr("Phase angle"));
+  // at first the front of a cube of 1 m, 5.5 m away: (24/2/tan(15 deg)/5.5)² = 66.30 pixels; turned
+  // it covers more
+  EXPECT_THAT(contents(svg), HasSubstr("Convex outline"));
+  EXPECT_THAT(contents(svg), HasSubstr("Share in the image"));
+  EXPECT_THAT(contents(svg), testing::Not(HasSubstr("Share of the Sun")));
+  EXPECT_THAT(done.out, HasSubstr("    66.3 to "));
+  EXPECT_THAT(done.out, HasSubstr("pixels; in the image in 3 of 3 frames"));
+}
+
+// A camera that looks past the box, and one that has it at half of its edge; a planet before the
+// Sun.
+TEST_F(Scenarios, CourseHasTheImageAndEclipses) {
+  const std::string file = folder_.write(
+      "past.toml",
+      "begin = 0\nend = 2\nstep = 1\n[targets]\nbox = \"box.pxn\"\n"
+      "[[source]]\nfile = \"past.csv\"\n[[source]]\nformula = \"fixed\"\nsun = [0, 0, 1]\n"
+      "[view]\nsize = [24, 16]\northo = 4\nplanet = { rock = \"0 0 9km radius=1km\" }\n");
+  // the boresight is +y and x stays right: the image spans 2 m to either side
+  folder_.write(
+      "past.csv",
+      "time[s],camera.x[m],camera.y[m],camera.z[m],camera.qw[world_from_camera],camera.qx["
+      "world_from_camera],camera.qy[world_from_camera],camera.qz[world_from_camera],box.x["
+      "m],box.y[m],box.z[m]\n"
+      "0,0,-6,0,0.70710678118654757,-0.70710678118654757,0,0,0,0,0\n"
+      "1,2,-6,0,0.70710678118654757,-0.70710678118654757,0,0,0,0,0\n"
+      "2,5,-6,0,0.70710678118654757,-0.70710678118654757,0,0,0,0,0\n");
+  const Outcome done = panwright({"scenario", file, "--plot", folder_ / "past.svg"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  // 1 m is 6 pixels; half of the second frame's box is in the image, none of the third's
+  EXPECT_THAT(done.out,
+              HasSubstr("    0 to 36 pixels; in the image in 2 of 3 frames; 0 to 0 of the Sun"));
 }
 
 // A lens from a file: the record has its numbers, so that the image is made again without it.
