@@ -323,7 +323,7 @@ TEST_F(Scenarios, SourcesOfSimulators) {
   EXPECT_THAT(pose("simulator = \"43\"\n").get<std::string>(),
               HasSubstr("simulated.toml:4:13: error: simulator is '43', expected 42 or basilisk"));
   EXPECT_THAT(pose("simulator = \"42\"\nposition = \"PosR.42\"\n").get<std::string>(),
-              HasSubstr("'time'"));
+              HasSubstr("time is missing"));
   EXPECT_THAT(pose("simulator = \"42\"\ntime = \"time.42\"\n").get<std::string>(),
               HasSubstr("42 needs position or rotation"));
   EXPECT_THAT(
