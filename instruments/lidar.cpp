@@ -16,6 +16,7 @@ namespace {
 constexpr double kPlanck = 6.62607015e-34, kSpeed = 299'792'458, kBoltzmann = 1.380649e-23;
 constexpr std::size_t kPulsesAtOnce = 64;    // of a thread
 constexpr std::size_t kMomentsAtOnce = 512;  // states that are held
+constexpr std::size_t kStillAtOnce = 16384;  // pulses whose points wait for their place
 
 // Of the Sun at 1 AU, W/m²/nm: of a black body of 5772 K, the effective temperature.
 double solar_irradiance(double wavelength) {
@@ -76,6 +77,8 @@ class Measurement {
 
  private:
   struct Scratch {
+    std::vector<trace::Ray> rays;  // of the footprint
+    std::vector<trace::Hit> hits;
     std::vector<Returned> returned;
     Receiver::Scratch receiver;
   };
@@ -92,7 +95,7 @@ class Measurement {
   Across across(const Pulse& pulse, const Vec2& turn) const;
   geometry::Ray sub_ray(const Across& across, Vec2 place, const Vec2& turn) const;
   void gather(const preview::SurfaceScene& scene, const world::World& world, std::uint32_t number,
-              std::vector<Returned>& returned, double& background) const;
+              Scratch& scratch, double& background) const;
   void add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
                    std::vector<Returned>& returned) const;
   double sunlight(const preview::SurfaceScene& scene, const world::World& world,
@@ -206,8 +209,7 @@ double Measurement::sunlight(const preview::SurfaceScene& scene, const world::Wo
 }
 
 void Measurement::gather(const preview::SurfaceScene& scene, const world::World& world,
-                         std::uint32_t number, std::vector<Returned>& returned,
-                         double& background) const {
+                         std::uint32_t number, Scratch& scratch, double& background) const {
   const Pulse& pulse = cloud_->pulses[number];
   Vec2 turn(0);
   if (footprint_.size() > 1) {
@@ -215,16 +217,21 @@ void Measurement::gather(const preview::SurfaceScene& scene, const world::World&
     const auto angle = det::sincos(2 * kPi * u[0]);
     turn = is_flash() ? Vec2(u[0], u[1]) : Vec2(angle.cos, angle.sin);
   }
-  const bool one = footprint_.size() == 1;
-  const Across sides = across(pulse, turn);
-  for (std::size_t k = 0; k < footprint_.size(); ++k) {
-    const trace::Ray ray{
-        one ? geometry::Ray{Vec3(0), pulse.direction} : sub_ray(sides, footprint_[k], turn),
-        trace::Ray::kObserver};
-    const trace::Hit hit = scene.rays().nearest(ray);
+  scratch.rays.clear();
+  if (footprint_.size() == 1) {
+    scratch.rays.push_back({{Vec3(0), pulse.direction}, trace::Ray::kObserver});
+  } else {
+    const Across sides = across(pulse, turn);
+    for (const Vec2& place : footprint_)
+      scratch.rays.push_back({sub_ray(sides, place, turn), trace::Ray::kObserver});
+  }
+  scratch.hits.resize(scratch.rays.size());
+  scene.rays().nearest_bundle(scratch.rays, scratch.hits);
+  for (std::size_t k = 0; k < scratch.hits.size(); ++k) {
+    const trace::Hit& hit = scratch.hits[k];
     if (!hit) continue;
     if (k == 0 && with_sun_) background = sunlight(scene, world, hit);
-    add_surface(scene, hit, returned);
+    add_surface(scene, hit, scratch.returned);
   }
 }
 
@@ -265,7 +272,7 @@ void Measurement::measure_one(const preview::SurfaceScene& scene, const LidarMom
   std::vector<Echo>& echoes = scratch.receiver.echoes;
   returned.clear();
   double background = 0;
-  gather(scene, moment.world, number, returned, background);
+  gather(scene, moment.world, number, scratch, background);
   if (const auto more = blooms.find(number); more != blooms.end())
     returned.insert(returned.end(), more->second.begin(), more->second.end());
   PulseStatus& status = cloud_->status[number];
@@ -289,9 +296,12 @@ bool Measurement::measure_all(const preview::SurfaceScene& scene, const LidarMom
                               LidarCloud& cloud, const Job& job) {
   const std::size_t count = cloud.pulses.size();
   const bool moves = options_.motion && !is_flash();
-  const std::size_t at_once = moves ? kMomentsAtOnce : std::max(count, std::size_t{1});
+  const std::size_t at_once = moves ? kMomentsAtOnce : kStillAtOnce;
+  // note: memory for all, of which untouched pages cost nothing
+  if (!moves) cloud.points.reserve(count);
   Phase phase(job, "measure", count);
   const Blooms none;
+  std::vector<Block> blocks;  // their memory serves all rounds
   for (std::size_t first = 0; first < count; first += at_once) {
     const std::size_t end = std::min(count, first + at_once);
     std::vector<LidarMoment> moments;  // of each pulse
@@ -305,7 +315,11 @@ bool Measurement::measure_all(const preview::SurfaceScene& scene, const LidarMom
       }
       cloud.poses.push_back(moments.back().pose);
     }
-    std::vector<Block> blocks((end - first + kPulsesAtOnce - 1) / kPulsesAtOnce);
+    blocks.resize((end - first + kPulsesAtOnce - 1) / kPulsesAtOnce);
+    for (Block& block : blocks) {
+      block.points.clear();
+      block.excess.clear();
+    }
     parallel_for(
         blocks.size(),
         [&](std::size_t b) {

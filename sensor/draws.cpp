@@ -136,17 +136,27 @@ PANWRIGHT_LANES void law_lanes(const Doubles& count, Doubles& left, Doubles& rig
   }
 }
 
-PANWRIGHT_LANES void normal_lanes(const Words& pixel, const Stream& stream, Doubles& a,
+// The first `count` pixels, and perhaps some more: receivers of LiDARs want a dozen.
+PANWRIGHT_LANES void normal_lanes(const Words& pixel, int count, const Stream& stream, Doubles& a,
                                   Doubles& b) {
-  std::array<Words, 4> words;
-  block_lanes(pixel, Words{}, stream, words);
-  for (int i = 0; i < kLanes; ++i) {
-    const double u = lanes::unit(words[0][i], words[1][i]);
-    const double v = lanes::unit(words[2][i], words[3][i]);
-    const double length = std::sqrt(-2.0 * lanes::log(u));
-    const lanes::Turn turn = lanes::turn(v);
-    a[i] = length * turn.cos;
-    b[i] = length * turn.sin;
+  constexpr int kGroup = 8;
+  for (int at = 0; at < count; at += kGroup) {
+    std::array<std::array<std::uint32_t, kGroup>, 4> words;
+    for (int i = 0; i < kGroup; ++i) {
+      words[0][i] = 0;
+      words[1][i] = pixel[at + i];
+      words[2][i] = stream.frame;
+      words[3][i] = stream.stage;
+    }
+    lanes::philox_lanes(words, stream.seed);
+    for (int i = 0; i < kGroup; ++i) {
+      const double u = lanes::unit(words[0][i], words[1][i]);
+      const double v = lanes::unit(words[2][i], words[3][i]);
+      const double length = std::sqrt(-2.0 * lanes::log(u));
+      const lanes::Turn turn = lanes::turn(v);
+      a[at + i] = length * turn.cos;
+      b[at + i] = length * turn.sin;
+    }
   }
 }
 
@@ -155,7 +165,7 @@ struct Kernels {
   void (*inversion)(const Batch&, const Stream&, Doubles&);
   void (*propose)(const Batch&, const Stream&, Proposal&);
   void (*law)(const Doubles&, Doubles&, Doubles&);
-  void (*normal)(const Words&, const Stream&, Doubles&, Doubles&);
+  void (*normal)(const Words&, int, const Stream&, Doubles&, Doubles&);
   void (*block)(const Words&, const Stream&, std::array<Words, 4>&);
 };
 
@@ -167,8 +177,8 @@ struct Kernels {
     propose_lanes(b, s, p);                                                                     \
   }                                                                                             \
   TARGET void law_##NAME(const Doubles& c, Doubles& l, Doubles& r) { law_lanes(c, l, r); }      \
-  TARGET void normal_##NAME(const Words& p, const Stream& s, Doubles& a, Doubles& b) {          \
-    normal_lanes(p, s, a, b);                                                                   \
+  TARGET void normal_##NAME(const Words& p, int n, const Stream& s, Doubles& a, Doubles& b) {   \
+    normal_lanes(p, n, s, a, b);                                                                \
   }                                                                                             \
   TARGET void block_##NAME(const Words& p, const Stream& s, std::array<Words, 4>& w) {          \
     block_lanes(p, Words{}, s, w);                                                              \
@@ -317,9 +327,9 @@ void draw_normal(std::uint32_t first, const Stream& stream, std::span<double> nu
   for (std::size_t at = 0; at < count + skip; at += 2 * kLanes) {
     for (int i = 0; i < kLanes; ++i)
       pair[i] = (first >> 1) + static_cast<std::uint32_t>(at / 2) + static_cast<std::uint32_t>(i);
-    kernels().normal(pair, stream, a, b);
     const std::size_t begin = at == 0 ? skip : 0;
     const std::size_t end = std::min<std::size_t>(2 * kLanes, count + skip - at);
+    kernels().normal(pair, static_cast<int>(end + 1) / 2, stream, a, b);
     for (std::size_t i = begin; i < end; ++i)
       numbers[at + i - skip] = (i & 1) == 0 ? a[i / 2] : b[i / 2];
   }
@@ -333,8 +343,8 @@ void draw_normal_pairs(std::uint32_t first, const Stream& stream, std::span<doub
   for (std::size_t at = 0; at < a.size(); at += kLanes) {
     for (int i = 0; i < kLanes; ++i)
       pixel[i] = first + static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(i);
-    kernels().normal(pixel, stream, one, other);
     const std::size_t end = std::min<std::size_t>(kLanes, a.size() - at);
+    kernels().normal(pixel, static_cast<int>(end), stream, one, other);
     std::copy_n(one.begin(), end, a.begin() + static_cast<std::ptrdiff_t>(at));
     std::copy_n(other.begin(), end, b.begin() + static_cast<std::ptrdiff_t>(at));
   }

@@ -1,6 +1,7 @@
 #include "trace/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -13,6 +14,7 @@ namespace {
 constexpr double kSizeSlack = 1e-5;
 constexpr double kDistanceSlack = 1e-14;
 constexpr std::size_t kRaysAtOnce = 256;  // of a thread
+constexpr std::size_t kBundle = 16;       // rays that look together
 
 double largest(const Vec3& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
@@ -113,15 +115,23 @@ bool Target::visible_filter(const void* data, const geometry::InstanceHit& hit) 
   return !inside && hole_filter(data, hit);
 }
 
+geometry::HitFilter Target::filter_of(Insides insides) const {
+  if (insides == Insides::pass) return {visible_filter, this};
+  return has_holes_ ? geometry::HitFilter{hole_filter, this} : geometry::HitFilter{};
+}
+
 std::optional<geometry::InstanceHit> Target::closest(const geometry::Ray& ray,
                                                      Insides insides) const {
-  if (insides == Insides::pass) return caster_.closest(ray, {visible_filter, this});
-  return has_holes_ ? caster_.closest(ray, {hole_filter, this}) : caster_.closest(ray);
+  return caster_.closest(ray, filter_of(insides));
+}
+
+void Target::closest(std::span<const geometry::Ray> rays,
+                     std::span<std::optional<geometry::InstanceHit>> hits, Insides insides) const {
+  caster_.closest(rays, hits, filter_of(insides));
 }
 
 bool Target::any(const geometry::Ray& ray, Insides insides) const {
-  if (insides == Insides::pass) return caster_.any(ray, {visible_filter, this});
-  return has_holes_ ? caster_.any(ray, {hole_filter, this}) : caster_.any(ray);
+  return caster_.any(ray, filter_of(insides));
 }
 
 terrain::SmoothGround Target::smooth_ground(const Hit& hit) const {
@@ -331,6 +341,67 @@ Hit Scene::nearest(const Ray& ray, Insides insides) const {
   // most rays meet outsides, which costs no questions
   const Hit hit = closest(ray, Insides::stop);
   return hit && insides == Insides::pass && is_inside(hit) ? closest(ray, insides) : hit;
+}
+
+// As closest() of rays that any inside stops. Expects: kBundle rays at most; no terrain.
+void Scene::closest_of_bundle(std::span<const Ray> rays, std::span<Hit> hits) const {
+  std::array<double, kBundle> limits;
+  double farthest = 0;
+  AxisBox directions;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    hits[i] = {};
+    limits[i] = rays[i].max_distance;
+    farthest = std::max(farthest, limits[i]);
+    if (visible_.size() > 1) directions.add(observer_.world_from * rays[i].direction);
+  }
+  const auto look = [&](std::uint32_t target) {
+    std::array<geometry::Ray, kBundle> there;
+    std::array<std::optional<geometry::InstanceHit>, kBundle> found;
+    const Target& looked = *targets_[target].target;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      there[i] = local(rays[i], target);
+      there[i].max_distance = limits[i];
+    }
+    looked.closest(std::span(there).first(rays.size()), std::span(found).first(rays.size()),
+                   Insides::stop);
+    farthest = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto& hit = found[i];
+      // at equal distances the lower target
+      if (hit && (!hits[i] || hit->distance < limits[i] || target < hits[i].target)) {
+        hits[i] = {hit->distance,      target,           looked.parts()[hit->instance],
+                   hit->triangle,      hit->barycentric, hit->front,
+                   there[i].direction, Vec3(0),          Vec3(0)};
+        limits[i] = hit->distance;
+      }
+      farthest = std::max(farthest, limits[i]);
+    }
+    return false;
+  };
+  if (visible_.size() == 1) {
+    look(visible_[0]);
+    return;
+  }
+  tree_.search(observer_.world_from * rays[0].origin, directions, rays[0].min_distance, farthest,
+               [&](std::uint32_t number) { return look(visible_[number]); });
+}
+
+void Scene::nearest_bundle(std::span<const Ray> rays, std::span<Hit> hits, Insides insides) const {
+  assert(rays.size() == hits.size());
+  const auto has_ground = [&](std::uint32_t target) {
+    return targets_[target].target->ground() != nullptr;
+  };
+  if (std::ranges::any_of(visible_, has_ground)) {
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i], insides);
+    return;
+  }
+  for (std::size_t first = 0; first < rays.size(); first += kBundle) {
+    const std::size_t count = std::min(kBundle, rays.size() - first);
+    closest_of_bundle(rays.subspan(first, count), hits.subspan(first, count));
+    for (std::size_t i = first; i < first + count; ++i)
+      if (hits[i] && insides == Insides::pass && is_inside(hits[i]))
+        hits[i] = closest(rays[i], insides);
+  }
 }
 
 Hit Scene::nearest_ground(const Ray& ray) const {

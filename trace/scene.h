@@ -108,9 +108,13 @@ class Target {
 
   // Nearest surface to a ray of the model's frame, with the number of the part in parts().
   std::optional<geometry::InstanceHit> closest(const geometry::Ray& ray, Insides insides) const;
+  // The same for rays of one origin, as one by one.
+  void closest(std::span<const geometry::Ray> rays,
+               std::span<std::optional<geometry::InstanceHit>> hits, Insides insides) const;
   bool any(const geometry::Ray& ray, Insides insides) const;
 
  private:
+  geometry::HitFilter filter_of(Insides insides) const;
   static bool hole_filter(const void* target, const geometry::InstanceHit& hit);
   static bool visible_filter(const void* target, const geometry::InstanceHit& hit);
 
@@ -197,6 +201,11 @@ class Scene {
   void any(std::span<const Ray> rays, std::span<std::uint8_t> found,
            Insides insides = Insides::pass, const Job& job = {}) const;
 
+  // The same for a bundle: rays of the observer, of one origin and range, on this thread, as one by
+  // one; faster where their directions are similar.
+  void nearest_bundle(std::span<const Ray> rays, std::span<Hit> hits,
+                      Insides insides = Insides::pass) const;
+
   // Expects, all of these: a hit of this scene, before the next update.
   //
   // Returns its node in its model: of terrain the root.
@@ -219,6 +228,7 @@ class Scene {
   void meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best, double& limit) const;
   bool is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray) const;
   Hit closest(const Ray& ray, Insides insides) const;
+  void closest_of_bundle(std::span<const Ray> rays, std::span<Hit> hits) const;
   geometry::Ray local(const Ray& ray, std::uint32_t target) const;
   template <class Look>
   void visit(const Ray& ray, const double& limit, const Look& look) const;

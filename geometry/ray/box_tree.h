@@ -31,6 +31,29 @@ class BoxTree {
   void search(const Vec3& origin, const Vec3& direction, double from, const double& to,
               Visit&& visit) const;
 
+  // The same for every box that a ray of a bundle may enter: of one origin, within bounds of their
+  // directions.
+  template <class Visit>
+  void search(const Vec3& origin, const AxisBox& directions, double from, const double& to,
+              Visit&& visit) const;
+
+  // Returns true if a ray enters a box at a distance in [from, to].
+  //
+  //   inverse  inverse_of() its direction
+  bool enters(std::uint32_t box, const Vec3& origin, const Vec3& inverse, double from,
+              double to) const {
+    return entry(boxes_[box], origin, inverse, from, to) < kInfinity;
+  }
+  // Returns 1 / direction, finite, so that 0 times it is a number on the face of a box.
+  static Vec3 inverse_of(const Vec3& direction) {
+    Vec3 inverse;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = direction[axis];
+      inverse[axis] = 1 / (std::fabs(d) < 1e-300 ? std::copysign(1e-300, d) : d);
+    }
+    return inverse;
+  }
+
   // Calls visit(index) for every box within a distance of a point, roughly from near to far.
   //
   //   squared  m²: of the distance; may shrink while visit() runs
@@ -71,6 +94,9 @@ class BoxTree {
     return from <= to ? from : kInfinity;
   }
 
+  template <class Enter, class Visit>
+  void walk(const Enter& enter, const double& to, Visit&& visit) const;
+
   static double squared_distance(const AxisBox& box, const Vec3& point) {
     const Vec3 off = glm::max(glm::max(box.low - point, point - box.high), Vec3(0));
     return glm::dot(off, off);
@@ -108,18 +134,12 @@ void BoxTree::near(const Vec3& point, const double& squared, Visit&& visit) cons
   }
 }
 
-template <class Visit>
-void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, const double& to,
-                     Visit&& visit) const {
+// enter: the distance at which a box is entered; infinity: it is not
+template <class Enter, class Visit>
+void BoxTree::walk(const Enter& enter, const double& to, Visit&& visit) const {
   if (order_.empty()) return;
-  Vec3 inverse;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double d = direction[axis];
-    // finite, so that 0 times it is a number on the face of a box
-    inverse[axis] = 1 / (std::fabs(d) < 1e-300 ? std::copysign(1e-300, d) : d);
-  }
   if (order_.size() == 1) {
-    if (entry(nodes_[0].box, origin, inverse, from, to) < kInfinity) visit(order_[0]);
+    if (enter(nodes_[0].box) < kInfinity) visit(order_[0]);
     return;
   }
   struct Waiting {
@@ -129,18 +149,15 @@ void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, con
   // note: the tree is halved at each level, so 2^32 boxes need no more
   std::array<Waiting, 40> waiting;
   std::size_t count = 0;
-  const auto enter = [&](std::uint32_t node) {
-    return entry(nodes_[node].box, origin, inverse, from, to);
-  };
-  const double first = enter(0);
+  const double first = enter(nodes_[0].box);
   if (first < kInfinity) waiting[count++] = {0, first};
   while (count > 0) {
     const Waiting next = waiting[--count];
     if (next.entry > to) continue;
     const Node& node = nodes_[next.node];
     if (node.count == 0) {
-      Waiting near{node.first, enter(node.first)};
-      Waiting far{node.first + 1, enter(node.first + 1)};
+      Waiting near{node.first, enter(nodes_[node.first].box)};
+      Waiting far{node.first + 1, enter(nodes_[node.first + 1].box)};
       if (far.entry < near.entry) std::swap(near, far);
       if (far.entry < kInfinity) waiting[count++] = far;
       if (near.entry < kInfinity) waiting[count++] = near;
@@ -148,10 +165,42 @@ void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, con
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t box = order_[i];
-      if (node.count > 1 && entry(boxes_[box], origin, inverse, from, to) == kInfinity) continue;
+      if (node.count > 1 && enter(boxes_[box]) == kInfinity) continue;
       if (visit(box)) return;
     }
   }
+}
+
+template <class Visit>
+void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, const double& to,
+                     Visit&& visit) const {
+  const Vec3 inverse = inverse_of(direction);
+  walk([&](const AxisBox& box) { return entry(box, origin, inverse, from, to); }, to, visit);
+}
+
+template <class Visit>
+void BoxTree::search(const Vec3& origin, const AxisBox& directions, double from, const double& to,
+                     Visit&& visit) const {
+  const Vec3 &least = directions.low, &most = directions.high;
+  const Vec3 by_least = inverse_of(least), by_most = inverse_of(most);
+  // at a distance t the rays cover [t·least, t·most] of each axis about the origin
+  const auto enter = [&](const AxisBox& box) {
+    double begin = from, end = to;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double reaches = (box.low[axis] - origin[axis]) * by_most[axis];
+      const double leaves = (box.high[axis] - origin[axis]) * by_least[axis];
+      if (by_most[axis] > 0)
+        begin = std::max(begin, reaches);
+      else
+        end = std::min(end, reaches);
+      if (by_least[axis] > 0)
+        end = std::min(end, leaves);
+      else
+        begin = std::max(begin, leaves);
+    }
+    return begin <= end ? begin : kInfinity;
+  };
+  walk(enter, to, visit);
 }
 
 template <class Move, class Visit>

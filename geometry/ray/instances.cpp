@@ -1,6 +1,7 @@
 #include "geometry/ray/instances.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <vector>
@@ -15,6 +16,7 @@ namespace {
 // of the largest coordinate of a box: far more than its corners and the slabs round by, and than
 // the search looks around a mesh
 constexpr double kBoxSlack = 1e-5;
+constexpr std::size_t kBundle = 16;  // rays that are searched together
 
 struct Placed {
   const MeshSearch* mesh = nullptr;
@@ -47,6 +49,7 @@ struct InstanceCaster::Impl {
   bool built = false;
 
   void search(SearchRay& ray, bool any) const;
+  void search(std::span<SearchRay> rays) const;
 };
 
 SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triangles,
@@ -136,6 +139,34 @@ void InstanceCaster::Impl::search(SearchRay& ray, bool any) const {
               });
 }
 
+// Rays of one origin, the nearest hits of all.
+void InstanceCaster::Impl::search(std::span<SearchRay> rays) const {
+  assert(built);
+  AxisBox directions;
+  std::array<Vec3, kBundle> inverses;
+  double from = rays[0].min_distance, to = rays[0].max_distance;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    directions.add(rays[i].direction);
+    inverses[i] = BoxTree::inverse_of(rays[i].direction);
+    from = std::min(from, rays[i].min_distance);
+    to = std::max(to, rays[i].max_distance);
+  }
+  const Vec3& origin = rays[0].origin;
+  tree.search(origin, directions, from, to, [&](std::uint32_t index) {
+    const Placed& one = placed[index];
+    const Vec3 start = one.mesh_from_world * (origin - one.translation);
+    double farthest = from;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      SearchRay& ray = rays[i];
+      if (tree.enters(index, origin, inverses[i], ray.min_distance, ray.max_distance))
+        one.mesh->search(ray, start, one.mesh_from_world * ray.direction, index, one.asked, false);
+      farthest = std::max(farthest, ray.max_distance);
+    }
+    to = farthest;
+    return false;
+  });
+}
+
 namespace {
 
 SearchRay begun(const Ray& ray, const HitFilter& filter) {
@@ -156,6 +187,22 @@ std::optional<InstanceHit> InstanceCaster::closest(const Ray& ray, const HitFilt
   impl_->search(search, false);
   if (!search.found) return std::nullopt;
   return search.best;
+}
+
+void InstanceCaster::closest(std::span<const Ray> rays, std::span<std::optional<InstanceHit>> hits,
+                             const HitFilter& filter) const {
+  assert(rays.size() == hits.size());
+  std::array<SearchRay, kBundle> bundle;
+  for (std::size_t first = 0; first < rays.size(); first += kBundle) {
+    const std::size_t count = std::min(kBundle, rays.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      assert(rays[first + i].origin == rays[0].origin);
+      bundle[i] = begun(rays[first + i], filter);
+    }
+    impl_->search(std::span(bundle).first(count));
+    for (std::size_t i = 0; i < count; ++i)
+      hits[first + i] = bundle[i].found ? std::optional(bundle[i].best) : std::nullopt;
+  }
 }
 
 bool InstanceCaster::any(const Ray& ray, const HitFilter& filter) const {

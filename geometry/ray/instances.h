@@ -75,6 +75,11 @@ class InstanceCaster {
   // Returns the nearest accepted hit within the ray's range, both ends included.
   // Expects: a unit direction.
   std::optional<InstanceHit> closest(const Ray& ray, const HitFilter& filter = {}) const;
+  // The same for rays of one origin, as one by one; faster where their directions are similar.
+  //
+  //   hits  R, one for each ray
+  void closest(std::span<const Ray> rays, std::span<std::optional<InstanceHit>> hits,
+               const HitFilter& filter = {}) const;
   // Returns true if closest() has a hit, faster.
   bool any(const Ray& ray, const HitFilter& filter = {}) const;
 

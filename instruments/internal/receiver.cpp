@@ -134,6 +134,7 @@ Receiver::Receiver(const Lidar& lidar, const LidarRandom& random) : lidar_(lidar
   unit_ = step_ / (sigma_ * std::sqrt(2 * kPi));
   spread_ = step_ / sigma_;
   shrink_ = det::exp(-spread_ * spread_);
+  rise_ = sigma_ / step_ * std::sqrt(2 * det::log(2));
 }
 
 // Samples of a window: light, noise, saturation.
@@ -227,7 +228,7 @@ Echo Receiver::measured(const Window& window, const Piece& piece,
   const double sigma = sigma_ / step_;  // in samples
   double at = centre;
   if (lidar_.method == RangeMethod::fraction) {
-    at = crossing(s, piece, 0.5 * amplitude) + sigma * std::sqrt(2 * det::log(2));
+    at = crossing(s, piece, 0.5 * amplitude) + rise_;
   } else if (lidar_.method == RangeMethod::threshold) {
     const double level = lidar_.threshold_e;
     const double right = sigma * std::sqrt(2 * det::log(lidar_.walk_reference));
@@ -253,7 +254,8 @@ void Receiver::detect(const Window& window, const std::vector<Returned>& returne
   const auto depth = [&](double level) {
     return 3 * std::sqrt(noise * noise + lidar_.excess_noise * std::max(level, 0.0));
   };
-  std::vector<Piece> pieces;
+  std::vector<Piece>& pieces = scratch.pieces;
+  pieces.clear();
   for (std::size_t k = 0; k < s.size();) {
     if (!(s[k] >= threshold)) {
       ++k;

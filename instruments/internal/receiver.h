@@ -47,11 +47,17 @@ struct LidarRandom {
 // Share of the standard normal distribution above x >= 0, to a relative 1e-12.
 double normal_tail(double x);
 
+// Samples of a window that are one echo.
+struct Piece {
+  std::size_t begin = 0, end = 0, peak = 0;
+};
+
 class Receiver {
  public:
   // Memory of one thread.
   struct Scratch {
     std::vector<double> samples, numbers;
+    std::vector<Piece> pieces;
     std::vector<Echo> echoes;
   };
 
@@ -69,9 +75,6 @@ class Receiver {
   struct Window {
     std::int64_t first = 0, end = 0;  // samples; sample k is at k·step_ metres
     std::size_t from = 0, to = 0;     // of the light
-  };
-  struct Piece {
-    std::size_t begin = 0, end = 0, peak = 0;  // samples of the window
   };
   void record(const Window& window, const std::vector<Returned>& returned, std::uint32_t pulse,
               double floor_e, Scratch& scratch, Excess& excess) const;
@@ -92,6 +95,7 @@ class Receiver {
   double unit_ = 0;     // of a sample at the peak, for one electron
   double spread_ = 0;   // step_ in sigmas
   double shrink_ = 0;   // exp(-spread_²)
+  double rise_ = 0;     // samples from half of the peak to the peak
 };
 
 // Truth of an echo from the light in it. Sets flags of what is mixed, and of none a false alarm.

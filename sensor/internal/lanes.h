@@ -18,9 +18,11 @@ using Doubles = std::array<double, kLanes>;
 #define PANWRIGHT_LANES [[gnu::always_inline]] inline
 
 // Philox4x32-10 (base/random.h) for counters c, whose words are replaced.
-PANWRIGHT_LANES void philox_lanes(std::array<Words, 4>& c, std::array<std::uint32_t, 2> key) {
+template <std::size_t N>
+PANWRIGHT_LANES void philox_lanes(std::array<std::array<std::uint32_t, N>, 4>& c,
+                                  std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
       const std::uint64_t a = std::uint64_t{0xD2511F53u} * c[0][i];
       const std::uint64_t b = std::uint64_t{0xCD9E8D57u} * c[2][i];
       const std::uint32_t c1 = c[1][i], c3 = c[3][i];

@@ -95,6 +95,47 @@ TEST(TraceScene, BatchesAreSingleRaysAndAnyIsNearest) {
 }
 
 // The nearest of all targets, each asked in a scene of its own; at any place of the observer.
+// From beams of 0.1 mrad to all directions, along axes and across them.
+TEST(TraceScene, BundlesAreSingleRays) {
+  const std::vector<std::uint8_t> rgba = grid();
+  world::World one;
+  pan::Contents contents = single(box({1, 2, 0.5}));
+  contents.nodes.push_back({"other", 0, Vec3(1.5, 0, 0.2), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.instances.push_back({1, 0, 0, -1});
+  add(one, "one", contents, {Vec3(0.3, 0, 0), glm::angleAxis(0.3, Vec3(0, 0, 1))});
+  for (const world::World& world : {assorted(rgba), one}) {
+    Scene scene;
+    scene.update(world);
+    Random random(11);
+    std::size_t hits = 0, misses = 0;
+    for (int k = 0; k < 600; ++k) {
+      scene.place_observer({random.in_cube(6), random.rotation()});
+      const Vec3 origin = k % 3 == 0 ? Vec3(0) : random.in_cube(3);
+      Vec3 axis = scene.observer().position;
+      axis = k % 4 == 0 ? Vec3(k % 8 == 0 ? 1 : 0, 0, k % 8 == 0 ? 0 : -1)
+                        : (random.in_cube(1) - axis) * scene.observer().world_from - origin;
+      const double spread = std::pow(10, -4 + 4.5 * random.between(0, 1));
+      std::vector<Ray> rays;
+      for (int i = 0; i < 1 + k % 40; ++i) {
+        rays.push_back(ray(origin, glm::normalize(axis) + spread * random.in_cube(1)));
+        rays.back().max_distance = k % 5 == 0 ? 5 : 1e30;
+        rays.back().min_distance = k % 7 == 0 ? 1 : 0;
+      }
+      for (const Insides insides : {Insides::pass, Insides::stop}) {
+        std::vector<Hit> found(rays.size());
+        scene.nearest_bundle(rays, found, insides);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+          const Hit hit = scene.nearest(rays[i], insides);
+          EXPECT_TRUE(same(hit, found[i])) << k << ' ' << i;
+          (hit ? hits : misses) += 1;
+        }
+      }
+    }
+    EXPECT_GT(hits, 1000u);
+    EXPECT_GT(misses, 1000u);
+  }
+}
+
 TEST(TraceScene, TheNearestTargetWins) {
   const std::vector<std::uint8_t> rgba = grid();
   const world::World world = assorted(rgba);
