@@ -1,6 +1,7 @@
 // The share of the Sun that bodies leave at a point.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "sky/sky.h"
 
@@ -88,6 +89,30 @@ double hidden_of_chord(std::vector<Span>& hidden, double half, double limb) {
   return sum;
 }
 
+// Of what is not hidden, the integral of brightness times a weight by x.
+Vec3 seen_of_chord(std::vector<Span>& hidden, double half, double limb,
+                   const std::function<Vec3(double x)>& weight) {
+  constexpr int kPlaces = 24;
+  Vec3 sum(0);
+  const auto add = [&](double low, double high) {
+    for (int k = 0; k < kPlaces && low < high; ++k) {
+      // dense at both ends, where brightness is a root
+      const det::SinCos turn = det::sincos(kPi * ((k + 0.5) / kPlaces - 0.5));
+      const double x = 0.5 * (low + high) + 0.5 * (high - low) * turn.sin;
+      const double mu = std::sqrt(std::max(0.0, half * half - x * x));
+      sum += (1 - limb + limb * mu) * turn.cos * (0.5 * (high - low) * kPi / kPlaces) * weight(x);
+    }
+  };
+  std::ranges::sort(hidden, {}, &Span::low);
+  double reached = -half;
+  for (const Span& span : hidden) {
+    add(reached, span.low);
+    reached = std::max(reached, span.high);
+  }
+  add(reached, half);
+  return sum;
+}
+
 enum class Cover { none, partial, whole };
 
 // Whether a body may hide the disc, by how far its impact parameter changes over it.
@@ -115,6 +140,28 @@ double beyond(const ChordLine& line) {
   const double along = slope(line.x, line.x_moment), across = slope(line.y, line.y_moment);
   const double change = std::sqrt(along * along + across * across);
   return change > 0 ? std::clamp((impact - 1) / change, -kFar, kFar) : kFar;
+}
+
+// The bodies that hide a part of the Sun's disc; none: one hides all of it.
+//
+//   along  axis of the disc; null: towards the first body
+std::optional<std::vector<ChordLine>> partial_bodies(const Sky& sky, const Vec3& point,
+                                                     std::optional<std::size_t> except,
+                                                     const Vec3* along) {
+  std::vector<ChordLine> lines;
+  Vec3 axis = along ? *along : Vec3(0);
+  for (std::size_t i = 0; i < sky.size(); ++i) {
+    if (i == except) continue;
+    const Vec3 from = sky.shape(i).from(point);
+    if (glm::dot(from, from) < 1) return std::nullopt;
+    if (lines.empty() && !along) axis = sky.beside_sun(sky.shape(i).centre - point);
+    const ChordLine line(sky.shape(i), from, sky.to_sun(), axis, glm::cross(sky.to_sun(), axis),
+                         sky.sun_sine());
+    const Cover cover = cover_of(line);
+    if (cover == Cover::whole) return std::nullopt;
+    if (cover == Cover::partial) lines.push_back(line);
+  }
+  return lines;
 }
 
 // The t of a share, by bisection.
@@ -207,8 +254,10 @@ std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius,
   std::vector<NearEclipse> out;
   if (found.empty() || (!bends && found.size() < 2)) return out;
   std::ranges::stable_sort(found, {}, &Found::depth);
-  // of all bodies, the axes of the disc are those towards the first
-  const Vec3 along = sun_sine_ * found[0].along;
+  // of all bodies, the axes of the disc are those towards the first, or along a limb
+  const Vec3 axis =
+      except ? glm::cross(to_sun_, beside_sun(shapes_[*except].centre - point)) : found[0].along;
+  const Vec3 along = sun_sine_ * axis;
   for (std::size_t i = 0; i < std::min(found.size(), kMost); ++i) {
     out.push_back(found[i].eclipse);
     out.back().along = out.back().unit_from_world * along;
@@ -217,34 +266,41 @@ std::vector<NearEclipse> Sky::near_eclipses(const Vec3& point, double radius,
   return out;
 }
 
+Vec3 Sky::beside_sun(const Vec3& toward) const {
+  const Vec3 beside = toward - to_sun_ * glm::dot(toward, to_sun_);
+  const double length = std::sqrt(glm::dot(beside, beside));
+  return length > 0 ? beside / length : across_[0];
+}
+
 double Sky::sun_share(const Vec3& point, std::optional<std::size_t> except) const {
-  std::vector<ChordLine> lines;
-  Vec3 along = across_[0];
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (i == except) continue;
-    const Vec3 from = shapes_[i].from(point);
-    if (glm::dot(from, from) < 1) return 0;
-    if (lines.empty()) {
-      const Vec3 toward = shapes_[i].centre - point;
-      const Vec3 beside = toward - to_sun_ * glm::dot(toward, to_sun_);
-      const double length = std::sqrt(glm::dot(beside, beside));
-      along = length > 0 ? beside / length : across_[0];
-    }
-    const ChordLine line(shapes_[i], from, to_sun_, along, glm::cross(to_sun_, along), sun_sine_);
-    const Cover cover = cover_of(line);
-    if (cover == Cover::whole) return 0;
-    if (cover == Cover::partial) lines.push_back(line);
-  }
-  if (lines.empty()) return 1;
+  const auto lines = partial_bodies(*this, point, except, nullptr);
+  if (!lines) return 0;
+  if (lines->empty()) return 1;
   double sum = 0;
   std::vector<Span> hidden;
   for (int i = 0; i < kChords; ++i) {
     const det::SinCos turn = det::sincos(kPi * ((i + 0.5) / kChords - 0.5));
     hidden.clear();
-    for (const ChordLine& line : lines) add_hidden(line, turn.sin, turn.cos, hidden);
+    for (const ChordLine& line : *lines) add_hidden(line, turn.sin, turn.cos, hidden);
     sum += hidden_of_chord(hidden, turn.cos, limb_) * turn.cos;
   }
   return std::clamp(1 - sum / (kChords * (1 - limb_ / 3)), 0.0, 1.0);
+}
+
+Vec3 Sky::mean_beside(const Vec3& point, std::size_t except, const Vec3& along,
+                      const std::function<Vec3(double x, double y)>& weight) const {
+  const auto lines = partial_bodies(*this, point, except, &along);
+  if (!lines) return Vec3(0);
+  Vec3 sum(0);
+  std::vector<Span> hidden;
+  for (int i = 0; i < kChords; ++i) {
+    const det::SinCos turn = det::sincos(kPi * ((i + 0.5) / kChords - 0.5));
+    hidden.clear();
+    for (const ChordLine& line : *lines) add_hidden(line, turn.sin, turn.cos, hidden);
+    sum += turn.cos *
+           seen_of_chord(hidden, turn.cos, limb_, [&](double x) { return weight(x, turn.sin); });
+  }
+  return sum / (kChords * (1 - limb_ / 3));
 }
 
 }  // namespace panwright::sky

@@ -81,6 +81,22 @@ struct Ring {
     return glm::clamp(sum / whole, Vec3(0), Vec3(1));
   }
 
+  // What arrives of the light of a point that stands at an angle from the body's centre, on both
+  // sides of it: air dims it, and spreads it as the seen angle changes with its own.
+  Vec3 through(double straight) const {
+    constexpr double kStep = 1e-7;  // of the body's radius
+    if (straight >= source(air->top())) return Vec3(1);
+    Vec3 sum(0);
+    for (const double from : {straight, -straight}) {
+      if (from < source(1)) continue;
+      const double r = lowest(from);
+      const double seen = kStep / std::sqrt((distance - r) * (distance + r));
+      const double change = source(r + kStep) - source(r);
+      sum += air->grazing(r) * (seen / change * r / distance / std::max(det::sin(straight), 1e-9));
+    }
+    return sum;
+  }
+
   // The Sun's angle from the body's centre where it stands t radii of its disc beyond the limb, as
   // radii_beyond() measures these.
   double sun_at(double t) const {
@@ -174,6 +190,9 @@ std::optional<Sunset> Sky::sunset(const Vec3& point, double radius) const {
   for (std::size_t k = 0; k + 1 < Sunset::kNodes; ++k)
     sunset.shares[k] = ring.share(ring.sun_at(sunset.first + static_cast<double>(k) * sunset.step));
   sunset.shares[Sunset::kNodes - 1] = Vec3(1);
+  for (std::size_t k = 0; k < Sunset::kNodes; ++k)
+    sunset.through[k] =
+        ring.through(std::fabs(ring.sun_at(sunset.first + static_cast<double>(k) * sunset.step)));
   return sunset;
 }
 
@@ -190,7 +209,19 @@ Vec3 Sky::sunlight(const Vec3& point) const {
     its = here;
   }
   const double share = sun_share(point, lowest);
-  return its ? share * its->ring.share(its->sun) : Vec3(share);
+  if (!its) return Vec3(share);
+  if (share == 0 || share == 1) return share * its->ring.share(its->sun);
+  const Ellipsoid& shape = shapes_[*lowest];
+  const Vec3 from = shape.from(point), aside = beside_sun(shape.centre - point);
+  const Vec3 along = glm::cross(to_sun_, aside), down = -glm::normalize(from);
+  const Vec3 through = mean_beside(
+      point, *lowest, along,
+      [&, middle = shape.unit_from_world * to_sun_,
+       right = shape.unit_from_world * (sun_sine_ * along),
+       up = shape.unit_from_world * (-sun_sine_ * aside)](double x, double y) {
+        return its->ring.through(angle_between(down, glm::normalize(middle + x * right + y * up)));
+      });
+  return glm::clamp(through, Vec3(0), Vec3(1));
 }
 
 }  // namespace panwright::sky

@@ -35,6 +35,10 @@ void set_image(Camera& camera, std::uint32_t width, std::uint32_t height, double
 double triangle_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double determinant) {
   const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
   const double sum = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+  // of small pixels by the series of atan, whose next term is below 1e-21
+  const double t = determinant / sum, square = t * t;
+  if (sum > 0 && square < 1e-4)
+    return 2 * t * (1 - square * (1.0 / 3 - square * (0.2 - square * (1.0 / 7 - square / 9))));
   return 2 * det::atan2(determinant, sum);
 }
 

@@ -52,8 +52,10 @@ void add_sunset(const sky::Sunset& sunset, LightBlock& block) {
   block.eclipse[3] = static_cast<float>(sunset.edge.value);
   block.sunset[0] = static_cast<float>(sunset.first);
   block.sunset[1] = static_cast<float>(1 / sunset.step);
-  for (std::size_t k = 0; k < kSunsetNodes; ++k)
+  for (std::size_t k = 0; k < kSunsetNodes; ++k) {
     copy_floats(sunset.shares[k], block.sunset_shares + 4 * k);
+    copy_floats(sunset.through[k], block.sunset_through + 4 * k);
+  }
 }
 
 // Sets the shadow's edge of a body across a receiver; without shadow maps, and so without places of
@@ -86,7 +88,7 @@ bool add_eclipse(const sky::Sky& sky, const Vec3& origin, double radius, bool pl
     // all of a ball that is smaller than the Sun's disc
     const light::Body& body = sky.body(bodies[0].body);
     const double most = body.radii.x;
-    const bool ball = body.radii.y == most && body.radii.z == most && bodies.size() == 1;
+    const bool ball = body.radii.y == most && body.radii.z == most && bodies.size() == 1 && !sunset;
     const double nearest = std::max(glm::length(body.centre - origin) - radius, most);
     block.eclipse_chords =
         static_cast<float>(ball ? std::min(1.05 * most / nearest / sky.sun_sine(), 1.0) : 1);

@@ -171,6 +171,7 @@ struct alignas(16) LightBlock {
   float eclipse_chords;  // distance from the middle of the Sun's disc, in its radii, at most
   float sunset[2];  // of the edge: least place, and nodes of sunset_shares a radius of the Sun's disc; 0 0: none
   float sunset_shares[256];  // RGB, of the Sun's light by the place beside the edge
+  float sunset_through[256];  // of each node: RGB, share of the light of a point of the disc there
   float map_from_sample[16];  // columns; with tiles: to the scale of the first, their origins apart
   float map_plane_from_sample[12];  // rows: of planes (normal, offset), as the positions' inverse transpose
   float half_map[2];  // half its width and height, texels
@@ -178,12 +179,12 @@ struct alignas(16) LightBlock {
   float texel_depth;  // of one texel, as a share of the map's depth, times w of a place
   std::int32_t points;  // of the light's disc; they are layers of the map
   std::int32_t tiles;  // of the map; 0: it is one
-  float padding_1420[1];
+  float padding_2444[1];
   float tile_place[48];  // of each tile: a place times w, plus xyz
   float tile_inside[48];  // of each tile: x and y from, x and y to
   float disc[512];  // shears of rays to points of the disc, two a row
 };
-static_assert(sizeof(LightBlock) == 3856);
+static_assert(sizeof(LightBlock) == 4880);
 static_assert(offsetof(LightBlock, to_light) == 0);
 static_assert(offsetof(LightBlock, alpha2) == 12);
 static_assert(offsetof(LightBlock, irradiance) == 16);
@@ -195,16 +196,17 @@ static_assert(offsetof(LightBlock, eclipses) == 240);
 static_assert(offsetof(LightBlock, eclipse_chords) == 244);
 static_assert(offsetof(LightBlock, sunset) == 248);
 static_assert(offsetof(LightBlock, sunset_shares) == 256);
-static_assert(offsetof(LightBlock, map_from_sample) == 1280);
-static_assert(offsetof(LightBlock, map_plane_from_sample) == 1344);
-static_assert(offsetof(LightBlock, half_map) == 1392);
-static_assert(offsetof(LightBlock, texel_size) == 1400);
-static_assert(offsetof(LightBlock, texel_depth) == 1408);
-static_assert(offsetof(LightBlock, points) == 1412);
-static_assert(offsetof(LightBlock, tiles) == 1416);
-static_assert(offsetof(LightBlock, tile_place) == 1424);
-static_assert(offsetof(LightBlock, tile_inside) == 1616);
-static_assert(offsetof(LightBlock, disc) == 1808);
+static_assert(offsetof(LightBlock, sunset_through) == 1280);
+static_assert(offsetof(LightBlock, map_from_sample) == 2304);
+static_assert(offsetof(LightBlock, map_plane_from_sample) == 2368);
+static_assert(offsetof(LightBlock, half_map) == 2416);
+static_assert(offsetof(LightBlock, texel_size) == 2424);
+static_assert(offsetof(LightBlock, texel_depth) == 2432);
+static_assert(offsetof(LightBlock, points) == 2436);
+static_assert(offsetof(LightBlock, tiles) == 2440);
+static_assert(offsetof(LightBlock, tile_place) == 2448);
+static_assert(offsetof(LightBlock, tile_inside) == 2640);
+static_assert(offsetof(LightBlock, disc) == 2832);
 
 // Lights after the Sun on one receiver, and their shadow maps (lamps.h). Positions as of its samples. std140.
 struct alignas(16) LampsBlock {

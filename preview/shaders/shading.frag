@@ -235,10 +235,16 @@ void hidden_spans(vec3 from, vec3 middle, vec3 along, float width, out vec2 firs
 
 vec2 common_span(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); }
 
+// How far along a node and the next one the Sun stands beyond a limb with air, t radii of its disc.
+float sunset_node(float t) {
+  return clamp((t - light.sunset.x) * light.sunset.y, 0.0, float(kSunsetNodes - 1));
+}
+
 // The share of the Sun's disc beside one body or two, at a place: by chords of the disc that point from
-// its middle to the first body, as sky::Sky::sun_share(). 24 chords: 7e-4 of the disc.
-float share_beside_bodies(vec3 at) {
-  const int kChords = 24;
+// its middle to the first body, as sky::Sky::sun_share(). 24 chords: 7e-4 of the disc; 96 for two,
+// whose edges lie anywhere. Behind air chords are along the limb, each with a share of its own.
+vec3 share_beside_bodies(vec3 at) {
+  int chords = light.eclipses > 1 || light.sunset.y > 0.0 ? 96 : 24;
   vec4 place = vec4(at, 1.0);
   vec3 from[2], middle[2], along[2], across[2];
   vec2 turn = vec2(1.0, 0.0);
@@ -246,10 +252,10 @@ float share_beside_bodies(vec3 at) {
     int body = min(i, light.eclipses - 1);
     from[i] = vec3(dot(light.eclipse_space[3 * body], place), dot(light.eclipse_space[3 * body + 1], place),
                    dot(light.eclipse_space[3 * body + 2], place));
-    if (dot(from[i], from[i]) < 1.0) return 0.0;
+    if (dot(from[i], from[i]) < 1.0) return vec3(0.0);
     middle[i] = light.eclipse_sun[3 * body].xyz;
     vec3 x = light.eclipse_sun[3 * body + 1].xyz, y = light.eclipse_sun[3 * body + 2].xyz;
-    if (i == 0) {
+    if (i == 0 && !(light.sunset.y > 0.0)) {
       vec2 beside = -vec2(dot(from[0], x), dot(from[0], y));
       float far = length(beside);
       if (far > 0.0) turn = beside / far;
@@ -258,8 +264,10 @@ float share_beside_bodies(vec3 at) {
     across[i] = turn.x * y - turn.y * x;
   }
   float hidden = 0.0;
-  for (int k = 0; k < kChords; ++k) {
-    float angle = 3.14159265 * ((float(k) + 0.5) / float(kChords) - 0.5);
+  vec3 arriving = vec3(0.0);
+  float edge = dot(light.eclipse, place);
+  for (int k = 0; k < chords; ++k) {
+    float angle = 3.14159265 * ((float(k) + 0.5) / float(chords) - 0.5);
     float y = light.eclipse_chords * sin(angle);
     float width = sqrt(1.0 - y * y);
     vec2 a, b, c, d;
@@ -272,8 +280,16 @@ float share_beside_bodies(vec3 at) {
              chord_light(common_span(b, d), width);
     }
     hidden += sum * cos(angle);
+    if (light.sunset.y > 0.0) {
+      float node = sunset_node(edge + y);
+      float first = min(floor(node), float(kSunsetNodes - 2));
+      vec3 through = mix(light.sunset_through[int(first)].rgb, light.sunset_through[int(first) + 1].rgb, node - first);
+      arriving += through * ((chord_light(vec2(-width, width), width) - sum) * cos(angle));
+    }
   }
-  return clamp(1.0 - hidden * light.eclipse_chords / (float(kChords) * (1.0 - light.limb_darkening / 3.0)), 0.0, 1.0);
+  float whole = float(chords) * (1.0 - light.limb_darkening / 3.0);
+  if (light.sunset.y > 0.0) return clamp(arriving / whole, vec3(0.0), vec3(1.0));
+  return vec3(clamp(1.0 - hidden * light.eclipse_chords / whole, 0.0, 1.0));
 }
 
 #endif
@@ -292,17 +308,14 @@ float share_beyond_edge(vec3 at) {
 #ifdef BODIES
 // sky::Sunset::at()
 vec3 share_through_air(vec3 at) {
-  float place = (dot(light.eclipse, vec4(at, 1.0)) - light.sunset.x) * light.sunset.y;
-  place = clamp(place, 0.0, float(kSunsetNodes - 1));
+  float place = sunset_node(dot(light.eclipse, vec4(at, 1.0)));
   float node = min(floor(place), float(kSunsetNodes - 2));
   return mix(light.sunset_shares[int(node)].rgb, light.sunset_shares[int(node) + 1].rgb, place - node);
 }
 
 vec3 share_beyond_limb(vec3 at) {
-  vec3 share = vec3(1.0);
-  if (light.eclipses > 0) share *= share_beside_bodies(at);
-  if (light.sunset.y > 0.0) return share * share_through_air(at);
-  return light.eclipses > 0 ? share : vec3(share_beyond_edge(at));
+  if (light.eclipses > 0) return share_beside_bodies(at);
+  return light.sunset.y > 0.0 ? share_through_air(at) : vec3(share_beyond_edge(at));
 }
 #else
 float share_beyond_limb(vec3 at) { return share_beyond_edge(at); }

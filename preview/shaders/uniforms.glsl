@@ -106,6 +106,7 @@ const int kLightBinding = 4;
   float eclipse_chords; \
   vec2 sunset; \
   vec4 sunset_shares[64]; \
+  vec4 sunset_through[64]; \
   mat4 map_from_sample; \
   vec4 map_plane_from_sample[3]; \
   vec2 half_map; \

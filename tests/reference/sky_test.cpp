@@ -190,12 +190,23 @@ TEST(ReferenceSky, Eclipse) {
 TEST(ReferenceSky, LastLightThroughAir) {
   const pan::Model model = model_of(plate(10, 0, lambert(0.6)));
   const double distance = kRadius + 400e3;
-  for (const double t : {-1.5, 0.0, 1.0, 3.0, 6.0}) {
+  for (const auto& [t, second] :
+       {std::pair(-1.5, false), std::pair(0.0, false), std::pair(1.0, false), std::pair(3.0, false),
+        std::pair(6.0, false), std::pair(1.0, true)}) {
     const double angle = std::asin(kRadius / distance) + t * world::kSunSineAtOneAu;
     world::World world = over_earth(model, 400e3, 0);
-    world.set_sun({.direction = {std::sin(angle), 0, std::cos(angle)}, .limb_darkening = 0.6});
+    const Vec3 to_sun(std::sin(angle), 0, std::cos(angle));
+    world.set_sun({.direction = to_sun, .limb_darkening = 0.6});
     std::vector<light::Body> bodies(world.bodies().begin(), world.bodies().end());
     bodies[0].air = true;
+    if (second) {  // beside the Sun's middle, on the side of the limb
+      const double width = world::kSunSineAtOneAu * 1e5;
+      light::Body ball;
+      ball.name = "ball";
+      ball.radii = Vec3(0.5 * width);
+      ball.centre = 1e5 * to_sun + 0.5 * width * Vec3(-std::cos(angle), 0, std::sin(angle));
+      bodies.push_back(ball);
+    }
     world.set_sky(bodies, false);
     const ReferenceImage hard = traced(world, above(), direct(4096));
     const double geometric = sky::Sky(world).sun_share(Vec3(0));
