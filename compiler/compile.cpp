@@ -133,7 +133,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
 // Reports the problems of a shape at its location in the source.
 void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticLog& log) {
   for (const Diagnostic& entry : from.entries())
-    log.report(entry.code, {}, fmt::format("{}: {}", place_of(source), entry.message), entry.hint);
+    internal::report_at(source, entry.code, entry.message, entry.hint, log);
 }
 
 // Each decal once, however many shapes it is on.
@@ -143,10 +143,9 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
     if (!product.hidden[i]) continue;
     const std::string place = place_of(scene.decals[i].source);
     if (known.insert(place).second)
-      log.report(
-          Code("W2020"), {},
-          fmt::format("{}: the decal is not visible: no surface within its box faces it", place),
-          "give a normal that points away from the surface, or omit it");
+      internal::report_at(scene.decals[i].source, Code("W2020"),
+                          "the decal is not visible: no surface within its box faces it",
+                          "give a normal that points away from the surface, or omit it", log);
   }
 }
 

@@ -47,16 +47,15 @@ void note_coarse(const scene::Scene& scene, const Plan& plan, std::span<const st
   if (count == 0) return;
   const scene::Instance& instance = scene.instances[worst];
   const bool one = count == 1;
-  log.report(Code("N2029"), {},
-             fmt::format("{}: {}, this one by {:.2g} % of {:.3g}; the flux of such a part may be "
-                         "off by 10 % and more",
-                         place_of(instance.source),
-                         one ? "1 round part differs from its mesh by over a tenth of its radius"
-                             : fmt::format("{} round parts differ from their meshes by over a "
-                                           "tenth of their radii",
-                                           count),
-                         100 * most, least_radius),
-             "give a smaller tolerance= to the part, or to the budget");
+  report_at(instance.source, Code("N2029"),
+            fmt::format("{}, this one by {:.2g} % of {:.3g}; the flux of such a part may be "
+                        "off by 10 % and more",
+                        one ? "1 round part differs from its mesh by over a tenth of its radius"
+                            : fmt::format("{} round parts differ from their meshes by over a "
+                                          "tenth of their radii",
+                                          count),
+                        100 * most, least_radius),
+            "give a smaller tolerance= to the part, or to the budget", log);
 }
 
 }  // namespace panwright::compiler::internal

@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,40 @@ bool have_unit_length(const std::vector<float>& normals) {
   return true;
 }
 
+bool is_path_end(std::string_view path, std::string_view end) {
+  return path.ends_with(end) &&
+         (path.size() == end.size() || path[path.size() - end.size() - 1] == '/');
+}
+
+// Returns the name of the element that begins at a place of a text; no file: not in this log, or
+// files of several folders have the name.
+SourceSpan span_of(const scene::Source& source, const SourceMap& sources) {
+  FileId file = kNoFile;
+  for (FileId id = 0; source.line > 0 && !source.file.empty() && id < sources.size(); ++id) {
+    const SourceFile& each = sources.file(id);
+    if (!each.bytes || !is_path_end(each.name, source.file)) continue;
+    if (file == kNoFile)
+      file = id;
+    else if (sources.file(file).name != each.name)
+      return {};
+  }
+  if (file == kNoFile) return {};
+  const std::string_view text = *sources.file(file).bytes;
+  std::uint32_t low = 0, high = static_cast<std::uint32_t>(text.size());
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    const Position at = sources.position(file, middle);
+    if (std::pair(at.line, at.column) < std::pair(source.line, source.column))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (low == text.size()) return {};
+  const std::size_t begin = low + (text[low] == '<' ? 1 : 0);
+  const std::size_t end = std::min(text.find_first_of(" \t\r\n/><", begin), text.size());
+  return {file, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+}
+
 bool is_near(const Vec3& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}) <= kFurthest;
 }
@@ -41,6 +76,14 @@ bool is_near(const Vec3& v) {
 std::string place_of(const scene::Source& source) {
   return source.line == 0 ? source.file
                           : fmt::format("{}:{}:{}", source.file, source.line, source.column);
+}
+
+void report_at(const scene::Source& source, Code code, const std::string& message, std::string hint,
+               DiagnosticLog& log) {
+  const SourceSpan where = span_of(source, log.sources());
+  log.report(code, where,
+             where.file == kNoFile ? fmt::format("{}: {}", place_of(source), message) : message,
+             std::move(hint));
 }
 
 bool is_sound(const pan::PackedMesh& mesh, DiagnosticLog& log) {
@@ -69,10 +112,11 @@ bool is_sound(const pan::PackedMesh& mesh, DiagnosticLog& log) {
 bool is_sound(const scene::Scene& scene, DiagnosticLog& log) {
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   const auto report = [&](const scene::Source& source, const std::string& what) {
-    log.report(Code("E2010"), {},
-               fmt::format("{}: {} lies out of range: the transforms and the initial values of "
-                           "joints down to here together exceed {} m",
-                           place_of(source), what, kFurthest));
+    report_at(source, Code("E2010"),
+              fmt::format("{} lies out of range: the transforms and the initial values of "
+                          "joints down to here together exceed {} m",
+                          what, kFurthest),
+              {}, log);
     return false;
   };
   for (std::size_t i = 0; i < world.size(); ++i) {

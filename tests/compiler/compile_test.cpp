@@ -336,6 +336,24 @@ TEST(Compile, SaysWhereATooFineShapeStands) {
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].code, Code("E2003"));
   EXPECT_NE(log.entries()[0].message.find("model.pxn:3:7"), std::string::npos);
+  // with the text at hand the place is the diagnostic's own, but where two files have the name
+  const auto text =
+      std::make_shared<const std::string>("<a>\r\n<b>\r\n \xc3\xa9    <sphere r='1'/>");
+  for (const char* other : {"b/other_model.pxn", "b/model.pxn"}) {
+    DiagnosticLog reading_too;
+    reading_too.sources().add({other, text});
+    reading_too.sources().add({"a/model.pxn", text});
+    ASSERT_TRUE(compiled(scene, options, reading_too));
+    ASSERT_EQ(reading_too.entries().size(), 1u);
+    const Diagnostic& entry = reading_too.entries()[0];
+    if (std::string_view(other) == "b/model.pxn") {
+      EXPECT_EQ(entry.where.file, kNoFile);
+      continue;
+    }
+    EXPECT_EQ(entry.where.file, 1u);
+    EXPECT_EQ(text->substr(entry.where.begin, entry.where.end - entry.where.begin), "sphere");
+    EXPECT_EQ(entry.message.find("model.pxn"), std::string::npos);
+  }
 }
 
 TEST(Compile, TheLimitIsForAllMeshesTogether) {
