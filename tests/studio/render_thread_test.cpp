@@ -55,6 +55,7 @@ TEST(DetectorInTheWindow, HasTheNumbersOfRender) {
   RenderRequest request;
   request.world = std::make_shared<const world::World>(*std::move(world));
   request.view.detector.camera_file = folder.write("camera.toml", kCamera);
+  request.view.has_detector = true;
   request.width = 60;
   request.height = 40;
   RenderThread thread(preview::ContextKind::osmesa);
