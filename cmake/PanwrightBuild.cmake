@@ -125,6 +125,8 @@ function(panwright_optimise name)
   cmake_parse_arguments(ARG "OPTIMISED;LIGHT;TEST" "" "" ${ARGN})
   if(PANWRIGHT_SANITIZE MATCHES "address" AND ARG_OPTIMISED)
     target_compile_options(${name} PRIVATE -O2)
+  elseif(PANWRIGHT_SANITIZE MATCHES "address" AND ARG_TEST)
+    target_compile_options(${name} PRIVATE -O0)
   elseif(ARG_TEST AND NOT ARG_OPTIMISED OR ARG_LIGHT AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     # note: g++ refuses headers precompiled with another level
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
