@@ -38,7 +38,7 @@ bool is_path_end(std::string_view path, std::string_view end) {
          (path.size() == end.size() || path[path.size() - end.size() - 1] == '/');
 }
 
-// Returns the name of the element that begins at a place of a text; no file: not in this log, or
+// Returns the span of an element's name, at its place in a text; no file: not in this log, or
 // files of several folders have the name.
 SourceSpan span_of(const scene::Source& source, const SourceMap& sources) {
   FileId file = kNoFile;

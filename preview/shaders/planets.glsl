@@ -82,9 +82,7 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
 #ifdef SHADOWED
     // the map looks along the group's middle: surfaces whose horizon cuts it there would shade themselves
     float above = clamp(3.0 * dot(normal, disc.xyz) / disc.w, 0.0, 1.0);
-    // a loop: software contexts run both sides of a branch
-    for (int again = above > 0.0 ? 1 : 0; again > 0; --again)
-      visible = mix(1.0, planet_visibility(group, at, own_normal), above);
+    if (above > 0.0) visible = mix(1.0, planet_visibility(group, at, own_normal), above);
 #endif
     vec2 members = planets.members[group].xy;
     float near = 0.5 + 0.5 * dot(mirror, disc.xyz);
