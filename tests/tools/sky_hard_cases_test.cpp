@@ -151,8 +151,9 @@ TEST(SkyHardCases, CornerCubesAnswerLampsAtTheCamera) {
            "--size",           "16x16", "--ifov", "1mrad", "--camera", camera, "--look-at", "0 0 0",
            "--sun-irradiance", "0",     "--lamp", lamp});
       EXPECT_EQ(done.code, 0) << done.err;
+      const auto image = oracles::read_npy(out);
       double sum = 0;
-      for (const float value : oracles::read_npy(out)->rgb) sum += value;
+      for (const float value : image->rgb) sum += value;
       return sum;
     };
     const char* lamp = "point on camera intensity 100";
