@@ -234,7 +234,7 @@ SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState&
 }
 
 Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& start, double mu,
-                                  const TimeSpan& span, DiagnosticLog& log) {
+                                  const TimeSpan& span, SourceSpan where, DiagnosticLog& log) {
   SourceInfo info = named("two-body motion");
   info.spans = {span};
   if (mu == kEarthGravity) info.centre = "EARTH";
@@ -245,8 +245,8 @@ Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& s
   const bool finite = std::isfinite(span.begin) && std::isfinite(span.end);
   if (straight || !is_finite(start.position) || !is_finite(start.velocity) || !(mu > 0) ||
       (finite && (!two_body(start, mu, span.begin) || !two_body(start, mu, span.end)))) {
-    log.report_file(Code("E8003"), info.name,
-                    "the motion meets its centre, or its start is no state of an orbit");
+    log.report(Code("E8003"), where,
+               "the motion meets its centre, or its start is no state of an orbit");
     return failed;
   }
   return placement_source(std::move(info), target, Quantity::position,

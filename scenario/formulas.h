@@ -44,10 +44,10 @@ inline constexpr std::string_view kRtnFrame = "RTN";
 // Position of a target (empty: of the camera) that starts at time 0, at all times; axes kRtnFrame.
 SourcePtr clohessy_wiltshire_source(const std::string& target, const OrbitState& start,
                                     double rate);
-// With kEarthGravity its centre is the Earth.
+// With kEarthGravity its centre is the Earth. where: of the formula, for diagnostics.
 // Fails: E8003 for a straight line, and for a start that is no state of an orbit.
 Result<SourcePtr> two_body_source(const std::string& target, const OrbitState& start, double mu,
-                                  const TimeSpan& span, DiagnosticLog& log);
+                                  const TimeSpan& span, SourceSpan where, DiagnosticLog& log);
 
 // Rotation that turns evenly, at all times.
 //

@@ -49,13 +49,6 @@ Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameCho
     const scenario::TimeSpan whole{spans.front().begin, spans.back().end};
     const double begin = scenario.begin.value_or(whole.begin),
                  end = scenario.end.value_or(whole.end);
-    if (begin < whole.begin || end > whole.end || begin > end) {
-      log.report_file(Code("E8003"), scenario.files.front(),
-                      fmt::format("frames from {:.9g} s to {:.9g} s; the sources cover {:.9g} s to "
-                                  "{:.9g} s",
-                                  begin, end, whole.begin, whole.end));
-      return failed;
-    }
     if (step) {
       if (!std::isfinite(begin) || !std::isfinite(end))
         return fail("steps of time need a begin and an end", "begin and end in the scenario");

@@ -48,14 +48,15 @@ bool is_scenario(const std::filesystem::path& path);
 // Opens a scenario (.toml), or one trajectory file alone: .csv, .fli, .json (keyframes), .oem, .aem
 // and other texts by their content. Files in it are relative to its folder.
 //
-// Fails: E0101, E0102, E0104, E8001…E8009, E8013 for an invalid scenario.
+// Fails: E0101, E0102, E0104, E8001…E8009 (E8003 for a begin or end that its sources do not cover),
+// E8013 for an invalid scenario.
 Result<Scenario> open_scenario(const std::filesystem::path& path, const ScenarioOptions& options,
                                DiagnosticLog& log);
 
 // Returns the chosen times, seconds since the epoch; of a sequence that has an order alone, numbers
 // of frames.
 //
-// Fails: E0201 for a choice that has no frame, or over kMostFrames; E8003 for a time outside.
+// Fails: E0201 for a choice that has no frame, or over kMostFrames.
 Result<std::vector<double>> frame_times(const Scenario& scenario, const FrameChoice& choice,
                                         DiagnosticLog& log);
 

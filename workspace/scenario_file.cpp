@@ -74,7 +74,7 @@ class ScenarioReader {
     if (!reader.ok() || !good_ || !given_once(parts_, places_, log_)) return failed;
     place_others(settings);
     auto made = scenario::Sequence::of(std::move(parts_), sequence, log_);
-    if (!made) return failed;
+    if (!made || !is_covered(*made, root, log_)) return failed;
     return Scenario{*std::move(made),   std::move(settings),    begin, end, step, std::move(files_),
                     std::move(labels_), std::move(instruments_)};
   }
@@ -350,7 +350,8 @@ class ScenarioReader {
       const scenario::OrbitState state = orbit_state(part);
       if (!(mu > 0)) part.fail(table, "mu is not above 0 m³/s²");
       if (!part.ok()) return std::nullopt;
-      auto source = scenario::two_body_source(target, state, mu, {0, span.value_or(86400)}, log_);
+      auto source = scenario::two_body_source(target, state, mu, {0, span.value_or(86400)},
+                                              table.where, log_);
       if (!source) return std::nullopt;
       return *source;
     }

@@ -77,6 +77,25 @@ bool given_once(const std::vector<scenario::Part>& parts, const std::vector<Sour
   return once;
 }
 
+bool is_covered(const scenario::Sequence& sequence, const ConfigValue& root, DiagnosticLog& log) {
+  const std::vector<scenario::TimeSpan>& spans = sequence.spans();
+  for (const char* name : {"begin", "end"}) {
+    const ConfigValue* value = root.find(name);
+    const double* time = value == nullptr ? nullptr : std::get_if<double>(&value->data);
+    if (time == nullptr) continue;
+    if (sequence.ordered()) {
+      log.report(Code("E8013"), value->where, "the frames have an order alone, and no times");
+      return false;
+    }
+    if (spans.empty() || (*time >= spans.front().begin && *time <= spans.back().end)) continue;
+    log.report(Code("E8003"), value->where,
+               fmt::format("no frame at {:.9g} s; the sources cover {:.9g} s to {:.9g} s", *time,
+                           spans.front().begin, spans.back().end));
+    return false;
+  }
+  return true;
+}
+
 bool is_json_scenario(std::string_view text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   return json.is_object() && json.contains("source");

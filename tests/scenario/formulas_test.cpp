@@ -170,7 +170,7 @@ TEST(TwoBody, StraightLines) {
   EXPECT_NEAR(out->position.x, x * r, 1e-6);
   EXPECT_FALSE(two_body({{0, 0, 0}, {1, 0, 0}}, kEarth, 1));
   DiagnosticLog log;
-  EXPECT_FALSE(two_body_source("a", {{r, 0, 0}, {0, 0, 0}}, kEarth, {0, 1e5}, log));
+  EXPECT_FALSE(two_body_source("a", {{r, 0, 0}, {0, 0, 0}}, kEarth, {0, 1e5}, {}, log));
   EXPECT_EQ(codes(log), "E8003");
 }
 

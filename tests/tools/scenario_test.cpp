@@ -371,8 +371,14 @@ TEST_F(Scenarios, TimesAreThoseOfTheSources) {
     const std::string text = contents(scenario_);
     const Outcome done = panwright({"scenario", folder_.write("cut.toml", bounds + text)});
     EXPECT_THAT(done.err, HasSubstr("the sources cover 0 s to 10 s")) << bounds;
-    EXPECT_THAT(done.err, HasSubstr("E8003"));
+    EXPECT_THAT(done.err, AllOf(HasSubstr("cut.toml:1:"), HasSubstr("E8003")));
   }
+  const std::string falls = folder_.write(
+      "falls.toml",
+      "[targets]\nbox = \"box.pxn\"\n[[source]]\nformula = \"two_body\"\ntarget = \"box\"\n"
+      "position = [7e6, 0, 0]\nvelocity = [0, 0, 0]\n");
+  EXPECT_THAT(panwright({"scenario", falls}).err,
+              AllOf(HasSubstr("falls.toml:3:"), HasSubstr("E8003")));
   EXPECT_THAT(panwright({"scenario", scenario_, "--frames", "1..3"}).err,
               HasSubstr("asks for frame 3"));
 }

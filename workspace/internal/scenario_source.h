@@ -45,6 +45,11 @@ Result<scenario::SourcePtr> read_source(const std::filesystem::path& path,
 bool given_once(const std::vector<scenario::Part>& parts, const std::vector<SourceSpan>& places,
                 DiagnosticLog& log);
 
+// Returns whether the sources cover `begin` and `end` of a scenario, where it has them.
+//
+// Reports: E8003; E8013 where its frames have no times.
+bool is_covered(const scenario::Sequence& sequence, const ConfigValue& root, DiagnosticLog& log);
+
 // Returns whether a text is a scenario as JSON: an object with sources.
 bool is_json_scenario(std::string_view text);
 
