@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """python_speed.py PANWRIGHT MODULE [MODEL]: what Python costs beyond the program, as lines of CSV.
 
-The same 100 views of 100 × 100 pixels by `panwright render --views`, which writes .npy files, and by the module in the folder MODULE, in
-processor time of all threads: interleaved runs, medians. Pixels must be the same to the bit. Import: its processor time beyond that of
-numpy, and with it.
+The same 100 views of 100 × 100 pixels by `panwright render --views`, which writes .npy files of radiance, and by the module in the
+folder MODULE, that layer alone, in processor time of all threads: interleaved runs, medians. Pixels must be the same to the bit. Import:
+its processor time beyond that of numpy, and with it.
 """
 import json
 import os
@@ -21,7 +21,7 @@ DRAW = """
 import json, sys, numpy as np, panwright as pw
 views = json.load(open("views.json"))
 outputs = [view.pop("output") for view in views]
-with pw.Renderer(sys.argv[1], gl="osmesa", size=100, samples=1) as renderer:
+with pw.Renderer(sys.argv[1], gl="osmesa", size=100, samples=1, layers="radiance") as renderer:
     for image, output in zip(renderer.frames(views), outputs):
         radiance = image["radiance"]
         if len(sys.argv) > 2:
