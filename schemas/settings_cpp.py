@@ -247,7 +247,7 @@ def info_text(option):
     units = {"angle": "angle", "length": "length", "share": "share", "bytes": "bytes", "position": "length"}
     forms, of, count, _ = TYPES[option["type"]]
     share = option["type"] == "share"
-    flags = [("kAbove", share or "above" in option), ("kBelow", share or "below" in option),
+    flags = [("kAbove", "above" in option or (share and "least" not in option)), ("kBelow", "below" in option or (share and "most" not in option)),
              ("kSeveral", option["type"] in SEVERAL), ("kDirection", option["type"] == "direction")]
     engine = option.get("engine")
     names = option.get("option", "--" + option["name"]) if "help" in option else ""
