@@ -106,6 +106,9 @@ def validate(layout):
     values = [section["value"] for section in sections]
     if len(set(kinds)) != len(kinds) or values != list(range(1, len(values) + 1)):
         raise LayoutError("section kinds must be unique and their values count from 1, reserved ones last")
+    for kind in layout.get("reserved", []):
+        if kind["value"] != kind["fixed"]:
+            raise LayoutError(f"files hold '{kind['kind']}' as kind {kind['fixed']}: it cannot move")
     known = set(kinds) | {"strings"}
     flags = {flags["name"] for flags in layout["flags"]}
     for record in layout["record"]:
