@@ -54,9 +54,9 @@ struct Tables {
   StringTable strings{};
   std::vector<layout::Mesh> meshes;
   Runs runs;
-  std::string beyond;                                         // what the format cannot hold
-  std::vector<std::byte> records[layout::kSectionKinds + 1];  // of the others, by kind
-  std::uint64_t features = 0;                                 // that readers need for them
+  std::string beyond;                                     // what the format cannot hold
+  std::vector<std::byte> records[layout::kLastKind + 1];  // of the others, by kind
+  std::uint64_t features = 0;                             // that readers need for them
 
   std::vector<std::byte>& of(SectionKind kind) { return records[static_cast<std::size_t>(kind)]; }
   std::span<const std::byte> bytes(SectionKind kind) const {
@@ -257,7 +257,8 @@ bool write_array(const Writing& writing, std::vector<float> PackedMesh::*array, 
                  Writer& writer, DiagnosticLog& log, const Job& job) {
   job.poll();
   const auto value = static_cast<std::uint32_t>(kind);
-  if (!writer.begin(value, layout::kSections[value - 1].stride, false, log)) return false;
+  if (!writer.begin(value, layout::kSections[layout::place_of(value)].stride, false, log))
+    return false;
   for (std::size_t i = 0; i < writing.contents.meshes.size(); ++i) {
     if (!writer.append(bytes_of(writing.contents.meshes[i].*array), log)) return false;
     writing.done(i, array);

@@ -426,7 +426,7 @@ std::string storage_words(const layout::DirectoryEntry& entry) {
       : internal::has_codec(entry)
           ? fmt::format("compressed, {} of {} bytes", entry.packed_length, entry.raw_length)
           : std::string("not compressed");
-  if (entry.stride != layout::kSections[entry.kind - 1].stride)
+  if (entry.stride != layout::kSections[layout::place_of(entry.kind)].stride)
     words += fmt::format(", records of {} bytes", entry.stride);
   return words;
 }

@@ -14,10 +14,10 @@
 namespace panwright::pan {
 
 inline const layout::SectionInfo& section_info(layout::SectionKind kind) {
-  return layout::kSections[static_cast<std::uint32_t>(kind) - 1];
+  return layout::kSections[layout::place_of(static_cast<std::uint32_t>(kind))];
 }
 inline const layout::TableInfo& table_info(layout::SectionKind kind) {
-  return layout::kTables[static_cast<std::uint32_t>(kind) - 1];
+  return layout::kTables[layout::place_of(static_cast<std::uint32_t>(kind))];
 }
 
 // A field that numbers a string, or a record of another table.

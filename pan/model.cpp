@@ -240,7 +240,7 @@ Mat4 node_from_frame(const layout::Frame& frame) {
 }
 
 std::string kind_name(std::uint32_t kind) {
-  if (internal::known(kind)) return layout::kSections[kind - 1].name;
+  if (internal::known(kind)) return layout::kSections[layout::place_of(kind)].name;
   for (const layout::ReservedKind& reserved : layout::kReservedKinds)
     if (kind == reserved.value) return reserved.name;
   return fmt::format("kind {}", kind);

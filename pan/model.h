@@ -176,8 +176,8 @@ class Model : public ModelTables {
   std::optional<MappedFile> mapped_;
   std::vector<std::byte> owned_;
   std::span<const std::byte> bytes_;
-  std::array<std::uint32_t, layout::kSectionKinds + 1> entry_of_kind_{};  // 1-based; 0: absent
-  std::array<std::unique_ptr<std::byte[]>, layout::kSectionKinds + 1> unpacked_;
+  std::array<std::uint32_t, layout::kLastKind + 1> entry_of_kind_{};  // 1-based; 0: absent
+  std::array<std::unique_ptr<std::byte[]>, layout::kLastKind + 1> unpacked_;
   std::uint64_t unpacked_bytes_ = 0;
   struct Places {
     std::uint64_t vertex, texcoord, color;

@@ -50,7 +50,8 @@ bool all_zero(const T& values) {
 
 // Whether the elements lie in the file as this program uses them.
 bool used_in_place(const layout::DirectoryEntry& entry) {
-  return !has_codec(entry) && entry.stride == layout::kSections[entry.kind - 1].stride;
+  return !has_codec(entry) &&
+         entry.stride == layout::kSections[layout::place_of(entry.kind)].stride;
 }
 
 // Steps 1 and 2 of docs/pan-format.md, Reading: the first problem, or none.
@@ -189,7 +190,7 @@ std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::u
 
 // The problem of the element size of a known section, if any.
 std::optional<std::string> missized(const layout::DirectoryEntry& entry, std::uint64_t features) {
-  const layout::SectionInfo& info = layout::kSections[entry.kind - 1];
+  const layout::SectionInfo& info = layout::kSections[layout::place_of(entry.kind)];
   if (entry.stride == info.first_stride) return {};
   if (!info.table || !(features & layout::kFeatureRecordSizes))
     return fmt::format("section '{}' has elements of {} bytes, expected {}", info.name,
@@ -303,7 +304,7 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
     return true;
   }
   // note: at most 1024 sections, each of at most 256 times a file's bytes and longer records
-  const std::uint64_t stride = layout::kSections[found.kind - 1].stride;
+  const std::uint64_t stride = layout::kSections[layout::place_of(found.kind)].stride;
   if (has_codec(found)) unpacked_bytes_ += found.raw_length;
   if (found.stride != stride) unpacked_bytes_ += found.count * stride;
   return true;

@@ -83,7 +83,7 @@ struct Writer::State {
       if (section.filled != entry.raw_length) {
         log.report_file(Code("E0103"), path,
                         fmt::format("section '{}' ends after {} of {} elements",
-                                    layout::kSections[entry.kind - 1].name,
+                                    layout::kSections[layout::place_of(entry.kind)].name,
                                     section.filled / entry.stride, entry.count));
         broken = true;
         return false;
@@ -213,7 +213,7 @@ bool Writer::begin(std::uint32_t kind, std::uint32_t stride, bool optional, Diag
   entry.flags = optional ? static_cast<std::uint16_t>(layout::kSectionOptional) : 0;
   entry.offset = s.written;
   entry.stride = stride;
-  if (internal::known(kind) && stride != layout::kSections[kind - 1].first_stride)
+  if (internal::known(kind) && stride != layout::kSections[layout::place_of(kind)].first_stride)
     s.features |= layout::kFeatureRecordSizes;
   s.entries.push_back(entry);
   s.open = true;
@@ -263,7 +263,7 @@ bool Writer::end(DiagnosticLog& log) {
 bool Writer::section(layout::SectionKind kind, std::span<const std::byte> bytes,
                      DiagnosticLog& log) {
   const auto value = static_cast<std::uint32_t>(kind);
-  const layout::SectionInfo& info = layout::kSections[value - 1];
+  const layout::SectionInfo& info = layout::kSections[layout::place_of(value)];
   assert(info.kind == kind);
   return begin(value, info.stride, info.optional, log) && append(bytes, log) && end(log);
 }
@@ -271,7 +271,7 @@ bool Writer::section(layout::SectionKind kind, std::span<const std::byte> bytes,
 bool Writer::reserve(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log) {
   State& s = *state_;
   const auto value = static_cast<std::uint32_t>(kind);
-  const layout::SectionInfo& info = layout::kSections[value - 1];
+  const layout::SectionInfo& info = layout::kSections[layout::place_of(value)];
   if (!begin(value, info.stride, info.optional, log)) return false;
   s.open = false;
   if (count > kMostBytes / info.stride) {
@@ -317,7 +317,7 @@ bool Writer::fill(layout::SectionKind kind, std::span<const std::byte> bytes, Di
 
 bool Writer::derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log) {
   const auto value = static_cast<std::uint32_t>(kind);
-  const std::uint32_t stride = layout::kSections[value - 1].stride;
+  const std::uint32_t stride = layout::kSections[layout::place_of(value)].stride;
   if (!begin(value, stride, false, log)) return false;
   State& s = *state_;
   layout::DirectoryEntry& entry = s.entries.back();

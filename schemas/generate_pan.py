@@ -104,8 +104,10 @@ def validate(layout):
     sections = layout["section"] + layout.get("reserved", [])
     kinds = [section["kind"] for section in sections]
     values = [section["value"] for section in sections]
-    if len(set(kinds)) != len(kinds) or values != list(range(1, len(values) + 1)):
-        raise LayoutError("section kinds must be unique and their values count from 1, reserved ones last")
+    if len(set(kinds)) != len(kinds) or sorted(values) != list(range(1, len(values) + 1)):
+        raise LayoutError("section kinds must be unique and their values count from 1, reserved ones among them")
+    if (order := [section["value"] for section in layout["section"]]) != sorted(order):
+        raise LayoutError("sections stand by their values")
     for kind in layout.get("reserved", []):
         if kind["value"] != kind["fixed"]:
             raise LayoutError(f"files hold '{kind['kind']}' as kind {kind['fixed']}: it cannot move")
@@ -291,6 +293,18 @@ def header_text(layout):
     out += [
         "};",
         f"inline constexpr std::size_t kSectionKinds = {len(layout['section'])};",
+        f"inline constexpr std::uint32_t kLastKind = {layout['section'][-1]['value']};",
+        "",
+        "// Returns whether this format has sections of a kind.",
+        "constexpr bool is_known(std::uint32_t kind) {",
+        "  return kind >= 1 && kind <= kLastKind" + "".join(
+            f" && kind != {kind['value']}" for kind in layout.get("reserved", []) if kind["value"] < layout["section"][-1]["value"]) + ";",
+        "}",
+        "// Returns the place of a kind in kSections and kTables. Expects: is_known().",
+        "constexpr std::size_t place_of(std::uint32_t kind) {",
+        "  return kind - 1" + "".join(
+            f" - (kind > {kind['value']} ? 1 : 0)" for kind in layout.get("reserved", []) if kind["value"] < layout["section"][-1]["value"]) + ";",
+        "}",
         "",
         "struct SectionInfo {",
         "  SectionKind kind;",

@@ -175,7 +175,7 @@ ACCESS_END = """
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
 
-  std::array<std::span<const std::byte>, layout::kSectionKinds + 1> content_{};
+  std::array<std::span<const std::byte>, layout::kLastKind + 1> content_{};
   bool checked_ = false;
 };
 

@@ -334,7 +334,7 @@ class ModelTables {
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
 
-  std::array<std::span<const std::byte>, layout::kSectionKinds + 1> content_{};
+  std::array<std::span<const std::byte>, layout::kLastKind + 1> content_{};
   bool checked_ = false;
 };
 

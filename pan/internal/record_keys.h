@@ -40,7 +40,7 @@ struct Side {
 
  private:
   Keys keys_of(layout::SectionKind kind) const;
-  std::array<Keys, layout::kSectionKinds + 1> keys_;
+  std::array<Keys, layout::kLastKind + 1> keys_;
 };
 
 }  // namespace panwright::pan::internal

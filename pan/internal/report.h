@@ -43,7 +43,7 @@ inline std::string_view unchecked_string(const Model& model, std::uint32_t id) {
   return {model.string_bytes().data() + place[0], place[1] - place[0]};
 }
 
-inline bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
+inline bool known(std::uint32_t kind) { return layout::is_known(kind); }
 
 inline bool has_codec(const layout::DirectoryEntry& entry) {
   return entry.codec != static_cast<std::uint32_t>(layout::Codec::none);

@@ -76,7 +76,7 @@ std::optional<Problem> unpack(const Model& model, const DirectoryEntry& entry,
 std::optional<Problem> resize(Model& model, const DirectoryEntry& entry,
                               std::span<const std::byte> records) {
   const SectionKind kind{entry.kind};
-  const std::uint32_t stride = layout::kSections[entry.kind - 1].stride;
+  const std::uint32_t stride = layout::kSections[layout::place_of(entry.kind)].stride;
   if (entry.count == 0) return {};
   const auto to = Unpacked::make(model, kind, entry.count * stride);
   if (to.empty()) return no_memory(entry, entry.count * stride);
@@ -89,7 +89,7 @@ std::optional<Problem> resize(Model& model, const DirectoryEntry& entry,
 }
 
 std::optional<Problem> unpack_table(Model& model, const DirectoryEntry& entry) {
-  const std::uint32_t stride = layout::kSections[entry.kind - 1].stride;
+  const std::uint32_t stride = layout::kSections[layout::place_of(entry.kind)].stride;
   if (!has_codec(entry))
     return resize(model, entry, model.bytes().subspan(entry.offset, entry.raw_length));
   if (entry.stride == stride) {
@@ -154,7 +154,8 @@ Problems unpack_tables(Model& model, const Job& job) {
   Problems problems;
   for (const DirectoryEntry& entry : model.directory()) {
     if (!model.reads(entry) || is_array(entry.kind)) continue;
-    if (!has_codec(entry) && entry.stride == layout::kSections[entry.kind - 1].stride) continue;
+    if (!has_codec(entry) && entry.stride == layout::kSections[layout::place_of(entry.kind)].stride)
+      continue;
     job.poll();
     if (auto problem = unpack_table(model, entry)) {
       Unpacked::drop(model, SectionKind{entry.kind});

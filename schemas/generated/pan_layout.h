@@ -769,6 +769,16 @@ enum class SectionKind : std::uint32_t {
   scene = 30,
 };
 inline constexpr std::size_t kSectionKinds = 30;
+inline constexpr std::uint32_t kLastKind = 30;
+
+// Returns whether this format has sections of a kind.
+constexpr bool is_known(std::uint32_t kind) {
+  return kind >= 1 && kind <= kLastKind;
+}
+// Returns the place of a kind in kSections and kTables. Expects: is_known().
+constexpr std::size_t place_of(std::uint32_t kind) {
+  return kind - 1;
+}
 
 struct SectionInfo {
   SectionKind kind;

@@ -64,7 +64,8 @@ void expect_held(const Model& model, const json& sections) {
     const std::uint64_t had = section["count"] == 0 ? 0
                                                     : section["bytes"].get<std::uint64_t>() /
                                                           section["count"].get<std::uint64_t>();
-    const std::uint64_t have = layout::kSections[static_cast<std::uint32_t>(kind) - 1].stride;
+    const std::uint64_t have =
+        layout::kSections[layout::place_of(static_cast<std::uint32_t>(kind))].stride;
     ASSERT_GE(have, had) << name;
     std::vector<std::byte> old;
     for (std::uint64_t i = 0; i < model.entry(kind)->count; ++i)
