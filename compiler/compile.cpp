@@ -149,6 +149,10 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
   }
 }
 
+// Triangles of one shape at most: they take 2 GB while they are made. Those of files are there
+// already, and limited by all of the model alone.
+constexpr double kMostOfShape = 1 << 25;
+
 // Makes the meshes, all of them together within the limit. What cannot be made is reported and
 // left empty.
 Product make_all(const scene::Scene& scene, const Plan& plan, const Options& options,
@@ -168,9 +172,16 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
     const auto limit = static_cast<double>(options.max_triangles);
     // one that exceeds the limit by itself has its own message, before anything is allocated
     const bool alone = more > limit;
-    allowed[i] = alone || planned + more <= limit;
+    const bool large = !alone && more > kMostOfShape &&
+                       !std::holds_alternative<geometry::MeshShape>(*jobs[i].shape);
+    allowed[i] = alone || (!large && planned + more <= limit);
     if (allowed[i])
       planned += alone ? 0 : more;
+    else if (large)
+      logs[i].report(Code("E2003"), {},
+                     fmt::format("this shape needs {:.0f} triangles, expected at most {:.0f}", more,
+                                 kMostOfShape),
+                     "give fewer segments and rings, or a larger tolerance");
     else
       logs[i].report(Code("E2003"), {},
                      fmt::format("{:.0f} triangles here and {:.0f} in the shapes before exceed the "

@@ -19,7 +19,7 @@ namespace panwright::compiler {
 
 struct Options {
   std::optional<double> max_error;           // metres in the world: overrides the scene's budget
-  std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
+  std::uint64_t max_triangles = 1ull << 27;  // of all meshes; 2^25 of a shape by formula at most
   bool strip_sources = false;                // leaves out the source map
   bool check_size = false;   // warns of sizes unlikely for spacecraft and parts: W2022, W2023
   bool mesh_levels = false;  // levels of detail of all larger meshes, not only of foil

@@ -356,6 +356,25 @@ TEST(Compile, SaysWhereATooFineShapeStands) {
   }
 }
 
+// Segments that a text allows and no memory should be taken for: refused before anything is made.
+TEST(Compile, ShapesOfTooManySegmentsAreRefusedWhereTheyStand) {
+  const geometry::Counts counts{.around = 1'000'000, .along = 40};
+  for (const geometry::Shape& shape :
+       {geometry::Shape(geometry::Ellipsoid{.radii = Vec3(1), .counts = counts}),
+        geometry::Shape(geometry::Torus{.radius = 2, .tube_radius = 1, .counts = counts}),
+        geometry::Shape(geometry::Sphere{1, {{5000, 5000}}})}) {
+    scene::Scene scene = scene_with_nodes(1);
+    scene.shapes = {shape};
+    scene.instances = {at(1, 0)};
+    DiagnosticLog log;
+    ASSERT_TRUE(compiled(scene, {.max_error = 1e-3}, log));
+    ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
+    EXPECT_EQ(log.entries()[0].code, Code("E2003"));
+    EXPECT_NE(log.entries()[0].message.find("model.pxn:3:7: this shape needs "), std::string::npos);
+    EXPECT_NE(log.entries()[0].message.find("at most 33554432"), std::string::npos);
+  }
+}
+
 TEST(Compile, TheLimitIsForAllMeshesTogether) {
   scene::Scene scene = scene_with_nodes(1);
   for (std::uint32_t i = 0; i < 5; ++i) {
