@@ -359,6 +359,9 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
   frame.imager = known;
   // the exposure of a real camera is its time
   if (!settings.ev->number && !settings.exposure) settings.exposure = Settings::Exposure::automatic;
+  if (settings.ev.given() && settings.ev->number.value_or(0) != 0 && refused_.insert("--ev").second)
+    log.report(Code("N0205"), {}, "--ev has no effect on the numbers of a detector",
+               "--exposure SECONDS sets the time of its exposure, --ev auto chooses it");
   if (settings.gain || settings.temperature) {
     auto changed = std::make_shared<sensor::Imager>(*known);
     sensor::Detector& detector = changed->detector;

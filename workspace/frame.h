@@ -108,7 +108,7 @@ class FrameMaker {
   SkyReader sky_;
   SceneReader scene_;
   std::map<std::string, sensor::CameraFile> cameras_;  // read so far, by path
-  std::set<std::string> refused_;                      // of them, those that were reported
+  std::set<std::string> refused_;  // of them, those that were reported; options too
   std::map<std::string, std::shared_ptr<const sensor::Imager>> imagers_;  // by text
 };
 

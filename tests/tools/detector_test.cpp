@@ -188,6 +188,34 @@ TEST(DetectorFiles, HaveTheirExposureAndNoise) {
   EXPECT_EQ(numbers({"--ev", "auto", "--exposure", "1e-5"}), numbers({"--exposure", "1e-5"}));
 }
 
+// Stops of a PNG are not those of a detector, and that is said, once for all views.
+TEST(DetectorFiles, SayThatStopsChangeNothing) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  const std::string camera = folder.write("camera.toml", std::string(kCamera) + kDetector);
+  const auto errors_of = [&](const char* name, std::vector<std::string> more) {
+    more.insert(more.end(), {"--camera-file", camera});
+    const Outcome done = panwright(render(folder, name, more));
+    EXPECT_EQ(done.code, 0) << done.err;
+    return done.err;
+  };
+  EXPECT_THAT(errors_of("a.npz", {}), testing::Not(HasSubstr("N0205")));
+  const std::string brighter = errors_of("b.npz", {"--ev", "2"});
+  EXPECT_THAT(brighter, HasSubstr("--ev has no effect on the numbers of a detector"));
+  EXPECT_THAT(brighter, HasSubstr("--exposure SECONDS"));
+  EXPECT_EQ(layer<std::uint16_t>(folder / "a.npz", "dn"),
+            layer<std::uint16_t>(folder / "b.npz", "dn"));
+  EXPECT_THAT(errors_of("c.npz", {"--ev", "auto"}), testing::Not(HasSubstr("N0205")));
+  const std::string views = folder.write("views.json", R"([{"output": ")" + (folder / "d.png") +
+                                                           R"(", "ev": 1}, {"output": ")" +
+                                                           (folder / "e.png") + R"(", "ev": 3}])");
+  const Outcome both = panwright({"render", folder / "ball.pxn", "--camera", "0 -400 0", "--engine",
+                                  "reference", "--camera-file", camera, "--views", views});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_THAT(both.err, HasSubstr("N0205"));
+  EXPECT_EQ(both.err.find("N0205"), both.err.rfind("N0205")) << both.err;
+}
+
 // A gain and a temperature in place of the file's, which the record of the image has.
 TEST(DetectorFiles, HaveAnotherGainAndTemperature) {
   const TemporaryFolder folder;
