@@ -165,6 +165,34 @@ TEST_F(Outputs, NewLeavesNothingHalfMade) {
   EXPECT_EQ(panwright({"new", folder}).code, 0);
 }
 
+// Disks of their own, each four times as large as the one before: all or nothing is made.
+TEST_F(Outputs, NewLeavesNothingOnAFullDisk) {
+  fs::create_directory(folder_ / "disk");
+  bool failed = false, made = false;
+  for (int pages = 1; pages <= 4096 && !made; pages *= 4) {
+    SCOPED_TRACE(pages);
+    // namespaces of one's own need no privilege where the kernel allows them
+    const Outcome out = support::run(
+        {"unshare", "-rm", "bash", "-c",
+         "mount -t tmpfs -o size=$2k none \"$1/disk\" || exit 77; \"$0\" new \"$1/disk/a/probe\"; "
+         "code=$?; find \"$1/disk\" -mindepth 1; exit $code",
+         kProgram, folder_.path().string(), std::to_string(4 * pages)});
+    if (out.code == 77 || (out.code != 0 && out.err.find("unshare") != out.err.npos))
+      GTEST_SKIP() << "no mounts without privilege here: " << out.err;
+    made = out.code == 0;
+    failed = failed || out.code == 3;
+    if (made) {
+      EXPECT_THAT(out.out, HasSubstr("a/probe/probe.pxn"));
+      EXPECT_THAT(out.out, HasSubstr("a/probe/pxn.xsd"));
+    } else {
+      EXPECT_EQ(out.code, 3);
+      EXPECT_EQ(out.out, "");
+      EXPECT_THAT(out.err, HasSubstr("No space left"));
+    }
+  }
+  EXPECT_TRUE(failed && made);
+}
+
 // A line end ends a name in a dependency file.
 TEST_F(Outputs, DependencyFilesRefuseNamesWithLineEnds) {
   const std::string odd = folder_ / "a\nb.pxn";
