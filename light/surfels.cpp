@@ -103,6 +103,19 @@ struct Listed {
   std::uint32_t surfel;
 };
 
+// Whether a limit of a surfel leaves nothing of a cube.
+//
+//   middle  of the cube, from the surfel
+bool is_beyond(const Surfel& surfel, const Vec3& middle, double side) {
+  for (std::uint32_t k = 0; k < surfel.limit_count; ++k) {
+    const Vec3 normal(surfel.limits[k]);
+    const double half =
+        0.5 * side * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
+    if (glm::dot(normal, surfel.position + middle) + surfel.limits[k].w < -half) return true;
+  }
+  return false;
+}
+
 std::uint64_t cell_key(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t direction) {
   return (std::uint64_t{z} << 32 | std::uint64_t{y} << 16 | x) << 3 | direction;
 }
@@ -155,7 +168,7 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
             (std::fabs(surfel.normal.x) + std::fabs(surfel.normal.y) + std::fabs(surfel.normal.z));
         const double across = std::max(std::fabs(glm::dot(middle, surfel.normal)) - half, 0.0);
         const double least = glm::dot(apart, apart) + kAcross * across * across;
-        if (least >= reach * reach) continue;
+        if (least >= reach * reach || is_beyond(surfel, -middle, grid.side)) continue;
         for (std::uint32_t d = 0; d < 6; ++d) {
           if (largest_cosine(surfel.normal, d) <= 0) continue;
           const std::uint64_t key =
@@ -165,6 +178,27 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
           to.push_back({key, static_cast<float>(glm::dot(middle, middle)), index});
         }
       }
+}
+
+void add_limits(const Surfel& surfel, std::size_t index, SurfelGrid& grid) {
+  if (surfel.limit_count == 0) return;
+  grid.limits.resize(std::max(grid.limits.size(), (index + 1) * Surfel::kMostLimits));
+  for (std::uint32_t k = 0; k < surfel.limit_count; ++k) {
+    const Vec3 normal(surfel.limits[k]);
+    const glm::vec4 limit(glm::vec3(normal),
+                          static_cast<float>(surfel.limits[k].w + glm::dot(normal, grid.origin)));
+    grid.limits[index * Surfel::kMostLimits + k] = {limit.x, limit.y, limit.z, limit.w};
+  }
+}
+
+// Whether a point, from the origin, is on the side of all limits.
+bool is_within(const SurfelGrid& grid, std::size_t surfel, const glm::vec3& at) {
+  const auto count = static_cast<std::uint32_t>(grid.surfels[surfel][3]) >> 16;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const auto& limit = grid.limits[surfel * Surfel::kMostLimits + k];
+    if (limit[0] * at.x + limit[1] * at.y + limit[2] * at.z + limit[3] < 0) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -192,9 +226,12 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
   std::vector<Listed> listed;
   for (std::uint32_t i = 0; i < surfels.size(); ++i) {
     const glm::vec3 at(surfels[i].position - grid.origin);
+    const Surfel& surfel = surfels[i];
     grid.surfels.push_back(
-        {at.x, at.y, at.z, static_cast<float>(packed_normal(surfels[i].normal))});
-    add_cells(surfels[i], i, grid, cells, listed);
+        {at.x, at.y, at.z,
+         static_cast<float>(packed_normal(surfel.normal) | surfel.limit_count << 16)});
+    add_limits(surfel, i, grid);
+    add_cells(surfel, i, grid, cells, listed);
   }
   std::ranges::sort(listed, [](const Listed& a, const Listed& b) {
     return std::tie(a.cell, a.distance, a.surfel) < std::tie(b.cell, b.distance, b.surfel);
@@ -206,12 +243,17 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
     const std::uint64_t cell = listed[i].cell >> 3;
     const auto first = static_cast<std::uint32_t>(grid.entries.size());
     const std::size_t kept = std::min<std::size_t>(end - i, SurfelGrid::kMostListed);
-    for (std::size_t k = i; k < i + kept; ++k)
-      grid.entries.push_back(static_cast<std::uint16_t>(listed[k].surfel));
+    std::uint32_t limited = 0;
+    for (const bool with : {false, true})
+      for (std::size_t k = i; k < i + kept; ++k) {
+        if ((surfels[listed[k].surfel].limit_count > 0) != with) continue;
+        grid.entries.push_back(static_cast<std::uint16_t>(listed[k].surfel));
+        limited += with;
+      }
     lists.push_back({static_cast<std::uint32_t>(cell & 0xffffffffu),
                      static_cast<std::uint32_t>(cell >> 32) |
                          static_cast<std::uint32_t>(listed[i].cell & 7) << 16,
-                     first, static_cast<std::uint32_t>(kept)});
+                     first, static_cast<std::uint32_t>(kept) | limited << 16});
     i = end;
   }
   grid.cells.assign(std::bit_ceil(std::max<std::size_t>(3 * lists.size(), 1)), {});
@@ -246,8 +288,9 @@ Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& norm
     if (list[0] != xy || list[1] != zd) continue;
     glm::vec3 sum(0);
     float weights = 0;
-    for (std::uint32_t e = list[2]; e < list[2] + list[3]; ++e) {
+    for (std::uint32_t e = list[2]; e < list[2] + (list[3] & 0xffffu); ++e) {
       const auto& surfel = grid.surfels[grid.entries[e]];
+      if (!is_within(grid, grid.entries[e], at)) continue;
       const glm::vec3 apart = glm::vec3(surfel[0], surfel[1], surfel[2]) - at;
       const auto& sent = light.irradiance[grid.entries[e]];
       const glm::vec3 its_normal = unpacked_normal(static_cast<std::uint32_t>(surfel[3]));

@@ -16,9 +16,14 @@ namespace panwright::light {
 
 // A piece of a surface, in the frame of its target's model.
 struct Surfel {
+  static constexpr std::uint32_t kMostLimits = 3;
+
   Vec3 position{0};      // metres, the mean of its piece
   Vec3 normal{0, 0, 1};  // unit, on its side of the surface
   double radius = 0;     // metres, within which it lights points of the surface
+  // Planes of plates beside it: it lights points p with dot(limit, (p, 1)) >= 0 alone.
+  std::array<Vec4, kMostLimits> limits{};
+  std::uint32_t limit_count = 0;
 };
 
 // Grid of cubes over the surfels of a target. A cube has a list for each of the six directions
@@ -33,13 +38,17 @@ struct SurfelGrid {
   double side = 1;  // of a cube, metres
   Stamp stamp = 0;  // of the contents
   // Hash table with open addresses, a power of two: x | y << 16, z | direction << 16, first entry,
-  // number of entries; the number 0: empty. A list stands at slot_of() or behind it.
+  // number of entries | how many of them have limits << 16; 0: empty. A list stands at slot_of() or
+  // behind it.
   std::vector<std::array<std::uint32_t, 4>> cells;
   std::uint32_t longest_probe = 1;
-  std::vector<std::uint16_t> entries;  // of the lists: surfels, the nearest first
-  // Of each surfel: position from the origin, and its normal, 8 bits each of an octahedron's
-  // square.
+  // Of the lists: surfels without limits, the nearest first, then those with some.
+  std::vector<std::uint16_t> entries;
+  // Of each surfel: position from the origin; its normal, 8 bits each of an octahedron's square,
+  // and the number of its limits << 16.
   std::vector<std::array<float, 4>> surfels;
+  // Surfel::kMostLimits of each surfel, of points from the origin. Empty: none has any.
+  std::vector<std::array<float, 4>> limits;
 
   static std::uint32_t slot_of(std::uint32_t xy, std::uint32_t zd);
 };
@@ -71,7 +80,7 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
                        std::span<const SurfacePlace> places = {});
 
 // Returns the irradiance at a point of a surface, as shaders do: the mean of near surfels that face
-// the same way. 0 far from all.
+// the same way, on its side of their limits. 0 far from all.
 Vec3 irradiance_at(const SurfelLight& light, const Vec3& point, const Vec3& normal);
 
 }  // namespace panwright::light

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
 #include "trace/mesh_point.h"
+#include "transport/internal/plates.h"
 
 namespace panwright::transport {
 namespace {
@@ -85,7 +87,8 @@ SurfelSet::SurfelSet(const trace::Scene& scene, std::uint32_t target, const Surf
   for (std::uint8_t level = 1; level <= kMostLevels; ++level)
     if (std::ranges::find(levels_, level) != levels_.end())
       spread(count << 2 * level, level, all, job);
-  gather(std::move(all));
+  gather(std::move(all), job);
+  find_limits(target_, points_, first_, kReach * spacing_, surfels_, job);
 }
 
 // Areas of both sides of all triangles.
@@ -175,10 +178,13 @@ Point SurfelSet::point_at(double place, double u, double v) const {
   return point;
 }
 
-// Whether a point lies within a closed part.
-bool SurfelSet::is_covered(const Point& point) const {
-  const auto hit = target_.closest(geometry::Ray{point.start, point.normal}, trace::Insides::stop);
-  return hit && !hit->front && target_.model().parts()[target_.parts()[hit->instance]].closed;
+// The way that is free above a point; none: it lies within a closed part.
+std::optional<double> SurfelSet::free_above(const Point& point) const {
+  const geometry::Ray ray{point.start, point.normal};
+  const auto hit = target_.closest(ray, trace::Insides::stop);
+  if (!hit) return ray.max_distance;
+  if (!hit->front && target_.model().parts()[target_.parts()[hit->instance]].closed) return {};
+  return hit->distance;
 }
 
 // Adds the points of a level. count: of the whole area
@@ -192,15 +198,16 @@ void SurfelSet::spread(std::uint64_t count, std::uint8_t level, Keyed& to, const
         const std::uint64_t end = std::min(count, (c + 1) * kAtOnce);
         for (std::uint64_t i = c * kAtOnce; i < end; ++i) {
           const auto number = static_cast<double>(i);
-          const Point point =
-              point_at(area_ * (number + 0.5) / static_cast<double>(count),
-                       fraction(0.5 + kStepU * number), fraction(0.5 + kStepV * number));
+          Point point = point_at(area_ * (number + 0.5) / static_cast<double>(count),
+                                 fraction(0.5 + kStepU * number), fraction(0.5 + kStepV * number));
           const auto key = [&](std::uint8_t at) {
             return key_of(point.part, point.triangle, point.barycentric, point.back, at);
           };
           if (level > 0 && level_of(key(0)) != level) continue;
           if (!target_.model().is_there(point.part, point.triangle, point.barycentric)) continue;
-          if (is_covered(point)) continue;
+          const auto free = free_above(point);
+          if (!free) continue;
+          point.free = *free;
           found[c].emplace_back(key(level), point);
         }
       },
@@ -269,29 +276,58 @@ std::uint8_t SurfelSet::level_of(const SurfelKey& coarse) const {
 }
 
 // Makes the surfels of their points.
-void SurfelSet::gather(Keyed all) {
+void SurfelSet::gather(Keyed all, const Job& job) {
+  constexpr std::size_t kAtOnce = 64;
   std::ranges::stable_sort(all, {}, &Keyed::value_type::first);
-  double sum = 0;
-  points_.reserve(all.size());
-  for (std::size_t i = 0; i < all.size();) {
-    const SurfelKey& key = all[i].first;
-    Vec3 middle(0), normal(0);
-    const std::size_t begin = i;
-    for (; i < all.size() && all[i].first == key; ++i) {
-      middle += all[i].second.start;
-      normal += all[i].second.normal;
-      points_.push_back(all[i].second);
-    }
-    const double count = static_cast<double>(i - begin);
-    keys_.push_back(key);
-    surfels_.push_back({middle / count, trace::unit_or(normal, all[begin].second.normal),
-                        kReach * std::ldexp(spacing_, -int{key.level})});
-    weights_.push_back(std::ldexp(count, -2 * int{key.level}));
-    sum += weights_.back();
-    first_.push_back(static_cast<std::uint32_t>(points_.size()));
-    if (surfels_.size() == kMostSurfels) break;
+  std::vector<std::size_t> begin;
+  std::vector<Point> points;
+  points.reserve(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i == 0 || all[i].first != all[i - 1].first) begin.push_back(i);
+    points.push_back(all[i].second);
   }
+  const std::size_t cubes = begin.size();
+  begin.push_back(all.size());
+  const auto points_of = [&](std::size_t cube) {
+    return std::span<const Point>(points).subspan(begin[cube], begin[cube + 1] - begin[cube]);
+  };
+  std::vector<std::vector<std::uint8_t>> groups(cubes);
+  parallel_for((cubes + kAtOnce - 1) / kAtOnce,
+               [&](std::size_t chunk) {
+                 for (std::size_t c = chunk * kAtOnce; c < std::min(cubes, (chunk + 1) * kAtOnce);
+                      ++c)
+                   groups[c] = groups_of(target_, points_of(c),
+                                         std::ldexp(spacing_, -int{all[begin[c]].first.level}));
+               },
+               job);
+  points_.reserve(all.size());
+  std::vector<Point> group;
+  for (std::size_t c = 0; c < cubes; ++c)
+    for (std::uint8_t number = 0; number < kMostGroups; ++number) {
+      group.clear();
+      for (std::size_t k = 0; k < groups[c].size(); ++k)
+        if (groups[c][k] == number) group.push_back(points[begin[c] + k]);
+      if (!group.empty() && surfels_.size() < kMostSurfels) add(all[begin[c]].first, group);
+    }
+  double sum = 0;
+  for (const double weight : weights_) sum += weight;
   for (double& weight : weights_) weight /= sum;
+}
+
+// Adds a surfel.
+void SurfelSet::add(const SurfelKey& key, std::span<const Point> points) {
+  Vec3 middle(0), normal(0);
+  for (const Point& point : points) {
+    middle += point.start;
+    normal += point.normal;
+  }
+  const auto count = static_cast<double>(points.size());
+  keys_.push_back(key);
+  surfels_.push_back({middle / count, trace::unit_or(normal, points[0].normal),
+                      kReach * std::ldexp(spacing_, -int{key.level})});
+  weights_.push_back(std::ldexp(count, -2 * int{key.level}));
+  points_.insert(points_.end(), points.begin(), points.end());
+  first_.push_back(static_cast<std::uint32_t>(points_.size()));
 }
 
 std::optional<std::uint32_t> SurfelSet::find(const trace::Hit& hit) const {
@@ -300,9 +336,37 @@ std::optional<std::uint32_t> SurfelSet::find(const trace::Hit& hit) const {
   const std::uint8_t level = level_of(coarse);
   const SurfelKey key =
       level == 0 ? coarse : key_of(hit.part, hit.triangle, hit.barycentric, back, level);
-  const auto found = std::ranges::lower_bound(keys_, key);
-  if (found == keys_.end() || *found != key) return std::nullopt;
-  return static_cast<std::uint32_t>(found - keys_.begin());
+  const auto [low, high] = std::equal_range(keys_.begin(), keys_.end(), key);
+  if (low == high) return std::nullopt;
+  const auto begin = static_cast<std::uint32_t>(low - keys_.begin());
+  const auto end = static_cast<std::uint32_t>(high - keys_.begin());
+  if (end == begin + 1 && surfels_[begin].limit_count == 0) return begin;
+  const auto corner = corners(target_.model().parts()[hit.part].mesh, hit.triangle);
+  const Vec3 at = target_.placement(hit.part).model_from_mesh(
+      corner[0] + hit.barycentric.x * (corner[1] - corner[0]) +
+      hit.barycentric.y * (corner[2] - corner[0]));
+  return nearest_part(begin, end, at);
+}
+
+// Of the surfels of one cube, that of the point nearest to a place, on its side of plates.
+std::optional<std::uint32_t> SurfelSet::nearest_part(std::uint32_t begin, std::uint32_t end,
+                                                     const Vec3& place) const {
+  std::optional<std::uint32_t> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t s = begin; s < end; ++s) {
+    const std::span limits(surfels_[s].limits.data(), surfels_[s].limit_count);
+    const bool within = std::ranges::all_of(
+        limits, [&](const Vec4& limit) { return glm::dot(limit, Vec4(place, 1)) >= 0; });
+    if (!within) continue;
+    for (std::uint32_t p = first_[s]; p < first_[s + 1]; ++p) {
+      const Vec3 apart = points_[p].start - place;
+      const double square = glm::dot(apart, apart);
+      if (square >= least) continue;
+      best = s;
+      least = square;
+    }
+  }
+  return best;
 }
 
 }  // namespace panwright::transport

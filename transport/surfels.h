@@ -23,6 +23,7 @@ struct Point {
   std::uint32_t triangle = 0;
   Vec2 barycentric{0};
   bool back = false;  // of an open mesh
+  double free = 0;    // metres along the normal to the next surface of the target
 };
 
 struct SurfelOptions {
@@ -41,15 +42,16 @@ struct SurfelKey {
   auto operator<=>(const SurfelKey&) const = default;
 };
 
-// Surfels of a target in one shape. Fixed by its meshes and options: the same bits always.
+// Surfels of a target in one shape. Where a plate passes a cube, the points on its two sides are
+// surfels of their own, which have limits. Fixed by its meshes and options: the same bits always.
 //
 // Points are spread over all sides by their areas, so that each stands for the same area; those of
 // a surfel follow one another. What lies on another surface, as a panel
 // under foil, or within a closed part has none.
 class SurfelSet {
  public:
-  // Expects: a target of the scene. Throws Cancelled. Cost: O(T), a ray a point, and 16 rays a
-  // surfel that find how far other surfaces are.
+  // Expects: a target of the scene. Throws Cancelled. Cost: O(T), two rays a point, 16 rays a
+  // surfel that find how far other surfaces are, and one each to its neighbours.
   SurfelSet(const trace::Scene& scene, std::uint32_t target, const SurfelOptions& options,
             const Job& job);
 
@@ -60,7 +62,8 @@ class SurfelSet {
   double spacing() const { return spacing_; }  // metres, of the widest
   double area() const { return area_; }        // m², of all sides
   double area(std::size_t surfel) const;       // m²
-  // Returns the surfel at a hit on this target; none: on a piece without points.
+  // Returns the surfel at a hit on this target; none: on a piece without points,
+  // or behind a plate from all points of its cube.
   std::optional<std::uint32_t> find(const trace::Hit& hit) const;
 
  private:
@@ -68,7 +71,7 @@ class SurfelSet {
   SurfelKey key_of(std::uint32_t part, std::uint32_t triangle, const Vec2& barycentric, bool back,
                    std::uint8_t level) const;
   Point point_at(double place, double u, double v) const;
-  bool is_covered(const Point& point) const;
+  std::optional<double> free_above(const Point& point) const;
   void measure();
   void spread(std::uint64_t count, std::uint8_t level, std::vector<std::pair<SurfelKey, Point>>& to,
               const Job& job) const;
@@ -76,7 +79,10 @@ class SurfelSet {
                      std::vector<std::pair<SurfelKey, Point>> all, std::uint64_t most,
                      const Job& job);
   std::uint8_t level_of(const SurfelKey& coarse) const;
-  void gather(std::vector<std::pair<SurfelKey, Point>> all);
+  std::optional<std::uint32_t> nearest_part(std::uint32_t begin, std::uint32_t end,
+                                            const Vec3& place) const;
+  void gather(std::vector<std::pair<SurfelKey, Point>> all, const Job& job);
+  void add(const SurfelKey& key, std::span<const Point> points);
 
   const trace::Target& target_;
   std::vector<std::uint32_t> parts_;       // of the target, by ends_
@@ -87,7 +93,7 @@ class SurfelSet {
   double spacing_ = 0;
   std::vector<SurfelKey> coarse_;     // ascending
   std::vector<std::uint8_t> levels_;  // of them
-  std::vector<SurfelKey> keys_;       // of the surfels, ascending
+  std::vector<SurfelKey> keys_;       // of the surfels, ascending; the same for parts of a cube
   std::vector<light::Surfel> surfels_;
   std::vector<double> weights_;  // share of the area of each
   std::vector<std::uint32_t> first_;

@@ -31,7 +31,7 @@ bool are_near(const Ball& a, const Ball& b) {
 Hash128 key_of(const trace::Target& target, std::span<const std::uint8_t> glossy,
                const TransportOptions& options) {
   KeyHasher key;
-  key.number(3);  // of the entries' form
+  key.number(4);  // of the entries' form
   key.list(glossy);
   key.number(options.surfels.surfels);
   key.number(options.surfels.points);

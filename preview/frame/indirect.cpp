@@ -8,7 +8,8 @@ namespace {
 bool fits_texture(const GladGLContext& gl, const light::SurfelGrid& grid, DiagnosticLog& log) {
   GLint most = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (std::max(grid.cells.size(), grid.entries.size()) <= static_cast<std::size_t>(most))
+  if (std::max({grid.cells.size(), grid.entries.size(), grid.limits.size()}) <=
+      static_cast<std::size_t>(most))
     return true;
   log.report_file(Code("E5003"), {},
                   "light between surfaces takes more than the context's buffers hold",
@@ -56,6 +57,9 @@ Indirect::Grid& Indirect::grid_of(const GladGLContext& gl, const light::SurfelLi
   };
   make(GL_RGBA32UI, light.grid->cells, grid.cells, grid.cells_texture);
   make(GL_R16UI, light.grid->entries, grid.entries, grid.entries_texture);
+  static const std::vector<std::array<float, 4>> kNone(1);
+  make(GL_RGBA32F, light.grid->limits.empty() ? kNone : light.grid->limits, grid.limits,
+       grid.limits_texture);
   grid.light_texture = make_buffer_texture(gl);
   return grid;
 }
@@ -105,6 +109,7 @@ void Indirect::bind(const GladGLContext& gl, std::size_t receiver) const {
   gl.BindTextureUnit(kSurfelCellsUnit, grid->cells_texture.id());
   gl.BindTextureUnit(kSurfelEntriesUnit, grid->entries_texture.id());
   gl.BindTextureUnit(kSurfelLightUnit, grid->light_texture.id());
+  gl.BindTextureUnit(kSurfelLimitsUnit, grid->limits_texture.id());
 }
 
 }  // namespace panwright::preview

@@ -38,8 +38,8 @@ class Indirect {
   struct Grid {
     Stamp stamp = 0;        // of the grid
     Stamp light_stamp = 0;  // of its irradiance
-    GlBuffer cells, entries, irradiance;
-    GlTexture cells_texture, entries_texture, light_texture;
+    GlBuffer cells, entries, limits, irradiance;
+    GlTexture cells_texture, entries_texture, limits_texture, light_texture;
   };
   Grid& grid_of(const GladGLContext& gl, const light::SurfelLight& light);
 

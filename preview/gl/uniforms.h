@@ -69,6 +69,7 @@ inline constexpr unsigned kPlanetDepthsUnit = 22;  // as shadow_depths, of plane
 inline constexpr unsigned kSurfelCellsUnit = 23;  // lists of a grid (light/surfels.h)
 inline constexpr unsigned kSurfelEntriesUnit = 24;  // surfels of these lists
 inline constexpr unsigned kSurfelLightUnit = 25;  // of each surfel: position and normal; irradiance and inverse radius; directions of its light
+inline constexpr unsigned kSurfelLimitsUnit = 26;  // planes of surfels that have some, three each (light/surfels.h)
 
 // Uniforms outside blocks.
 inline constexpr int kItemRangeLocation = 0;  // of a target: its first item, their number, and what precedes its classes; 1 for the first target

@@ -6,6 +6,7 @@ INDIRECT_BLOCK
 // As light::irradiance_at().
 const float kFacingScale = 1.0 / 0.7;
 const float kAcross = 8.0;
+const int kMostLimits = 3;
 #if defined(COATED) || defined(LOBE_ANY)
 #define GLOSSY
 #endif
@@ -27,10 +28,10 @@ vec3 surfel_normal(uint word) {
   return normalize(normal);
 }
 
-// The list of surfels near a place: first and count.
-uvec2 surfel_list(vec3 at, vec3 normal) {
+// The list of surfels near a place: first, end of those without limits, end.
+uvec3 surfel_list(vec3 at, vec3 normal) {
   vec3 cell = floor(at * indirect.cells_a_metre);
-  if (any(lessThan(cell, vec3(0.0))) || any(greaterThanEqual(cell, vec3(65536.0)))) return uvec2(0u);
+  if (any(lessThan(cell, vec3(0.0))) || any(greaterThanEqual(cell, vec3(65536.0)))) return uvec3(0u);
   uvec3 cube = uvec3(cell);
   uint xy = cube.x | cube.y << 16;
   uint zd = cube.z | axis_direction(normal) << 16;
@@ -40,10 +41,11 @@ uvec2 surfel_list(vec3 at, vec3 normal) {
   for (int probe = 0; probe < indirect.probes; ++probe) {
     uvec4 list = texelFetch(surfel_cells, int(slot));
     if (list.w == 0u) break;
-    if (list.x == xy && list.y == zd) return list.zw;
+    uint end = list.z + (list.w & 0xffffu);
+    if (list.x == xy && list.y == zd) return uvec3(list.z, end - (list.w >> 16), end);
     slot = (slot + 1u) & indirect.last_slot;
   }
-  return uvec2(0u);
+  return uvec3(0u);
 }
 
 // Means over surfels near a place, by their weights.
@@ -52,10 +54,38 @@ struct Near {
   vec4 toward;  // light::SurfelLight::toward, of GLOSSY
 };
 
+// Whether a place is on the side of all limits of a surfel.
+//
+//   word  of its place: its normal and the number of limits
+bool is_within(int surfel, uint word, vec3 at) {
+  bool within = true;
+  for (int k = 0; k < int(word >> 16); ++k)
+    within = within && dot(texelFetch(surfel_limits, kMostLimits * surfel + k), vec4(at, 1.0)) >= 0.0;
+  return within;
+}
+
 // Sum over the four samples of a quad, the same for each but for rounding.
 vec4 quad_sum(vec4 value, vec2 aside) {
   value = 2.0 * value + aside.x * dFdxFine(value);
   return 2.0 * value + aside.y * dFdyFine(value);
+}
+
+// Adds a surfel to sums over those near a place.
+void add_surfel(int surfel, vec3 at, vec3 normal, bool limited, inout vec4 sum, inout vec4 toward) {
+  vec4 place = texelFetch(surfel_light, 3 * surfel);
+  vec4 sent = texelFetch(surfel_light, 3 * surfel + 1);
+  vec3 apart = place.xyz - at;
+  uint word = uint(place.w);
+  vec3 its_normal = surfel_normal(word);
+  float across = dot(apart, its_normal);
+  float left = max(1.0 - (dot(apart, apart) + kAcross * across * across) * sent.w * sent.w, 0.0);
+  float facing = clamp(dot(normal, its_normal) * kFacingScale, 0.0, 1.0);
+  float weight = left * left * facing * facing;
+  if (limited && !is_within(surfel, word, at)) weight = 0.0;
+  sum += weight * vec4(sent.rgb, 1.0);
+#ifdef GLOSSY
+  toward += weight * texelFetch(surfel_light, 3 * surfel + 2);
+#endif
 }
 
 // A place in the frame of the grid, and the normal there.
@@ -88,25 +118,13 @@ Near surfels_near(ivec2 sample_at) {
     at = first_at;
     normal = first_normal;
   }
-  uvec2 list = surfel_list(at, normal);
+  uvec3 list = surfel_list(at, normal);
   uint stride = shared_by_four ? 4u : 1u;
+  uint i = list.x + (shared_by_four ? uint(odd.x + 2 * odd.y) : 0u);
   vec4 sum = vec4(0.0);
   vec4 toward = vec4(0.0);
-  for (uint i = shared_by_four ? uint(odd.x + 2 * odd.y) : 0u; i < list.y; i += stride) {
-    int surfel = 3 * int(texelFetch(surfel_entries, int(list.x + i)).x);
-    vec4 place = texelFetch(surfel_light, surfel);
-    vec4 sent = texelFetch(surfel_light, surfel + 1);
-    vec3 apart = place.xyz - at;
-    vec3 its_normal = surfel_normal(uint(place.w));
-    float across = dot(apart, its_normal);
-    float left = max(1.0 - (dot(apart, apart) + kAcross * across * across) * sent.w * sent.w, 0.0);
-    float facing = clamp(dot(normal, its_normal) * kFacingScale, 0.0, 1.0);
-    float weight = left * left * facing * facing;
-    sum += weight * vec4(sent.rgb, 1.0);
-#ifdef GLOSSY
-    toward += weight * texelFetch(surfel_light, surfel + 2);
-#endif
-  }
+  for (; i < list.y; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, false, sum, toward);
+  for (; i < list.z; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, true, sum, toward);
   vec4 whole = quad_sum(sum, aside);
   if (shared_by_four) sum = whole;
   float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;

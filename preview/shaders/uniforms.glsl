@@ -51,6 +51,7 @@ layout(binding = 22) uniform sampler2DArray planet_depths;
 layout(binding = 23) uniform usamplerBuffer surfel_cells;
 layout(binding = 24) uniform usamplerBuffer surfel_entries;
 layout(binding = 25) uniform samplerBuffer surfel_light;
+layout(binding = 26) uniform samplerBuffer surfel_limits;
 layout(location = 0) uniform uvec4 item_range;
 layout(location = 1) uniform float screen_depth;
 layout(location = 2) uniform uvec2 sample_blocks;

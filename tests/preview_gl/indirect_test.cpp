@@ -33,6 +33,13 @@ std::shared_ptr<const std::vector<light::SurfelLight>> patterned() {
       for (int x = 0; x < 20; ++x) {
         const Vec3 at(0.2 * x - 1.9, 0.2 * y - 1.9, side == 0 ? 0.01 : -0.01);
         surfels.push_back({at, {0, 0, side == 0 ? 1 : -1}, 0.3});
+        // two walls cross the front
+        for (const Vec4& wall : {Vec4(1, 0, 0, -0.4), Vec4(0.6, 0.8, 0, 0.5)}) {
+          light::Surfel& surfel = surfels.back();
+          if (y < 8) continue;
+          const bool beyond = glm::dot(wall, Vec4(at, 1)) < 0;
+          surfel.limits[surfel.limit_count++] = beyond ? -wall : wall;
+        }
         const auto e = side == 0 ? static_cast<float>(1 + 0.1 * x + 0.03 * y * y) : 0.0f;
         light.irradiance.push_back({e, 2 * e, 3 * e, static_cast<float>(1 / 0.3)});
       }

