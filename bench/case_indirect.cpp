@@ -29,6 +29,11 @@ double milliseconds(int runs, const std::function<void(int)>& work) {
   return 1e3 * (seconds_of_processors() - start) / runs;
 }
 
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
 // From the corners of an icosahedron about a target.
 world::Camera camera_at(int corner, const Vec3& centre, double radius, std::uint32_t side) {
   constexpr double kGolden = 1.618033988749895, kField = 24 * kDegree;
@@ -56,30 +61,49 @@ struct Errors {
   double without = 0, with = 0, noise = 0;
 };
 
-Errors errors_of(const world::World& world, const Vec3& centre, double radius,
-                 preview::Renderer& renderer, const preview::RenderOptions& lit, bool quick,
-                 DiagnosticLog& log) {
+// Those of views that look at lit sides, and at dark ones: across the Sun and beyond, but not so
+// far that rims glint.
+struct SidesErrors {
+  Errors all, dark;
+};
+
+SidesErrors errors_of(const world::World& world, const Vec3& centre, double radius,
+                      preview::Renderer& renderer, const preview::RenderOptions& lit, bool quick,
+                      DiagnosticLog& log) {
   preview::RenderOptions plain = lit;
   plain.indirect.reset();
   preview::ReferenceOptions slow;
   slow.bounces = 8;
   slow.samples = quick ? 8 : 256;
   preview::Reference reference;
-  double whole = 0, without = 0, with = 0, noise = 0;
+  struct Sums {
+    double whole = 0, without = 0, with = 0, noise = 0, views = 0;
+    Errors errors() const {
+      const double mean = whole / views;
+      const auto relative = [&](double squares) { return std::sqrt(squares / views) / mean; };
+      return {relative(without), relative(with), relative(noise)};
+    }
+  } all, dark;
   for (int k = 0; k < kViews; ++k) {
     const world::Camera camera = camera_at(k, centre, radius, quick ? 32 : 80);
     const auto a = renderer.render(world, camera, plain, log);
     const auto b = renderer.render(world, camera, lit, log);
     const auto traced = reference.render(world, camera, slow, log);
-    if (!a || !b || !traced) return {NAN, NAN, NAN};
+    if (!a || !b || !traced) return {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
     const double wanted = sum(traced->image.radiance);
-    whole += wanted / kViews;
-    without += std::pow(sum(a->radiance) - wanted, 2) / kViews;
-    with += std::pow(sum(b->radiance) - wanted, 2) / kViews;
     const double share = max_component(traced->flux_error) / max_component(traced->flux);
-    noise += std::pow(share * wanted, 2) / kViews;
+    const double phase = std::acos(
+        glm::dot(glm::normalize(camera.position - centre), glm::normalize(world.sun().direction)));
+    for (Sums* sums : {&all, &dark}) {
+      if (sums == &dark && !(phase > 100 * kDegree && phase < 150 * kDegree)) continue;
+      sums->views += 1;
+      sums->whole += wanted;
+      sums->without += std::pow(sum(a->radiance) - wanted, 2);
+      sums->with += std::pow(sum(b->radiance) - wanted, 2);
+      sums->noise += std::pow(share * wanted, 2);
+    }
   }
-  return {std::sqrt(without) / whole, std::sqrt(with) / whole, std::sqrt(noise) / whole};
+  return {all.errors(), dark.errors()};
 }
 
 void run_target(Context& context, const std::string& name, const std::filesystem::path& path,
@@ -112,16 +136,25 @@ void run_target(Context& context, const std::string& name, const std::filesystem
   options.samples = 8;  // foil has glints narrower than a pixel
   options.indirect = std::make_shared<const std::vector<light::SurfelLight>>(
       transport.light().begin(), transport.light().end());
-  const Errors errors = errors_of(world, bounds.centre(), 0.5 * bounds.diagonal(), renderer,
-                                  options, context.quick(), log);
+  const SidesErrors sides = errors_of(world, bounds.centre(), 0.5 * bounds.diagonal(), renderer,
+                                      options, context.quick(), log);
+  const Errors &errors = sides.all, &dark = sides.dark;
+  context.note(fmt::format("{}: flux of dark sides: without {:.4f}, with {:.4f}, noise {:.4f}",
+                           name, dark.without, dark.with, dark.noise));
   const world::Camera camera = camera_at(4, bounds.centre(), 0.5 * bounds.diagonal(), 512);
   options.samples = 4;
-  const auto frame = [&](int) { static_cast<void>(renderer.render(world, camera, options, log)); };
-  frame(0);
-  const double lit = milliseconds(context.runs(), frame);
-  options.indirect.reset();
-  frame(0);
-  const double plain = milliseconds(context.runs(), frame);
+  // in turn, and medians: other programs run beside
+  preview::RenderOptions off = options;
+  off.indirect.reset();
+  std::vector<double> with, without;
+  for (int k = 0; k <= context.runs(); ++k)
+    for (const bool on : {true, false}) {
+      const double time = milliseconds(1, [&](int) {
+        static_cast<void>(renderer.render(world, camera, on ? options : off, log));
+      });
+      if (k > 0) (on ? with : without).push_back(time);
+    }
+  const double lit = median(with), plain = median(without);
   const auto add = [&](const char* what, double speed, double error, double must) {
     context.add({.case_name = "indirect",
                  .setting = fmt::format("{}, {}", name, what),
