@@ -121,14 +121,16 @@ void TileScene::find(const FrameScene& scene, const Tile& whole) {
     target.drawn.clear();
     target.classes.clear();
     const Families& brdf_models = scene.state(v).model().brdf_models;
-    by_family_.assign(brdf_models.all.size(), {kNone, 0, false});
+    by_family_.assign(brdf_models.all.size(), {kNone, 0, false, false});
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
       if (!may_touch(scene.camera, whole, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
       target.drawn.push_back(i);
       const std::uint32_t brdf_model = brdf_models.of_material[item.material];
       // note: of the model, not of the tile, so that all tiles and frames share their programs
-      by_family_[brdf_model] = {brdf_model, item.material, brdf_models.materials[brdf_model] == 1};
+      const bool cells = by_family_[brdf_model].cells || item.variant.cells;
+      by_family_[brdf_model] = {brdf_model, item.material, brdf_models.materials[brdf_model] == 1,
+                                cells};
     }
     target.part = touched_part(scene.camera, whole, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
@@ -240,7 +242,8 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
   const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
   ViewBlock shared = view_block(scene.camera, scene.world, tile.tile, samples);
   shared.cell_parts = static_cast<float>(parts);
-  shared.flags = predicting ? kPredictsErrors : scene.texels > 0 ? kTellsRelief : 0;
+  shared.flags = !predicting && scene.texels > 0 ? kTellsRelief : 0;
+  predicting_ = predicting;
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);
@@ -478,6 +481,12 @@ void Passes::shade_target(const FrameScene& scene, const TileTarget& target, uns
     gl_.Uniform1f(kScreenDepthLocation,
                   static_cast<float>(first_class + one.brdf_model + 1) * (1.0f / 1048576.0f));
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+    if (!predicting_ || !one.cells) continue;
+    // a draw of its own: a loop in the program would cost every other draw a seventh of its time
+    if (!added) gl_.Enable(GL_BLEND);
+    gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 1);
+    gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+    if (!added) gl_.Disable(GL_BLEND);
   }
 }
 
@@ -519,12 +528,10 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   }
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
+  gl_.BlendFunc(GL_ONE, GL_ONE);
   for (std::size_t light = 0; light < scene.lights->passes(); ++light) {
     // lamps add to the Sun
-    if (light == 1) {
-      gl_.Enable(GL_BLEND);
-      gl_.BlendFunc(GL_ONE, GL_ONE);
-    }
+    if (light == 1) gl_.Enable(GL_BLEND);
     for (std::size_t t = 0; t < tile.targets.size(); ++t) {
       const TileTarget& target = tile.targets[t];
       if (!scene.lights->lights(light, target.visible)) continue;

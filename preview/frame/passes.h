@@ -29,6 +29,7 @@ struct TileTarget {
     std::uint32_t brdf_model = 0;
     std::uint32_t material = 0;  // the only one, if so
     bool one_material = false;
+    bool cells = false;  // solar cells are among them
   };
   std::vector<ShadingClass> classes;  // ascending by BRDF model
   std::size_t first_block = 0;        // in the buffer of blocks
@@ -109,6 +110,7 @@ class Passes {
   std::size_t view_stride_ = 0;  // bytes
   std::size_t draw_stride_ = 0;  // bytes
   std::size_t first_draw_ = 0;   // bytes in stream_, of the last upload
+  bool predicting_ = false;      // of the last upload
   std::vector<std::byte> blocks_;
   std::vector<std::uint32_t> places_;  // of draw_decals()
   std::vector<GLuint> first_classes_;  // of shade()

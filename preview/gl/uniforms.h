@@ -21,7 +21,6 @@ inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of sampl
 
 // Flags.
 inline constexpr std::uint32_t kTurns = 1u << 31;  // of normal_samples.w: the normal turns from sample to sample (turning.glsl)
-inline constexpr std::uint32_t kPredictsErrors = 1u << 0;  // of View.flags: shading also writes the inputs of error prediction
 inline constexpr std::uint32_t kTellsRelief = 1u << 1;  // of View.flags: shading also writes what relief finer than shadow texels may add
 inline constexpr std::uint32_t kOwnShape = 1u << 0;  // of Draw.flags: the triangles are the shape itself: shadows are theirs
 inline constexpr std::uint32_t kBumpsTurnedU = 1u << 1;  // of Draw.flags: slopes of bumps along u have the other sign
@@ -72,7 +71,7 @@ inline constexpr unsigned kSurfelLightUnit = 25;  // of each surfel: position an
 inline constexpr unsigned kSurfelLimitsUnit = 26;  // planes of surfels that have some, three each (light/surfels.h)
 
 // Uniforms outside blocks.
-inline constexpr int kItemRangeLocation = 0;  // of a target: its first item, their number, and what precedes its classes; 1 for the first target
+inline constexpr int kItemRangeLocation = 0;  // of a target: its first item, their number, and what precedes its classes; 1 for the first target, and where shading writes what the mean of cells shows
 inline constexpr int kScreenDepthLocation = 1;  // of screen.vert and runs.vert
 inline constexpr int kSampleBlocksLocation = 2;  // N of blocks of N×N samples, and blocks in a row; none in a row: samples are in their places
 inline constexpr int kNarrowestLobeLocation = 3;  // squared slopes: its own, and the part of the Sun's disc

@@ -55,14 +55,18 @@ float power(float base, float exponent) {
 Incidence light_at(vec3 at, int lamp) {
   vec4 place = lamps.place[lamp];
   vec4 intensity = lamps.intensity[lamp];
-  vec4 kind = lamps.kind[lamp];
 #ifndef POINTS
+  vec4 kind = lamps.kind[lamp];
   if (kind.x == 2.0) return Incidence(place.xyz, intensity.rgb, place.w, kind.w);
 #endif
   vec3 toward = place.xyz - at;
   float square = dot(toward, toward);
   vec3 to_light = square > 0.0 ? toward * inversesqrt(square) : vec3(0.0, 0.0, 1.0);
+#ifdef POINTS
+  float nearest = square;
+#else
   float nearest = kind.x == 1.0 ? square + place.w : max(square, place.w);
+#endif
   vec4 axis = lamps.axis[lamp];
   float cosine = -dot(axis.xyz, to_light);
   float share = cosine >= axis.w ? 1.0 : 0.0;
@@ -180,6 +184,9 @@ void add_turning(inout Surface surface, vec3 squares, float lobe, vec3 to_light,
 #endif
 
 #ifdef ROUGH
+// Whether another draw of a class, added to its light, writes what the mean of the pattern of solar cells shows.
+bool is_patternless() { return item_range.w != 0u; }
+
 // What geometry.frag leaves of solar cells where a sample is as large as many: the paint, the share of
 // cells without fingers, and that of cells with theirs.
 void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
@@ -331,8 +338,8 @@ struct Seen {
   vec3 normal;        // unit, or 0
   float turning;      // length of the normal sample where the normal turns from sample to sample, else 0
   vec3 slopes;        // what turning adds
-  vec3 whole_cell;    // of solar cells
   vec4 cells;         // roughness_sample
+  vec2 shares;        // of solar cells: cells without fingers, and those with theirs
   float gap;          // length of the mean normal
   int first_row;
 };
@@ -345,6 +352,10 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
 #endif
   vec4 sent;
   vec3 to_middle = from.to_light;
+#ifdef POINTS
+  const float radius = 0.0;
+  const bool wide = false;
+#else
   from.to_light = to_mean_light(seen.normal, from);
 #ifdef ADDED
   // a disc may be wide: BRDFs expect unit directions, and the cosine stays
@@ -355,41 +366,25 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
   bool wide = from.alpha2 > kWideDisc;
   if (wide) widen(surface, from, seen.normal);
 #endif
+#endif
 #ifdef ROUGH
   bool has_cells = material_cell_count(seen.first_row).x > 0.0;
-  float patternless = 0.0;
-  vec3 paint = surface.diffuse;
-  float shine = surface.weights.y;
-  vec2 shares = seen.cells.wz;
   if (has_cells) {
     surface.weights.x = 1.0;
-    surface.weights.y = shine * shares.x;
+    surface.weights.y *= seen.shares.x;
   }
-  // a loop, so that the formulas stand in the program once
-  for (int again = has_cells && (view.flags & kPredictsErrors) != 0u ? 1 : 0; again >= 0; --again) {
-    if (again == 1) {
-      mean_cells(seen.first_row, seen.whole_cell, surface.diffuse, shares);
-      surface.weights.y = shine * shares.x;
-    }
 #endif
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
   sent = vec4(surface_radiance(surface, from, seen.to_viewer, seen.normal) + emitted, kCoverage);
 #ifdef ROUGH
-    // Lambert's gaps between cells, without cover glass
-    if (has_cells) {
-      float lit = max(dot(seen.normal, from.to_light), 0.0) * 0.31830988618379067;
-      sent.rgb = shares.y * sent.rgb +
-                 (1.0 - shares.y) * (lit * seen.gap) * material_gap_color(seen.first_row) * from.irradiance;
-    }
-    if (again == 1) {
-      patternless = sqrt(dot(sent.rgb, sent.rgb) / 3.0);
-      surface.diffuse = paint;
-      shares = seen.cells.wz;
-      surface.weights.y = shine * shares.x;
-    }
+  // Lambert's gaps between cells, without cover glass
+  if (has_cells) {
+    float lit = max(dot(seen.normal, from.to_light), 0.0) * 0.31830988618379067;
+    sent.rgb = seen.shares.y * sent.rgb +
+               (1.0 - seen.shares.y) * (lit * seen.gap) * material_gap_color(seen.first_row) * from.irradiance;
   }
-  sent.a += patternless / view.told_irradiance;
+  if (is_patternless()) sent.a = has_cells ? sqrt(dot(sent.rgb, sent.rgb) / 3.0) / view.told_irradiance : 0.0;
 #endif
 #ifdef SHADOWED
   if (dot(seen.normal, from.to_light) > 0.0) {
@@ -415,7 +410,7 @@ vec4 sent_of(Surface surface, Incidence from, const Seen seen, int lamp, vec3 em
     // what is left where the light does not shine
     vec3 shaded = emitted;
 #ifdef ROUGH
-    if (has_cells) shaded *= shares.y;
+    if (has_cells) shaded *= seen.shares.y;
 #endif
     // never below 0, whatever rounding does
     if ((view.flags & kTellsRelief) != 0u)
@@ -465,7 +460,9 @@ vec3 sent_of_wide_light(Surface surface, const Seen seen) {
 // light_at() and surface_brdf() say.
 bool may_light(const Seen seen, int lamp) {
   vec4 place = lamps.place[lamp];
+#ifndef POINTS
   if (lamps.kind[lamp].x == 2.0) return dot(seen.normal, place.xyz) > -sqrt(8.0 * place.w);
+#endif
   vec4 axis = lamps.axis[lamp];
   vec3 toward = place.xyz - seen.at;
   float above = dot(seen.normal, toward);
@@ -494,7 +491,7 @@ void main() {
 
   Surface surface = surface_of(first_row);
 #ifdef ROUGH
-  seen.whole_cell = surface.weights.x * surface.diffuse;
+  vec3 whole_cell = surface.weights.x * surface.diffuse;
 #endif
 #ifdef PAINTED
   vec4 albedo = texelFetch(albedo_samples, seen.place, 0);
@@ -505,6 +502,9 @@ void main() {
   seen.cells = texelFetch(roughness_samples, seen.place, 0);
   seen.gap = albedo.a;
   roughen(surface, albedo.a, seen.cells.x);
+  seen.shares = seen.cells.wz;
+  if (is_patternless() && material_cell_count(first_row).x > 0.0)
+    mean_cells(first_row, whole_cell, surface.diffuse, seen.shares);
 #endif
 
 #ifdef REFLECTING
@@ -550,5 +550,8 @@ void main() {
 #if defined(PLANETS) || defined(INDIRECT)
   radiance.rgb += sent_of_wide_light(surface, seen);
 #endif
+#endif
+#ifdef ROUGH
+  if (is_patternless()) radiance.rgb = vec3(0.0);
 #endif
 }

@@ -9,7 +9,6 @@ const int kPlanetTableSide = 64;
 const int kSunsetNodes = 64;
 const int kMostItems = 1073741823;
 const uint kTurns = 2147483648u;
-const uint kPredictsErrors = 1u;
 const uint kTellsRelief = 2u;
 const uint kOwnShape = 1u;
 const uint kBumpsTurnedU = 2u;
