@@ -65,7 +65,7 @@ void CasterDraws::clear() {
 
 void CasterDraws::add(const GladGLContext& gl, std::uint32_t target, std::uint32_t item,
                       std::uint32_t part, bool clamped, const DrawItem& from,
-                      const Mat4& clip_from_mesh) {
+                      const Mat4& clip_from_mesh, const CasterMesh* mesh) {
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
     stream_.emplace(gl);
@@ -74,7 +74,7 @@ void CasterDraws::add(const GladGLContext& gl, std::uint32_t target, std::uint32
   copy_floats(clip_from_mesh, block.clip_from_mesh);
   block.id = item + 1;
   copy_repeat(from, block);
-  draws_.push_back({target, item, part, clamped});
+  draws_.push_back({target, item, part, clamped, mesh});
   blocks_.resize(blocks_.size() + stride_);
   std::memcpy(blocks_.data() + blocks_.size() - stride_, &block, sizeof block);
 }
@@ -99,7 +99,7 @@ bool CasterDraws::draw(Device::Impl& device, const TargetStates& states,
     const Draw& one = draws_[k];
     std::size_t end = k;  // of its target's
     while (end < draws_.size() && end - k < kInstancesAtOnce && draws_[end].target == one.target &&
-           draws_[end].part == one.part)
+           draws_[end].part == one.part && draws_[end].mesh == one.mesh)
       ++end;
     at_once = drawn_at_once(k, end, item_at);
     const bool instanced = at_once > 1;
@@ -116,12 +116,18 @@ bool CasterDraws::draw(Device::Impl& device, const TargetStates& states,
     if (!last || item.sides != last->sides) cull(gl, sides_of(item));
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
     if (item.variant.cutout) gpu.bind_maps(one.item);
-    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
+    if (!last || item.mesh != last->mesh || one.mesh != before->mesh)
+      one.mesh ? one.mesh->bind_vertices(gl) : gpu.bind_vertices(mesh, item.mesh);
     gl.BindBufferRange(
         GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
         static_cast<GLintptr>(first_block + k * stride_),
         static_cast<GLsizeiptr>((instanced ? kInstancesAtOnce : 1) * sizeof(DrawBlock)));
-    good = gpu.draw(mesh, item.mesh, at_once, job, 0, mesh.triangle_count);
+    if (one.mesh) {
+      good = !job.cancelled();
+      one.mesh->draw(gl, at_once);
+    } else {
+      good = gpu.draw(mesh, item.mesh, at_once, job, 0, mesh.triangle_count);
+    }
     were_instanced = instanced;
     last = &item;
     before = &one;

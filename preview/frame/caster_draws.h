@@ -10,6 +10,7 @@
 #include "base/job.h"
 #include "preview/frame/target_states.h"
 #include "preview/gl/gl_objects.h"
+#include "preview/model/caster_meshes.h"
 
 namespace panwright::preview {
 
@@ -36,8 +37,10 @@ class CasterDraws {
  public:
   void clear();
   // clamped: parts nearer to the light than the map are drawn onto its border
+  // mesh: instead of the item's, which has its state; null: that itself
   void add(const GladGLContext& gl, std::uint32_t target, std::uint32_t item, std::uint32_t part,
-           bool clamped, const DrawItem& from, const Mat4& clip_from_mesh);
+           bool clamped, const DrawItem& from, const Mat4& clip_from_mesh,
+           const CasterMesh* mesh = nullptr);
   bool empty() const { return draws_.empty(); }
 
   // Draws all. False: the job is cancelled.
@@ -54,6 +57,7 @@ class CasterDraws {
     std::uint32_t item = 0;
     std::uint32_t part = 0;
     bool clamped = false;
+    const CasterMesh* mesh = nullptr;
   };
   std::vector<Draw> draws_;
   std::vector<std::byte> blocks_;

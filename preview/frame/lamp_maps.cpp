@@ -14,6 +14,9 @@ namespace {
 // of the far end: depths are held to a millionth of themselves, whatever this is
 constexpr double kNearestShare = 1e-4;
 constexpr unsigned kLeastMapSide = 64;
+// So many maps pay for casters of their own, with an error of so many texels.
+constexpr std::size_t kManyMaps = 8;
+constexpr double kCasterTexels = 0.25;
 
 Tile whole_map(const world::Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
@@ -28,6 +31,15 @@ bool may_shadow(const LampMap& map, PlacedBox box) {
     box.camera_from_mesh[3].z = 1;
   }
   return may_touch(map.camera, whole_map(map.camera), 1, box);
+}
+
+// The width of a texel on a box at its nearest point, metres; 0: it is at the lamp.
+double texel_on(const LampMap& map, const PlacedBox& box) {
+  double depth = INFINITY;
+  for (const Vec3& corner : corners(box.low, box.high))
+    depth = std::min(depth, (box.camera_from_mesh * Vec4(corner, 1)).z);
+  if (!has_rays_from_point(map)) depth = 1;
+  return std::max(depth, 0.0) / map.camera.focal.x;
 }
 
 void set_map_side(LampMap& map, unsigned side) {
@@ -98,6 +110,7 @@ LampMaps::Key LampMaps::key_of(const FrameScene& scene, const LampMap& map) cons
                  map.range.far,
                  has_rays_from_point(map) ? 1.0 : 0.0};
   key.stamps.push_back(map.target);
+  key.stamps.push_back(simplified_);
   for (const std::uint32_t i : casters_) {
     key.stamps.push_back(scene.states[i].shape_stamp);
     key.stamps.push_back(scene.states[i].level);
@@ -113,14 +126,32 @@ void LampMaps::add_draws(const GladGLContext& gl, const FrameScene& scene, const
   const Tile whole = whole_map(map.camera);
   const bool clamped = !has_rays_from_point(map);
   for (const std::uint32_t target : casters_) {
+    const TargetState& state = scene.states[target];
     const Mat4 camera_from_model = camera_from(map.camera, scene.world[target].pose().matrix());
-    const std::span<const DrawItem> items = scene.states[target].items();
+    const std::span<const DrawItem> items = state.items();
+    touched_.clear();
+    std::size_t visible = 0;
     for (std::uint32_t i = 0; i < items.size(); ++i) {
       if (!items[i].visible) continue;
-      const PlacedBox box{camera_from_model * items[i].model_from_mesh, items[i].low,
-                          items[i].high};
-      const Mat4 clip = clip_from_mesh(map.camera, whole, map.range, box.camera_from_mesh);
-      if (may_shadow(map, box)) draws_.add(gl, target, i, 0, clamped, items[i], clip);
+      ++visible;
+      if (may_shadow(map,
+                     {camera_from_model * items[i].model_from_mesh, items[i].low, items[i].high}))
+        touched_.push_back(i);
+    }
+    const PlacedBox bounds{camera_from_model, state.bounds->low, state.bounds->high};
+    const double texel = texel_on(map, bounds);
+    const bool simplified = simplified_ && texel > 0 && 2 * touched_.size() >= visible;
+    const CasterMesh* mesh = nullptr;
+    for (const std::uint32_t i : touched_) {
+      const bool apart = !simplified || items[i].variant.cutout;
+      if (!apart && mesh) continue;
+      if (!apart)
+        mesh = &meshes_.find(gl, state.model().model, items, state.shape_stamp, state.level,
+                             kCasterTexels * texel);
+      const Mat4 camera_from_mesh =
+          apart ? camera_from_model * items[i].model_from_mesh : camera_from_model;
+      const Mat4 clip = clip_from_mesh(map.camera, whole, map.range, camera_from_mesh);
+      draws_.add(gl, target, i, 0, clamped, items[i], clip, apart ? nullptr : mesh);
     }
   }
 }
@@ -131,6 +162,8 @@ bool LampMaps::update(Device::Impl& device, const FrameScene& scene, std::vector
   const std::uint32_t most = device.context->limits().framebuffer_side;
   ++update_;
   if (maps.empty()) return true;
+  simplified_ = maps.size() >= kManyMaps;
+  meshes_.begin();
   side = std::min(side, most);
   while (side > kLeastMapSide &&
          ShadowMaps::kTexelBytes * side * side * std::uint64_t{maps.size()} > bytes)

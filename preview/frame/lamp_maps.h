@@ -34,6 +34,8 @@ Quat looking_along(const Vec3& z);
 
 // Layers of depths and slopes, as those of the Sun (shadow.h) but for the projection. Each holds
 // the shadows of one lamp on one target, from all targets. Insides of closed meshes stop light.
+// Where there are many maps, all of a target is one mesh, whose large parts are simplified within
+// an eighth of a texel (model/caster_meshes.h).
 class LampMaps {
  public:
   // Draws what is missing. A layer is kept while lamp, receiver and casters stay.
@@ -53,7 +55,7 @@ class LampMaps {
  private:
   struct Key {
     std::vector<double> numbers;        // of camera and range
-    std::vector<std::uint64_t> stamps;  // of receiver and casters
+    std::vector<std::uint64_t> stamps;  // of receiver and casters, and whether these are simplified
     bool operator==(const Key&) const = default;
   };
   struct Slot {
@@ -70,7 +72,10 @@ class LampMaps {
   std::uint64_t update_ = 0;
   std::uint64_t drawn_ = 0;
   CasterDraws draws_;
+  CasterMeshes meshes_;
+  bool simplified_ = false;             // those of this update
   std::vector<std::uint32_t> casters_;  // of one map
+  std::vector<std::uint32_t> touched_;  // items of one caster
 };
 
 }  // namespace panwright::preview

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "models.h"
+#include "preview/model/caster_meshes.h"
 #include "world/lamps.h"
 
 namespace panwright::preview::lamps_test {
@@ -381,6 +382,68 @@ TEST(Lamps, EveryWayOfDrawing) {
       EXPECT_NEAR(intensity(image, view.camera, 400) / one, 1, 0.02);
     EXPECT_EQ(drawn(world, view.camera, options).radiance, image.radiance);
   }
+}
+
+// A sheet of folds over the plane z = height, of many small triangles.
+geometry::Mesh crumpled(std::uint32_t side, double width, double height, double relief) {
+  geometry::Mesh mesh;
+  for (std::uint32_t j = 0; j <= side; ++j)
+    for (std::uint32_t i = 0; i <= side; ++i) {
+      const double x = width * (1.0 * i / side - 0.5), y = width * (1.0 * j / side - 0.5);
+      const double fold = std::sin(9 * x + 3 * std::sin(5 * y)) + std::cos(14 * y + 2 * x);
+      mesh.positions.emplace_back(x, y, height + 0.5 * relief * fold);
+      mesh.normals.emplace_back(0, 0, 1);
+    }
+  for (std::uint32_t j = 0; j < side; ++j)
+    for (std::uint32_t i = 0; i < side; ++i) {
+      const std::uint32_t a = j * (side + 1) + i, b = a + side + 1;
+      mesh.triangles.push_back({a, a + 1, b + 1});
+      mesh.triangles.push_back({a, b + 1, b});
+    }
+  return mesh;
+}
+
+// Many lamps have simplified casters, one has them in full: light adds up all the same, on what
+// casts the shadow and beneath it.
+TEST(Lamps, SimplifiedCasters) {
+  pan::Contents contents = single(plate(6, 6), lambert(1));
+  contents.meshes.push_back(pan::packed(crumpled(150, 2, 0.8, 0.1), "sheet"));
+  contents.instances.push_back({0, 1, 0, -1});
+  const auto model = held(contents);
+  const std::vector<DrawItem> items = draw_list(*model);
+  CasterMeshes meshes;
+  const GladGLContext& gl = shared_device()->context().gl();
+  const std::size_t triangles = meshes.find(gl, model, items, 1, 0, 2e-3).triangles();
+  EXPECT_LT(triangles, 10000u);  // 3,878 measured, of 45,002
+  EXPECT_GT(meshes.find(gl, model, items, 1, 0, 1e-12).triangles(), 40000u);
+  EXPECT_EQ(&meshes.find(gl, model, items, 1, 0, 2.5e-3),
+            &meshes.find(gl, model, items, 1, 0, 3e-3));
+  world::World world = night(model);
+  const View view = looking_from({1, -1, 1}, 9, 0.5, 128);
+  const RenderOptions options{.samples = 4, .shadow_side = 256};
+  std::vector<world::Lamp> lamps;
+  std::vector<double> sum(std::size_t{3} * 128 * 128);
+  for (int k = 0; k < 8; ++k) {
+    lamps.push_back(lamp_of(light::Point{
+        .position = {5 * std::cos(0.8 * k), 5 * std::sin(0.8 * k), 2.5}, .intensity = Vec3(9)}));
+    world.set_lamps({lamps.back()});
+    const image::Image one = drawn(world, view.camera, options);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += one.radiance[i];
+  }
+  world.set_lamps(lamps);
+  const image::Image all = drawn(world, view.camera, options);
+  double squares = 0, total = 0, apart = 0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    squares += std::pow(all.radiance[i] - sum[i], 2);
+    apart += all.radiance[i] - sum[i];
+    total += sum[i];
+  }
+  const double mean = total / static_cast<double>(sum.size());
+  const double rms = std::sqrt(squares / static_cast<double>(sum.size())) / mean;
+  printf("simplified: %zu triangles, flux %.1e, rms %.1e\n", triangles, apart / total, rms);
+  EXPECT_GT(rms, 0);
+  EXPECT_LT(std::fabs(apart / total), 3e-4);  // 4.7e-5 measured
+  EXPECT_LT(rms, 1.2e-2);                     // 6.0e-3 measured
 }
 
 // Light of a sphere beside the straight edge of a board, against the share of its disc above the
