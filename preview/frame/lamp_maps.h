@@ -35,7 +35,7 @@ Quat looking_along(const Vec3& z);
 // Layers of depths and slopes, as those of the Sun (shadow.h) but for the projection. Each holds
 // the shadows of one lamp on one target, from all targets. Insides of closed meshes stop light.
 // Where there are many maps, all of a target is one mesh, whose large parts are simplified within
-// an eighth of a texel (model/caster_meshes.h).
+// a quarter of a texel (model/caster_meshes.h).
 class LampMaps {
  public:
   // Draws what is missing. A layer is kept while lamp, receiver and casters stay.
