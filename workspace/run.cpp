@@ -25,8 +25,6 @@
 
 namespace panwright::workspace {
 
-namespace {}  // namespace
-
 std::string name_of(const Frame& frame) {
   return frame.outputs.empty() ? frame.label : frame.outputs[0];
 }

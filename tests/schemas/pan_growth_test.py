@@ -110,4 +110,23 @@ sound &= refused("differences without a key", table("sources", diff=True, words=
 sound &= refused("an order of an array", table("positions", order=["x"]))
 sound &= refused("as many as a section that is not there", table("frames", each="framez"))
 sound &= refused("two records exactly", table("budget", records="2"))
+
+
+def next_table(value, tiles):
+    """The layout of today with another table behind all, and the kind of terrain's tiles."""
+    layout = copy.deepcopy(LAYOUT)
+    frames = next(section for section in layout["section"] if section["kind"] == "frames")
+    layout["section"].append({**frames, "kind": "others", "value": value})
+    next(kind for kind in layout["reserved"] if kind["kind"] == "tiles")["value"] = tiles
+    return layout
+
+
+beyond = next_table(32, 31)
+generate_pan.validate(beyond)
+header = generate_pan.header_text(beyond)
+sound &= all(text in header for text in [
+    "kSectionKinds = 31;", "kLastKind = 32;", "return kind >= 1 && kind <= kLastKind && kind != 31;",
+    "return kind - 1 - (kind > 31 ? 1 : 0);"])
+sound &= refused("a table in place of terrain's tiles", next_table(31, 32))
+sound &= refused("a table of a kind that is taken", next_table(31, 31))
 sys.exit(0 if sound else 1)

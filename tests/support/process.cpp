@@ -62,6 +62,21 @@ bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds) 
   return WIFSIGNALED(status);
 }
 
+std::optional<Outcome> run_on_disk(const std::string& folder, unsigned kilobytes,
+                                   const std::string& script,
+                                   const std::vector<std::string>& words) {
+  constexpr int kNoMount = 77;
+  // a user namespace needs no privilege where the kernel allows it; root needs none
+  std::vector<std::string> all = {"unshare", geteuid() == 0 ? "-m" : "-rm", "bash", "-c"};
+  const std::string mount = "mount -t tmpfs -o size=" + std::to_string(kilobytes) + "k none '" +
+                            folder + "' || exit " + std::to_string(kNoMount) + "; ";
+  all.push_back(mount + script);
+  all.insert(all.end(), words.begin(), words.end());
+  Outcome out = run(all);
+  if (out.code == kNoMount || out.err.starts_with("unshare:")) return {};
+  return out;
+}
+
 Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds) {
   const TemporaryFolder folder;
   const pid_t child = start(words, {}, folder / "out", folder / "err");

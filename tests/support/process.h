@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);
 
 // Starts a program, sends it a signal after some microseconds, and waits for its end.
 Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds);
+
+// Runs a script of bash where a folder is a disk of its own, in memory. words: its $0, $1, …
+//
+// Returns none where this process may mount nothing.
+std::optional<Outcome> run_on_disk(const std::string& folder, unsigned kilobytes,
+                                   const std::string& script,
+                                   const std::vector<std::string>& words);
 
 // A folder that exists as long as this does.
 class TemporaryFolder {

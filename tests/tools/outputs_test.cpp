@@ -171,14 +171,12 @@ TEST_F(Outputs, NewLeavesNothingOnAFullDisk) {
   bool failed = false, made = false;
   for (int pages = 1; pages <= 4096 && !made; pages *= 4) {
     SCOPED_TRACE(pages);
-    // namespaces of one's own need no privilege where the kernel allows them
-    const Outcome out = support::run(
-        {"unshare", "-rm", "bash", "-c",
-         "mount -t tmpfs -o size=$2k none \"$1/disk\" || exit 77; \"$0\" new \"$1/disk/a/probe\"; "
-         "code=$?; find \"$1/disk\" -mindepth 1; exit $code",
-         kProgram, folder_.path().string(), std::to_string(4 * pages)});
-    if (out.code == 77 || (out.code != 0 && out.err.find("unshare") != out.err.npos))
-      GTEST_SKIP() << "no mounts without privilege here: " << out.err;
+    const auto ran = support::run_on_disk(
+        folder_ / "disk", static_cast<unsigned>(4 * pages),
+        "\"$0\" new \"$1/a/probe\"; code=$?; find \"$1\" -mindepth 1; exit $code",
+        {kProgram, folder_ / "disk"});
+    if (!ran) GTEST_SKIP() << "no mounts without privilege here";
+    const Outcome& out = *ran;
     made = out.code == 0;
     failed = failed || out.code == 3;
     if (made) {

@@ -139,7 +139,8 @@ geometry::Mesh box_at(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-// Largest light at places of a rectangle.
+// Largest light at places of a rectangle. White is 1; measured on dark ones below: 0, on lit ones
+// 0.4 to 0.5.
 double most_light(const Transport& transport, const Vec3& corner, const Vec3& along,
                   const Vec3& across) {
   constexpr int kSide = 41;
