@@ -158,15 +158,20 @@ std::string kalibr_text(const CameraFile& camera, const Plain& lens) {
       joined(lens.terms), camera.width, camera.height);
 }
 
+// Readers of SPEED+ ask for lengths in metres too, and for five coefficients.
+constexpr double kSpeedPitch = 5.86e-6;  // of the pixels of SPEED's camera
+
 std::string speed_text(const CameraFile& camera, const Plain& lens) {
   const auto& m = lens.matrix;
-  const std::vector<double> terms = lens.terms.empty() ? std::vector<double>(5) : lens.terms;
+  std::vector<double> terms = lens.terms;
+  terms.resize(5);
   return fmt::format(
-      "{{\"Nu\": {}, \"Nv\": {}, \"ccx\": {}, \"ccy\": {}, \"cameraMatrix\": [{}, {}, {}], "
-      "\"distCoeffs\": {}}}\n",
-      camera.width, camera.height, format_double(m[2]), format_double(m[5]),
-      joined(std::array{m[0], m[1], m[2]}), joined(std::array{m[3], m[4], m[5]}),
-      joined(std::array{m[6], m[7], m[8]}), joined(terms));
+      "{{\"Nu\": {}, \"Nv\": {}, \"ppx\": {}, \"ppy\": {}, \"fx\": {}, \"fy\": {}, \"ccx\": {}, "
+      "\"ccy\": {}, \"cameraMatrix\": [{}, {}, {}], \"distCoeffs\": {}}}\n",
+      camera.width, camera.height, format_double(kSpeedPitch), format_double(kSpeedPitch),
+      format_double(m[0] * kSpeedPitch), format_double(m[4] * kSpeedPitch), format_double(m[2]),
+      format_double(m[5]), joined(std::array{m[0], m[1], m[2]}),
+      joined(std::array{m[3], m[4], m[5]}), joined(std::array{m[6], m[7], m[8]}), joined(terms));
 }
 
 }  // namespace

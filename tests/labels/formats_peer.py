@@ -132,6 +132,8 @@ def speed(frames, name="q_vbs2tango"):
             seen += 1
         assert seen == 2
     assert (camera["Nu"], camera["Nv"]) == (64, 48)
+    # the starter kit's class Camera asks for these, in metres
+    assert np.allclose([camera["fx"] / camera["ppx"], camera["fy"] / camera["ppy"]], [k[0, 0], k[1, 1]], rtol=1e-15, atol=0)
 
 
 def rows_of(name):

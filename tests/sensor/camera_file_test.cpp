@@ -197,6 +197,24 @@ TEST(CameraFile, Orthographic) {
   EXPECT_FALSE(camera_text(*part, CameraFormat::opencv, log));
 }
 
+// SPEED+'s starter kit asks for focal lengths and pixels in metres, and for five coefficients.
+TEST(CameraFile, SpeedIsThatOfItsStarterKit) {
+  CameraFile camera{.name = "", .width = 640, .height = 480};
+  camera.lens = {
+      .focal = {701.1, 702.7}, .principal = {320.123, 239.7}, .distortion = Brown{{.1, .2}}};
+  DiagnosticLog log;
+  auto text = camera_text(camera, CameraFormat::speed, log);
+  ASSERT_TRUE(text);
+  EXPECT_NE(text->find(R"("distCoeffs": [0.1, 0.2, 0.0, 0.0, 0.0])"), std::string::npos) << *text;
+  const std::size_t at = text->find(R"("cameraMatrix")");
+  ASSERT_NE(at, std::string::npos);
+  const auto back = read(text->erase(at, text->find("]],") + 3 - at));
+  ASSERT_TRUE(back) << *text;
+  // rounding of a product and a quotient: 1.1e-13 measured
+  EXPECT_LE(glm::length(back->lens.focal - camera.lens.focal), 3e-13);
+  EXPECT_LE(glm::length(back->lens.principal - camera.lens.principal), 1e-13);
+}
+
 // Cameras that a format holds come back from its text.
 TEST(CameraFile, TextReadsBack) {
   CameraFile camera{.name = "a \"b\"", .width = 640, .height = 480};
