@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "light/light.h"
+#include "sky/internal/pixel_shares.h"
+#include "sky/internal/solid_angles.h"
 
 namespace panwright::sky {
 namespace {
 
 constexpr double kLightSpeed = 299792458;  // m/s
-constexpr double kReach = 6;               // sigmas of a Gaussian: 2e-9 lie beyond
 constexpr double kSunColour = 0.65;        // B − V
 
 // The smallest cosine of the angle between the boresight and what may fall on the image, by the
@@ -34,100 +37,72 @@ double cone_of(const world::Camera& camera, double margin) {
   return smallest > 0 ? smallest - 0.01 * (1.001 - smallest) : -2;
 }
 
-// Integrals of a Gaussian about a centre over pixels from `first` on.
-struct Shares {
-  std::int64_t first = 0;
-  std::vector<double> of;
-};
-
-Shares shares_of(double centre, double sigma) {
-  Shares out;
-  if (sigma == 0) return {static_cast<std::int64_t>(std::floor(centre)), {1}};
-  out.first = static_cast<std::int64_t>(std::floor(centre - kReach * sigma));
-  const auto last = static_cast<std::int64_t>(std::floor(centre + kReach * sigma));
-  const double scale = 1 / (sigma * std::sqrt(2.0));
-  double before = std::erf((static_cast<double>(out.first) - centre) * scale);
-  for (std::int64_t pixel = out.first; pixel <= last; ++pixel) {
-    const double after = std::erf((static_cast<double>(pixel + 1) - centre) * scale);
-    out.of.push_back(0.5 * (after - before));
-    before = after;
-  }
-  return out;
-}
-
-// Solid angles of the pixels of a rectangle in an image. A tenth pixel decides whether a surface of
-// second order through nine of them has them; if not, each is computed.
-class SolidAngles {
+// What draws points of light: buffers for a line of pixels, and what they have in common.
+class PointDrawer {
  public:
-  // Pixels from `first` to `last`, these included.
-  SolidAngles(const world::Camera& camera, const std::int64_t (&first)[2],
-              const std::int64_t (&last)[2])
-      : camera_(camera), first_(first[0]) {
-    constexpr std::int64_t kFew = 6;  // on a side: not worth it
-    if (last[0] - first[0] < kFew || last[1] - first[1] < kFew) return;
-    for (int k = 0; k < 2; ++k) {
-      node_[k][0] = first[k];
-      node_[k][1] = (first[k] + last[k]) / 2;
-      node_[k][2] = last[k];
-    }
-    bool all = true;
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) all = all && (value_[j][i] = exact(node_[0][i], node_[1][j])) > 0;
-    constexpr double kSmooth = 1e-7;  // relative: about that of a float
-    const std::int64_t x = first[0] + 1, y = first[1] + 1;
-    const double between = exact(x, y);
-    smooth_ = all && std::fabs(by_nodes(x, y) - between) <= kSmooth * between;
-    if (!smooth_) return;
-    for (std::int64_t column = first[0]; column <= last[0]; ++column) {
-      const Vec3 across = weights(node_[0], static_cast<double>(column));
-      for (int i = 0; i < 3; ++i) across_[i].push_back(across[i]);
+  PointDrawer(const world::Camera& camera, double psf_sigma, std::size_t points,
+              image::Image& image)
+      : image_(image), psf_sigma_(psf_sigma), shares_(psf_sigma, 2 * points), angles_(camera) {}
+
+  // Begins to load the pixels of a point that add() comes to next: most of the time goes there.
+  void load(const Vec2& pixel) const {
+    constexpr std::int64_t kLine = 16;  // floats of a cache's line
+    const double reach = kReach * psf_sigma_;
+    const auto at = [](double place, std::uint32_t side) {
+      return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(side) - 1));
+    };
+    const std::int64_t from = at(pixel.x - reach, image_.width);
+    const std::int64_t to = at(pixel.x + reach, image_.width);
+    const std::int64_t end = at(pixel.y + reach, image_.height);
+    for (std::int64_t y = at(pixel.y - reach, image_.height); y <= end; ++y) {
+      const float* row = image_.radiance.data() + 3 * y * static_cast<std::int64_t>(image_.width);
+      for (std::int64_t x = 3 * from; x < 3 * (to + 1) + kLine; x += kLine)
+        __builtin_prefetch(row + std::min(x, 3 * to + 2), 1);
     }
   }
 
-  // Sets those of a row of the rectangle.
-  void row(std::int64_t y, std::span<double> out) const {
-    if (!smooth_) {
-      for (std::size_t x = 0; x < out.size(); ++x)
-        out[x] = exact(first_ + static_cast<std::int64_t>(x), y);
-      return;
+  void add(const Vec2& pixel, const Vec3& irradiance) {
+    constexpr float kMost = 1e30f;  // of radiance: floats stay finite
+    const auto width = static_cast<std::int64_t>(image_.width);
+    const auto height = static_cast<std::int64_t>(image_.height);
+    shares_.find(pixel.x, across_);
+    shares_.find(pixel.y, down_);
+    const auto end_of = [](const Shares& shares) {
+      return shares.first + static_cast<std::int64_t>(shares.of.size()) - 1;
+    };
+    const std::int64_t first[] = {std::max<std::int64_t>(across_.first, 0),
+                                  std::max<std::int64_t>(down_.first, 0)};
+    const std::int64_t last[] = {std::min(end_of(across_), width - 1),
+                                 std::min(end_of(down_), height - 1)};
+    if (first[0] > last[0] || first[1] > last[1]) return;
+    angles_.begin(first, last);
+    const double reach = kReach * psf_sigma_;
+    for (std::int64_t y = first[1]; y <= last[1]; ++y) {
+      // what lies within the reach of the row
+      const double off = std::max(std::fabs(static_cast<double>(y) + 0.5 - pixel.y) - 0.5, 0.0);
+      const double half = std::sqrt(std::max(reach * reach - off * off, 0.0));
+      const auto from = std::max(static_cast<std::int64_t>(std::floor(pixel.x - half)), first[0]);
+      const auto to = std::min(static_cast<std::int64_t>(std::floor(pixel.x + half)), last[0]);
+      if (from > to) continue;
+      const double* shares = &across_.of[static_cast<std::size_t>(from - across_.first)];
+      const Vec3 along = irradiance * down_.of[static_cast<std::size_t>(y - down_.first)];
+      const float bands[] = {static_cast<float>(along.x), static_cast<float>(along.y),
+                             static_cast<float>(along.z)};
+      float* radiance = &image_.radiance[3 * static_cast<std::size_t>(y * width + from)];
+      angles_.for_row(from, y, static_cast<std::size_t>(to - from + 1),
+                      [&](std::size_t x, double inverse) {
+                        const auto share = static_cast<float>(shares[x] * inverse);
+                        for (const float band : bands) *radiance++ += std::min(band * share, kMost);
+                      });
     }
-    std::ranges::fill(out, 0.0);
-    const Vec3 down = weights(node_[1], static_cast<double>(y));
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i)
-        for (std::size_t x = 0; x < out.size(); ++x)
-          out[x] += down[j] * across_[i][x] * value_[j][i];
   }
 
  private:
-  double exact(std::int64_t x, std::int64_t y) const {
-    return world::pixel_solid_angle(camera_, static_cast<std::uint32_t>(x),
-                                    static_cast<std::uint32_t>(y));
-  }
-
-  double by_nodes(std::int64_t x, std::int64_t y) const {
-    const Vec3 across = weights(node_[0], static_cast<double>(x));
-    const Vec3 down = weights(node_[1], static_cast<double>(y));
-    double sum = 0;
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) sum += down[j] * across[i] * value_[j][i];
-    return sum;
-  }
-
-  // Lagrange's polynomials of three nodes.
-  static Vec3 weights(const std::int64_t (&node)[3], double at) {
-    const auto a = static_cast<double>(node[0]), b = static_cast<double>(node[1]),
-               c = static_cast<double>(node[2]);
-    return {(at - b) * (at - c) / ((a - b) * (a - c)), (at - a) * (at - c) / ((b - a) * (b - c)),
-            (at - a) * (at - b) / ((c - a) * (c - b))};
-  }
-
-  const world::Camera& camera_;
-  std::int64_t first_ = 0;
-  std::int64_t node_[2][3] = {};
-  double value_[3][3] = {};
-  bool smooth_ = false;
-  std::vector<double> across_[3];  // weights of the columns
+  image::Image& image_;
+  double psf_sigma_;
+  PixelShares shares_;
+  InverseAngles angles_;
+  Shares across_, down_;
 };
 
 }  // namespace
@@ -146,7 +121,7 @@ Vec3 apparent_direction(const Star& star, double years, const Vec3& velocity) {
 Vec3 star_irradiance(double v, double b_v) {
   constexpr double kSunV = -26.76;  // Willmer 2018
   const double colour = std::isnan(b_v) ? kSunColour : b_v;
-  const auto power = [](double fainter) { return det::pow(10, -0.4 * fainter); };
+  const auto power = [](double fainter) { return det::exp(-0.4 * std::numbers::ln10 * fainter); };
   const double redder = colour - kSunColour;
   return light::kSolarIrradiance *
          Vec3(power(v - kSunV - 0.55 * redder), power(v - kSunV), power(v - kSunV + redder));
@@ -165,9 +140,15 @@ std::vector<StarInView> stars_in_view(const light::Stars& stars, const world::Ca
       glm::mat3_cast(glm::conjugate(camera.world_from_camera) * stars.world_from_icrs);
   const Vec3 boresight(camera_from_icrs[0].z, camera_from_icrs[1].z, camera_from_icrs[2].z);
   const double years = stars.year - catalogue.epoch;
+  // aberration turns by less, so most stars are told by where they are without it
+  const double least = cone - 2 * glm::length(stars.velocity) / kLightSpeed - 1e-9;
   for (std::size_t i = 0; i < catalogue.stars.size(); ++i) {
     const Star& star = catalogue.stars[i];
     if (star.v > stars.faintest) break;
+    const Vec3 moved = star.direction + years * star.motion;
+    const double along = glm::dot(boresight, moved);
+    if (least > 0 && (along < 0 || along * along < least * least * glm::dot(moved, moved)))
+      continue;
     const Vec3 direction = apparent_direction(star, years, stars.velocity);
     if (glm::dot(boresight, direction) < cone) continue;
     const auto pixel = world::project(still, camera_from_icrs * direction);
@@ -198,32 +179,7 @@ void remove_hidden(const Sky& sky, const Vec3& camera, std::vector<StarInView>& 
 
 void add_point(const Vec2& pixel, const Vec3& irradiance, const world::Camera& camera,
                double psf_sigma, image::Image& image) {
-  constexpr double kMost = 1e30;  // of radiance: floats stay finite
-  const auto width = static_cast<std::int64_t>(image.width);
-  const auto height = static_cast<std::int64_t>(image.height);
-  const Shares across = shares_of(pixel.x, psf_sigma);
-  const Shares down = shares_of(pixel.y, psf_sigma);
-  const auto end_of = [](const Shares& shares) {
-    return shares.first + static_cast<std::int64_t>(shares.of.size()) - 1;
-  };
-  const std::int64_t first[] = {std::max<std::int64_t>(across.first, 0),
-                                std::max<std::int64_t>(down.first, 0)};
-  const std::int64_t last[] = {std::min(end_of(across), width - 1),
-                               std::min(end_of(down), height - 1)};
-  if (first[0] > last[0] || first[1] > last[1]) return;
-  const SolidAngles angles(camera, first, last);
-  std::vector<double> row(static_cast<std::size_t>(last[0] - first[0] + 1));
-  for (std::int64_t y = first[1]; y <= last[1]; ++y) {
-    angles.row(y, row);
-    const Vec3 along = irradiance * down.of[static_cast<std::size_t>(y - down.first)];
-    const double* shares = &across.of[static_cast<std::size_t>(first[0] - across.first)];
-    float* radiance = &image.radiance[3 * static_cast<std::size_t>(y * width + first[0])];
-    for (std::size_t x = 0; x < row.size(); ++x, radiance += 3) {
-      if (!(row[x] > 0)) continue;
-      for (int band = 0; band < 3; ++band)
-        radiance[band] += static_cast<float>(std::min(along[band] * shares[x] / row[x], kMost));
-    }
-  }
+  PointDrawer(camera, psf_sigma, 1, image).add(pixel, irradiance);
 }
 
 void add_stars(std::span<const StarInView> stars, const world::Camera& camera, double psf_sigma,
@@ -231,16 +187,28 @@ void add_stars(std::span<const StarInView> stars, const world::Camera& camera, d
   assert(image.width == camera.width && image.height == camera.height);
   const auto width = static_cast<std::int64_t>(image.width);
   const auto height = static_cast<std::int64_t>(image.height);
-  for (const StarInView& star : stars) {
+  // from the top of the image to its bottom, by bands that caches hold
+  constexpr std::int64_t kBand = 16;
+  const auto row_of = [&](const StarInView& star) {
+    return std::clamp(static_cast<std::int64_t>(std::floor(star.pixel.y)), std::int64_t{0},
+                      height - 1);
+  };
+  std::vector<std::size_t> next(static_cast<std::size_t>(height / kBand + 2), 0);
+  for (const StarInView& star : stars) ++next[static_cast<std::size_t>(row_of(star) / kBand) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<const StarInView*> order(stars.size());
+  for (const StarInView& star : stars)
+    order[next[static_cast<std::size_t>(row_of(star) / kBand)]++] = &star;
+  PointDrawer drawer(camera, psf_sigma, stars.size(), image);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const StarInView* star = order[i];
+    if (i + 1 < order.size()) drawer.load(order[i + 1]->pixel);
     // where the centre is outside, the nearest pixel says what is in front of it
-    const auto column =
-        std::clamp(static_cast<std::int64_t>(std::floor(star.pixel.x)), std::int64_t{0}, width - 1);
-    const auto row = std::clamp(static_cast<std::int64_t>(std::floor(star.pixel.y)),
-                                std::int64_t{0}, height - 1);
-    const double open =
-        1 - static_cast<double>(image.coverage[static_cast<std::size_t>(row * width + column)]);
-    if (!(open > 0)) continue;
-    add_point(star.pixel, open * star.irradiance / unit, camera, psf_sigma, image);
+    const auto column = std::clamp(static_cast<std::int64_t>(std::floor(star->pixel.x)),
+                                   std::int64_t{0}, width - 1);
+    const auto at = static_cast<std::size_t>(row_of(*star) * width + column);
+    const double open = 1 - static_cast<double>(image.coverage[at]);
+    if (open > 0) drawer.add(star->pixel, open * star->irradiance / unit);
   }
 }
 
