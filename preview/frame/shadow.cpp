@@ -226,7 +226,10 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   // points of the disc take up to four times the memory
   const std::uint64_t most =
       (limits.disc.points > 1 ? 4 : 1) * std::max(limits.bytes / kTexelBytes, cell);
-  if (disc_ != limits.disc || stored_texels() > most) maps_.clear();
+  if (stored_texels() > most) maps_.clear();
+  // of another disc every map is another one, in the same memory
+  if (disc_ != limits.disc)
+    for (Map& map : maps_) map.drawn = false;
   disc_ = limits.disc;
   ++update_;
   group(scene, cells);

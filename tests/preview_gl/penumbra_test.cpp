@@ -272,6 +272,35 @@ TEST(Penumbra, HorizonCutsTheDisc) {
   }
 }
 
+// Maps of another disc of the Sun are drawn into the memory of those before.
+TEST(Penumbra, AnotherDiscTakesNoNewMemory) {
+  const pan::Model model = model_of(single(plate(2, 2), lambert(1)));
+  const auto device = shared_device();
+  support::ModelRenderer renderer(device, model);
+  View view = above(64, 1, {0.1, 0.2, 1});
+  DiagnosticLog log;
+  const auto made = [&] {
+    const auto before = device->counts().allocations;
+    const auto maps = renderer.renderer().counts().shadow_maps;
+    EXPECT_TRUE(renderer.render(view, soft(16), log)) << to_text(log);
+    EXPECT_EQ(renderer.renderer().counts().shadow_maps, maps + 1);
+    return device->counts().allocations - before;
+  };
+  EXPECT_GT(made(), 0u);
+  // frames in flight have buffers of their own
+  for (const double x : {0.2, 0.3, 0.4}) {
+    view.to_sun = {x, 0.2, 1};
+    made();
+  }
+  view.limb_darkening = 0.6;
+  EXPECT_EQ(made(), 0u);
+  view.sun_distance = 0.9;
+  EXPECT_EQ(made(), 0u);
+  const auto last = renderer.render(view, soft(16), log);
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->radiance, rendered(model, view, soft(16)).radiance);
+}
+
 // In an eclipse a target lies in one place of the penumbra: as many points as there may be.
 TEST(Penumbra, AnEclipseTakesMorePoints) {
   const auto meadow = std::make_shared<const pan::Model>(model_of(single(plate(4, 4), lambert(1))));
