@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "preview/frame/blocks.h"
+#include "preview/frame/pixel_errors.h"
 #include "preview/frame/texel_areas.h"
 
 namespace panwright::preview {
@@ -20,23 +21,6 @@ constexpr double kMuchRelief = 1e-3;
 constexpr unsigned kFineSide = 4096;
 constexpr unsigned kFineHardSide = 5792;
 constexpr unsigned kFinePoints = 8;
-
-// Takes what shading.frag says beside the coverage: what relief finer than the shadow map's texels
-// may add to the flux, relative.
-double taken_relief(const world::World& world, image::Image& image) {
-  const double whole = told_irradiance(world);
-  double relief = 0;
-  double light = 0;
-  for (std::size_t i = 0; i < image.pixels(); ++i) {
-    float& coverage = image.coverage[i];
-    if (coverage == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k) light += image.radiance[3 * i + k] / 3.0;
-    if (!(coverage > 1)) continue;
-    relief += (coverage - 1.0) * whole;
-    coverage = 1;
-  }
-  return light > 0 ? relief / light : 0;
-}
 
 // The flux of texels of a size, in any unit.
 double flux_of(const image::Image& image, double texel) {
@@ -64,7 +48,7 @@ bool ImposterSampler::draw_texels(const Draw& draw, const Imposter& imposter) {
   if (imposter.fine_shadows) scene.sun_points = kFinePoints;
   if (draw.samplers.radiance(scene, options_, draw.frames, draw.frame, draw.log, draw.job) &&
       draw.frames.take_all(draw.frame, draw.log, draw.job)) {
-    relief_ = taken_relief(draw.world, draw.frame.image);
+    relief_ = taken_relief(told_irradiance(draw.world), draw.frame.image);
     return true;
   }
   draw.frames.abandon(draw.frame);
@@ -116,7 +100,7 @@ bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::u
       over = std::max(over, pixels_over);
     }
     if (round > 0) break;
-    if (0.5 * relief_ > kMuchRelief && !options_.shadow_side) {
+    if (kReliefShare * relief_ > kMuchRelief && !options_.shadow_side) {
       imposter.fine_shadows = true;
       options_.shadow_side = draw.samplers.lights().disc().points > 1 ? kFineSide : kFineHardSide;
     }
@@ -127,7 +111,7 @@ bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::u
     imposter.texels = static_cast<std::uint32_t>(
         std::min<double>(most_side, std::ceil(std::pow(over / kAim, 2.0 / 3.0) * imposter.texels)));
   }
-  flux_error = flux > 0 ? flux_error + 0.5 * relief_ : kNothingLit;
+  flux_error = flux > 0 ? flux_error + kReliefShare * relief_ : kNothingLit;
   return true;
 }
 

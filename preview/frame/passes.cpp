@@ -237,13 +237,14 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
 }
 
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
-                    bool predicting) {
+                    Told told) {
   // texels of imposters are samples of their pixels
   const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
   ViewBlock shared = view_block(scene.camera, scene.world, tile.tile, samples);
   shared.cell_parts = static_cast<float>(parts);
-  shared.flags = !predicting && scene.texels > 0 ? kTellsRelief : 0;
-  predicting_ = predicting;
+  shared.flags =
+      told == Told::relief || (told == Told::coverage && scene.texels > 0) ? kTellsRelief : 0;
+  predicting_ = told == Told::cells;
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);

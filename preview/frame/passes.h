@@ -58,6 +58,13 @@ struct Blocks {
   std::uint32_t rows = 0;
 };
 
+// What shading writes beside the radiance: the coverage, and with it more (shading.frag).
+enum class Told : std::uint8_t {
+  coverage,  // of imposters as `relief`
+  cells,     // inputs of error prediction (Sampling)
+  relief,    // what relief finer than the shadow maps' texels may add
+};
+
 class Passes {
  public:
   explicit Passes(Device::Impl& device);
@@ -65,10 +72,9 @@ class Passes {
   // Builds every program of a pass before its first draw. Fails: E5001.
   bool prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log);
 
-  // Uploads the blocks of a tile and of all items on it. predicting: shading also writes the inputs
-  // of error prediction (Sampling).
+  // Uploads the blocks of a tile and of all items on it.
   void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
-              bool predicting = false);
+              Told told = Told::coverage);
 
   // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
   // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.

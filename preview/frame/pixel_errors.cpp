@@ -173,6 +173,20 @@ ImageSums sums_of(const image::Image& image) {
   return sums;
 }
 
+double taken_relief(double unit, image::Image& image) {
+  double relief = 0;
+  double light = 0;
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    float& coverage = image.coverage[i];
+    if (coverage == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) light += image.radiance[3 * i + k] / 3.0;
+    if (!(coverage > 1)) continue;
+    relief += (coverage - 1.0) * unit;
+    coverage = 1;
+  }
+  return light > 0 ? relief / light : 0;
+}
+
 float least_error_above(std::span<const float> errors, double budget) {
   std::vector<double> squares(kBins, 0.0);
   for (const float error : errors)

@@ -19,6 +19,15 @@ struct ImageSums {
 
 ImageSums sums_of(const image::Image& image);
 
+// Takes what shading.frag says beside the coverage of what relief finer than the shadow maps'
+// texels may add: returns its share of the flux, and sets the coverage.
+//
+//   unit  told_irradiance()
+double taken_relief(double unit, image::Image& image);
+
+// What such relief does add, in parts of what it may.
+inline constexpr double kReliefShare = 0.5;
+
 // Predictor of the error of pixels with one sample each. The error of a pixel's mean follows the
 // largest second difference of radiance along rows, columns and both diagonals. It detects edges,
 // borders of shadows and highlights, and no linear slope. A share of the neighbours' differences is

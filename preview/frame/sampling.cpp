@@ -114,6 +114,7 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   frame.part = whole.tile;
   frame.triangles = triangles_on(scene, whole);
   work_ = 0;
+  relief_ = 0;
   report_ = {};
   if (frame.part.width == 0 || frame.part.height == 0) return true;
   // As wide as what is in view, or as high: what lies on two tiles is drawn twice.
@@ -127,11 +128,13 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   device_.programs.runs();
   if (!device_.programs_ready(log)) return false;
   if (!one_sample_each(frame, image, patternless_)) return false;
+  if (!patternless_.empty() && scene.lights->shadows() && !look_at_relief(frame)) return false;
   report_.samples = 1;
   unseen_.clear();
   const bool good = options.samples == 0 ? look_at_corners(frame) && until_error(frame)
                                          : some_in_full(frame, options.samples);
   // what light there may be is missing
+  report_.flux = std::hypot(report_.flux, kReliefShare * relief_);
   if (good && !(sums_of(image).squares > 0)) report_.rmse = report_.flux = kNothingLit;
   return good;
 }
@@ -338,14 +341,14 @@ void Sampling::take_patternless(const Frame& frame, const Tile& tile, image::Ima
     }
 }
 
-// One sample a pixel, and what their errors are predicted from.
+// One sample a pixel, and what their errors are predicted from, or what relief may add.
 bool Sampling::one_sample_each(const Frame& frame, image::Image& image,
-                               std::vector<float>& patternless) {
+                               std::vector<float>& patternless, bool relief) {
   const Pass pass = frame.options.flat ? Pass::flat_geometry : Pass::geometry;
   bool cells = false;
   for (std::size_t v = 0; v < frame.scene.visible.targets.size(); ++v)
     for (const std::uint32_t index : frame.scene.visible.targets[v].items)
-      cells = cells || frame.scene.state(v).items()[index].variant.cells;
+      cells = cells || (!relief && frame.scene.state(v).items()[index].variant.cells);
   patternless.assign(cells ? frame.count() : 0, -1.0f);
   const std::uint32_t side = std::min(frame.width, frame.height);
   for (Tiles each(frame.part.width, frame.part.height, side); each; each.next()) {
@@ -358,7 +361,7 @@ bool Sampling::one_sample_each(const Frame& frame, image::Image& image,
         !ensure_render_target(gl_, color_, kColorFormats, true, tile.width, tile.height,
                               frame.area(), frame.log))
       return false;
-    passes_.upload(frame.scene, on_tile, 1, frame.options.flat, cells);
+    passes_.upload(frame.scene, on_tile, 1, frame.options.flat, cells ? Told::cells : Told::relief);
     if (!passes_.draw(frame.scene, on_tile, 1, pass, seen_, frame.job)) return !frame.cancelled();
     passes_.shade(frame.scene, on_tile, 1, seen_, color_);
     const std::size_t pixels = std::size_t{tile.width} * tile.height;
@@ -369,7 +372,36 @@ bool Sampling::one_sample_each(const Frame& frame, image::Image& image,
     store_pixels(floats_, tile, image);
     if (cells) take_patternless(frame, tile, image, patternless);
   }
+  // of the same relief, two looks
+  if (!cells) relief_ = std::max(relief_, taken_relief(told_irradiance(frame.scene.world), image));
   return true;
+}
+
+// Solar cells take the place of what relief may add: it is told of a small image of the same view.
+bool Sampling::look_at_relief(const Frame& frame) {
+  constexpr double kSide = 256;  // pixels
+  const double scale = std::min(1.0, kSide / std::max(frame.part.width, frame.part.height));
+  world::Camera camera = frame.scene.camera;
+  camera.width = static_cast<std::uint32_t>(std::ceil(camera.width * scale));
+  camera.height = static_cast<std::uint32_t>(std::ceil(camera.height * scale));
+  camera.focal *= scale;
+  camera.principal *= scale;
+  small_.width = camera.width;
+  small_.height = camera.height;
+  small_.radiance.assign(3 * small_.pixels(), 0.0f);
+  small_.coverage.assign(small_.pixels(), 0.0f);
+  const FrameScene scene{.world = frame.scene.world,
+                         .camera = camera,
+                         .states = frame.scene.states,
+                         .visible = frame.scene.visible,
+                         .lights = frame.scene.lights,
+                         .pixel = frame.scene.pixel,
+                         .texels = frame.scene.texels,
+                         .specular_filter = frame.scene.specular_filter};
+  const Tile part = tile_scene(scene, {0, 0, camera.width, camera.height}).tile;
+  Frame other{scene,     frame.options, frame.formats, small_, frame.job,
+              frame.log, frame.width,   frame.height,  part,   frame.triangles};
+  return one_sample_each(other, small_, corner_patternless_, true);
 }
 
 // A second look between the samples of the first: thin things that one of them misses, the other

@@ -58,7 +58,9 @@ class Sampling {
   //   area  pixels that later calls may need
   bool read_means(std::uint32_t width, std::uint32_t height, std::size_t area, unsigned samples,
                   DiagnosticLog& log);
-  bool one_sample_each(const Frame& frame, image::Image& image, std::vector<float>& patternless);
+  bool one_sample_each(const Frame& frame, image::Image& image, std::vector<float>& patternless,
+                       bool relief = false);
+  bool look_at_relief(const Frame& frame);
   bool look_at_corners(const Frame& frame);
   void look_for_thin_parts(const Frame& frame);
   float unseen(std::size_t pixel) const { return unseen_.empty() ? 0 : unseen_[pixel]; }
@@ -119,7 +121,9 @@ class Sampling {
   PixelSet asked_;                     // of a tile
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   Outline outline_;
-  double work_ = 0;  // of this frame: RenderOptions::work
+  image::Image small_;  // where relief is looked at
+  double relief_ = 0;   // of this frame: what it may add (taken_relief)
+  double work_ = 0;     // of this frame: RenderOptions::work
   SamplingReport report_;
 };
 
