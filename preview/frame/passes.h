@@ -58,11 +58,11 @@ struct Blocks {
   std::uint32_t rows = 0;
 };
 
-// What shading writes beside the radiance: the coverage, and with it more (shading.frag).
+// Output of shading beside the radiance: the coverage, and with it more (shading.frag).
 enum class Told : std::uint8_t {
   coverage,  // of imposters as `relief`
   cells,     // inputs of error prediction (Sampling)
-  relief,    // what relief finer than the shadow maps' texels may add
+  relief,    // light that relief finer than the shadow maps' texels may add
 };
 
 class Passes {

@@ -25,7 +25,7 @@ ImageSums sums_of(const image::Image& image);
 //   unit  told_irradiance()
 double taken_relief(double unit, image::Image& image);
 
-// What such relief does add, in parts of what it may.
+// Share of it that stands for the error.
 inline constexpr double kReliefShare = 0.5;
 
 // Predictor of the error of pixels with one sample each. The error of a pixel's mean follows the

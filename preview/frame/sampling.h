@@ -121,7 +121,7 @@ class Sampling {
   PixelSet asked_;                     // of a tile
   std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   Outline outline_;
-  image::Image small_;  // where relief is looked at
+  image::Image small_;  // of look_at_relief()
   double relief_ = 0;   // of this frame: what it may add (taken_relief)
   double work_ = 0;     // of this frame: RenderOptions::work
   SamplingReport report_;

@@ -45,9 +45,9 @@ class InverseAngles {
   }
 
  private:
-  // Pixels of a row of a lens without distortion. The mean of g = s^(-3/2), s = 1 + u² + v², over a
-  // pixel is that of its middle and the second derivatives there, g·(15·u²/s² − 3/s), times its
-  // sides' squares / 24.
+  // Pixels of a row of a lens without distortion: the mean of g = s^(-3/2), s = 1 + u² + v². It is
+  // that of a pixel's middle, and the second derivatives there, g·(15·u²/s² − 3/s), times the
+  // squares of its sides / 24.
   struct Middles {
     double first = 0, side = 0;  // u
     double above = 0;            // 1 + v²
