@@ -328,6 +328,71 @@ bool check_place(const Opening& o, Found& found) {
   return false;
 }
 
+// Bodies by name: equatorial radius, metres (IAU 2015).
+constexpr struct {
+  std::string_view name;
+  double radius;
+} kBodies[] = {
+    {"MERCURY", 2440530},  {"VENUS", 6051800}, {"EARTH", 6378137},  {"MOON", 1738100},
+    {"LUNA", 1738100},     {"MARS", 3396190},  {"WGS", 6378137},    {"PHOBOS", 13000},
+    {"DEIMOS", 7800},      {"IO", 1829400},    {"EUROPA", 1562600}, {"GANYMEDE", 2631200},
+    {"CALLISTO", 2410300}, {"TITAN", 2575150}, {"CERES", 487300},   {"PLUTO", 1188300}};
+
+// Whether a name stands in a text as a word; digits and underscores end words.
+bool has_word(std::string_view text, std::string_view word) {
+  const auto letter = [](char c) { return c >= 'A' && c <= 'Z'; };
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !letter(text[at - 1])) && (end == text.size() || !letter(text[end])))
+      return true;
+  }
+  return false;
+}
+
+// Compares the map's radius with the bodies that the file names. False: in doubt.
+bool check_body(const Opening& o, Found& found) {
+  Map& map = found.info.map;
+  if (map.kind == Map::Kind::none || !(map.radius > 0)) return true;
+  const std::string cited = upper_case(found.cited);
+  const bool local = cited.find("LOCALRADIUS") != cited.npos;
+  if (o.options.radius) {
+    // its metres were made with the local radius
+    const double scale =
+        local && found.cited_radius > 0 ? *o.options.radius / found.cited_radius : 1;
+    for (double* each : {&map.left, &map.top, &map.dx, &map.dy}) *each *= scale;
+    return true;
+  }
+  const auto doubt = [&](const std::string& problem, double radius) {
+    o.log.report_file(Code("E9602"), o.name, problem,
+                      fmt::format("--radius METRES, as {} of the body", radius));
+    return false;
+  };
+  if (local)
+    return doubt(fmt::format("the sphere of the map, {} m, is the radius of an ellipsoid at one "
+                             "latitude (localRadius), not that of the body",
+                             map.radius),
+                 has_word(cited, "MARS") ? 3396190 : map.radius);
+  const std::string target = upper_case(found.info.target);
+  for (const auto& body : kBodies) {
+    const std::string_view named = has_word(target, body.name) ? "TARGET" : "";
+    if (named.empty() && !(target.empty() && has_word(cited, body.name))) continue;
+    constexpr double kMost = 0.05;  // of small moons' radii, which authors choose
+    if (std::fabs(map.radius / body.radius - 1) < kMost) continue;
+    return doubt(fmt::format("the file names {}, whose radius is {} m, and its map has a radius of "
+                             "{} m, that of another body",
+                             body.name, body.radius, map.radius),
+                 body.radius);
+  }
+  for (const auto& body : kBodies)
+    if (!target.empty() && has_word(cited, body.name) &&
+        std::fabs(map.radius / body.radius - 1) < 1e-3 && !has_word(target, body.name) &&
+        std::ranges::any_of(kBodies, [&](const auto& b) { return has_word(target, b.name); }))
+      return doubt(
+          fmt::format("the file is of {}, and its map of {}", found.info.target, body.name),
+          map.radius);
+  return true;
+}
+
 std::string sample_words(const Found& found) { return found.layout.type.words(); }
 
 bool check_data(const Opening& o, Found& found) {
@@ -419,6 +484,7 @@ Result<Dem> Dem::open(const fs::path& path, const DemOptions& options, Diagnosti
                       "--radius METRES, as 1737400 of the Moon");
       return failed;
     }
+    if (!check_body(opening, *found)) return failed;
     if (options.spacing && info.map.kind == Map::Kind::none)
       info.map.dx = info.map.dy = *options.spacing;
     Probe probe;

@@ -146,6 +146,8 @@ class EnviReader {
     DemInfo& info = found_.info;
     Map& m = info.map;
     const WktPlace place = read_wkt(text_view("coordinate system string"), info);
+    found_.cited = place.names;
+    found_.cited_radius = place.radius;
     const auto map = parts_of(text_view("map info"));
     if (map.size() < 7)
       return o_.warn("the header has no map info: heights have no places", "--spacing METRES");

@@ -26,6 +26,8 @@ struct Found {
   std::shared_ptr<const RowSource> rows;  // used otherwise
   std::optional<Bounds> bounds;
   bool unknown_radius = false;  // the map needs one
+  std::string cited;            // names in well-known text: of the system, its datum and ellipsoid
+  double cited_radius = 0;      // metres, of that ellipsoid; 0: none
 };
 
 // A file that is being opened.
@@ -69,8 +71,14 @@ struct WktPlace {
   bool degrees = false;
   double false_easting = 0, false_northing = 0;
   double metres = 1;  // of a number of the map
+  std::string names;  // of the system, its datum and ellipsoid
+  double radius = 0;  // metres, of the ellipsoid; 0: none
 };
 WktPlace read_wkt(std::string_view text, DemInfo& info);
+
+// Scales a map whose metres were made with the ellipsoid's radius at the standard latitude. So its
+// degrees are right. Notes that. Expects: placed.
+void use_local_radius(const Opening& opening, Map& map);
 
 // Places a raster whose coordinates are degrees: expects info.map.radius > 0, or sets `unknown`.
 void place_in_degrees(DemInfo& info, double west, double north, double dx, double dy);

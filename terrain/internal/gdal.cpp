@@ -185,6 +185,8 @@ Result<Found> read_gdal(const Opening& o) {
   info.unit_stated = found.unit.has_value();
   Map& m = info.map;
   const WktPlace place = read_wkt(head_text(head, "wkt"), info);
+  found.cited = place.names;
+  found.cited_radius = place.radius;
   if (const auto asked = o.options.radius) m.radius = m.polar_radius = *asked;
   found.unknown_radius = !(m.radius > 0);
   std::array<double, 6> t{};

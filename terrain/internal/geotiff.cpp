@@ -153,6 +153,9 @@ class GeoTiffReader {
     Map& m = info.map;
     // a sphere may stand in the keys or only in a citation of well-known text
     const WktPlace cited = read_wkt(head_.geo_ascii, info);
+    // citations of keys without well-known text are names too
+    found_.cited = cited.names.empty() ? head_.geo_ascii : cited.names + head_.geo_ascii;
+    found_.cited_radius = key(kSemiMajor).value_or(cited.radius);
     const double metres = key(kLinearUnit) == kUserDefined ? key(kLinearUnitSize).value_or(1) : 1;
     if (const auto radius = key(kSemiMajor); radius && *radius > 0) {
       m.radius = m.polar_radius = *radius;

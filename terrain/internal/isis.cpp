@@ -67,6 +67,7 @@ void read_mapping(const Opening& o, const LabelItem& map, Found& found) {
   }
   m.left = *left;
   m.top = *top;
+  if (type == "EQUIRECTANGULAR") use_local_radius(o, m);
   const auto w = number_of(map, "MINIMUMLONGITUDE"), e = number_of(map, "MAXIMUMLONGITUDE"),
              s = number_of(map, "MINIMUMLATITUDE"), n = number_of(map, "MAXIMUMLATITUDE");
   if (w && e && s && n)

@@ -280,6 +280,7 @@ class Pds3Reader {
     // offsets are those of the projection's origin from the centre of pixel (1, 1)
     m.left = (-*s0 - 0.5) * m.dx;
     m.top = (*l0 + 0.5) * m.dy;
+    if (scale && *scale > 0) use_local_radius(o_, m);
     const auto w = number_of(map, "WESTERNMOST_LONGITUDE"),
                e = number_of(map, "EASTERNMOST_LONGITUDE"), n = number_of(map, "MAXIMUM_LATITUDE"),
                s = number_of(map, "MINIMUM_LATITUDE");

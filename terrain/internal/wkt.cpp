@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 
@@ -93,9 +95,11 @@ WktPlace read_wkt(std::string_view text, DemInfo& info) {
   if (sphere.empty()) sphere = content_of(text, "ELLIPSOID");
   if (const auto radius = number_at(sphere, 1); radius && *radius > 0) {
     const double inverse = number_at(sphere, 2).value_or(0);
-    map.radius = *radius;
+    map.radius = place.radius = *radius;
     map.polar_radius = inverse > 1 ? *radius * (1 - 1 / inverse) : *radius;
   }
+  for (const char* keyword : {"GEOGCS", "GEOGCRS", "BASEGEOGCRS", "DATUM", "SPHEROID", "ELLIPSOID"})
+    place.names += part_of(content_of(text, keyword), 0) + ' ';
   std::string method = part_of(content_of(text, "PROJECTION"), 0);
   if (method.empty()) method = part_of(content_of(text, "METHOD"), 0);
   const std::string name = plain_name(method);
@@ -122,6 +126,24 @@ WktPlace read_wkt(std::string_view text, DemInfo& info) {
       if (const auto unit = number_at(content_of(text.substr(at), "UNIT"), 1); unit && *unit >= 0.1)
         place.metres = *unit;
   return place;
+}
+
+void use_local_radius(const Opening& o, Map& m) {
+  if (m.kind != Map::Kind::cylindrical || m.polar_radius == m.radius || m.standard_latitude == 0)
+    return;
+  const auto [s, c] = det::sincos(m.standard_latitude * kDegree);
+  const double local =
+      m.radius * m.polar_radius /
+      std::sqrt(m.polar_radius * m.polar_radius * c * c + m.radius * m.radius * s * s);
+  const double scale = m.radius / local;
+  m.left *= scale;
+  m.top *= scale;
+  m.dx *= scale;
+  m.dy *= scale;
+  o.note(
+      fmt::format("the map's metres are those of the ellipsoid's radius at latitude {}, {:.1f} m: "
+                  "they are scaled by {:.7f}",
+                  m.standard_latitude, local, scale));
 }
 
 void place_in_degrees(DemInfo& info, double west, double north, double dx, double dy) {

@@ -295,6 +295,104 @@ TEST(Place, LongitudesToTheWest) {
       90, 1e-9);
 }
 
+// Bounds may be stated in the other domain of longitudes; a shift of half a pixel is still found.
+TEST(Place, BoundsInTheOtherDomain) {
+  const auto map = [](const char* sample) {
+    return "OBJECT = IMAGE_MAP_PROJECTION\n MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n"
+           " A_AXIS_RADIUS = 1737.4 <km>\n POSITIVE_LONGITUDE_DIRECTION = EAST\n"
+           " CENTER_LONGITUDE = 250\n MAP_RESOLUTION = 1 <pix/deg>\n"
+           " LINE_PROJECTION_OFFSET = 1.0\n SAMPLE_PROJECTION_OFFSET = " +
+           std::string(sample) +
+           "\n MAXIMUM_LATITUDE = 1.5\n MINIMUM_LATITUDE = -1.5\n"
+           " WESTERNMOST_LONGITUDE = -112\n EASTERNMOST_LONGITUDE = -108\nEND_OBJECT\n";
+  };
+  const Read file = read_floats(float_file(ramp()), " UNIT = M\n", {}, map("1.5"));
+  ASSERT_TRUE(file.good) << file.log;
+  EXPECT_NEAR(file.info.map.at(0, 1.5).longitude, -112, 1e-9);
+  EXPECT_FALSE(read_floats(float_file(ramp()), " UNIT = M\n", {}, map("2.0")).good);
+}
+
+// Metres of an equirectangular map of an ellipsoid are those of its radius at the standard
+// latitude, as ISIS has it. Of Mars at 60 degrees that is 3381.1 km.
+TEST(Place, LocalRadiusOfAnEllipsoid) {
+  const double a = 3396190, b = 3376200, s = std::sin(60 * kDegree), c = std::cos(60 * kDegree);
+  const double local = a * b / std::sqrt(b * b * c * c + a * a * s * s);
+  const std::string scale = std::to_string(local * kDegree);  // a degree of latitude a pixel
+  const std::string map =
+      "OBJECT = IMAGE_MAP_PROJECTION\n MAP_PROJECTION_TYPE = \"EQUIRECTANGULAR\"\n"
+      " A_AXIS_RADIUS = 3396.19 <km>\n C_AXIS_RADIUS = 3376.2 <km>\n"
+      " POSITIVE_LONGITUDE_DIRECTION = EAST\n CENTER_LATITUDE = 60\n CENTER_LONGITUDE = 0\n"
+      " MAP_SCALE = " +
+      scale +
+      " <m/pixel>\n LINE_PROJECTION_OFFSET = 61\n SAMPLE_PROJECTION_OFFSET = 1.5\n"
+      "END_OBJECT\n";
+  const Read file = read_floats(float_file(ramp()), " UNIT = M\n", {}, map);
+  ASSERT_TRUE(file.good) << file.log;
+  // 0.27 degrees off with the radius at the equator
+  EXPECT_NEAR(file.info.map.at(2, 1.5).latitude, 60, 1e-7);
+  EXPECT_NEAR(file.info.map.at(3, 1.5).longitude, 2, 1e-7);
+  EXPECT_NE(file.log.find("N9604"), std::string::npos) << file.log;
+}
+
+// Well-known text of GDAL for such a map has a sphere of that radius; which body it is of is asked.
+TEST(Place, LocalRadiusAsASphere) {
+  const TemporaryFolder folder;
+  (void)folder.write("a.dat", float_file(ramp()));
+  const std::string header = folder.write(
+      "a.hdr",
+      "ENVI\nsamples = 4\nlines = 3\nbands = 1\ndata type = 4\nbyte order = 0\n"
+      "map info = {Equirectangular, 1, 1, 0, 0, 59000, 59000}\ncoordinate system string = "
+      "{PROJCS[\"Equirectangular Mars\",GEOGCS[\"GCS_Mars\",DATUM[\"D_Mars\","
+      "SPHEROID[\"Mars_localRadius\",3381000,0]]],PROJECTION[\"Equirectangular\"],"
+      "PARAMETER[\"central_meridian\",0],UNIT[\"Meter\",1]]}\n");
+  DemOptions options;
+  options.unit = 1;
+  const Read refused = read(header, options);
+  EXPECT_FALSE(refused.good);
+  EXPECT_NE(refused.log.find("--radius METRES, as 3396190"), std::string::npos) << refused.log;
+  options.radius = 3396190;
+  const Read settled = read(header, options);
+  ASSERT_TRUE(settled.good) << settled.log;
+  // the degrees are those of the file's own sphere
+  EXPECT_NEAR(settled.info.map.at(0, 3).latitude, -3 * 59000 / (3381000 * kDegree), 1e-9);
+}
+
+// A map with the radius of another body than the file names.
+TEST(Place, RadiusOfAnotherBody) {
+  std::string map = kMoonMap;
+  map.replace(map.find("1737.4"), 6, "6378.1");
+  const std::string data = float_file(ramp());
+  DemOptions options;
+  options.unit = 1;
+  const auto named = [&](const char* target, const std::string& of, const DemOptions& with) {
+    return read_floats(
+        data,
+        std::string(" UNIT = M\nEND_OBJECT\nTARGET_NAME = ") + target + "\nOBJECT = NOTHING\n",
+        with, of);
+  };
+  const Read refused = named("MOON", map, options);
+  EXPECT_FALSE(refused.good);
+  EXPECT_NE(refused.log.find("names MOON"), std::string::npos) << refused.log;
+  EXPECT_NE(refused.log.find("--radius METRES"), std::string::npos) << refused.log;
+  EXPECT_TRUE(named("MOON", kMoonMap, options).good);
+  EXPECT_TRUE(named("EARTH", map, options).good);
+  EXPECT_TRUE(named("RYUGU", map, options).good);
+  options.radius = 1737400;
+  EXPECT_TRUE(named("MOON", map, options).good);
+  // well-known text of a system of the Earth's, with the radius of the Moon
+  const TemporaryFolder folder;
+  (void)folder.write("a.dat", data);
+  const std::string header = folder.write(
+      "a.hdr",
+      "ENVI\nsamples = 4\nlines = 3\nbands = 1\ndata type = 4\nbyte order = 0\n"
+      "map info = {Geographic Lat/Lon, 1, 1, 0, 0, 0.1, 0.1}\ncoordinate system string = "
+      "{GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"Moon\",1737400,0]]]}\n");
+  options.radius.reset();
+  const Read crossed = read(header, options);
+  EXPECT_FALSE(crossed.good);
+  EXPECT_NE(crossed.log.find("WGS"), std::string::npos) << crossed.log;
+}
+
 TEST(Envi, ReferencePixelAndBytes) {
   const TemporaryFolder folder;
   (void)folder.write("a.dat", "head" + float_file(ramp()));
