@@ -110,7 +110,7 @@ int exit_code(const DiagnosticLog& log) {
     if (entry.code == Code("E0003")) internal = true;
     if (name.starts_with("E02")) usage = true;
     if (name.starts_with("E01")) io = true;
-    if (name.starts_with("E4")) damaged = true;
+    if (name.starts_with("E4") || name == "E9611") damaged = true;
   }
   if (!log.has_errors()) return 0;
   return cancelled ? 130 : internal ? 70 : usage ? 2 : io ? 3 : damaged ? 4 : 1;

@@ -73,7 +73,8 @@ class Measurement {
     with_sun_ = lidar_.sun && (lidar_.excess_noise > 0 || lidar_.photon_counting);
   }
 
-  bool run(const world::World& world, const world::Pose& pose, LidarCloud& cloud, const Job& job);
+  bool run(const world::World& world, const world::Pose& pose, LidarCloud& cloud,
+           DiagnosticLog& log, const Job& job);
 
  private:
   struct Scratch {
@@ -389,7 +390,7 @@ void Measurement::bloom(const preview::SurfaceScene& scene, const LidarMoment& s
 }
 
 bool Measurement::run(const world::World& world, const world::Pose& pose, LidarCloud& cloud,
-                      const Job& job) {
+                      DiagnosticLog& log, const Job& job) {
   cloud_ = &cloud;
   cloud.pulses = pulses_of(lidar_.scan);
   cloud.status.resize(cloud.pulses.size());
@@ -413,6 +414,7 @@ bool Measurement::run(const world::World& world, const world::Pose& pose, LidarC
   if (!options_.motion || is_flash()) cloud.poses.push_back(still.pose);
   if (!measure_all(scene, still, cloud, job)) return false;
   bloom(scene, still, cloud, job);
+  scene.rays().report_damaged(log);
   return true;
 }
 
@@ -422,7 +424,7 @@ Result<LidarCloud> measure(const Lidar& lidar, const world::World& world, const 
                            const LidarOptions& options, DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<LidarCloud> {
     LidarCloud cloud;
-    if (!Measurement(lidar, options).run(world, pose, cloud, job)) return failed;
+    if (!Measurement(lidar, options).run(world, pose, cloud, log, job)) return failed;
     return cloud;
   });
 }

@@ -139,6 +139,8 @@ void Lookups::update(const world::World& world, const Job& job) {
 
 const world::World& Lookups::world() const { return impl_->world; }
 
+void Lookups::report_damaged(DiagnosticLog& log) const { impl_->scene.report_damaged(log); }
+
 void Lookups::rays(std::span<const geometry::Ray> rays, std::span<SurfacePoint> found,
                    const Job& job) const {
   assert(rays.size() == found.size());

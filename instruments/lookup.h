@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "base/diagnostic.h"
 #include "base/job.h"
 #include "labels/labels.h"
 #include "trace/scene.h"
@@ -60,6 +61,8 @@ class Lookups {
   // Builds what is missing. Throws Cancelled: may be called again then. Cost: as trace::Scene.
   void update(const world::World& world, const Job& job = {});
   const world::World& world() const;  // copy of that of the last update
+  // Reports damaged tiles of terrain that questions have met, once each: W9615.
+  void report_damaged(DiagnosticLog& log) const;
 
   // Expects of all: an update before; answers as many as questions; finite coordinates.
   // Throws Cancelled: some answers are set then. Cost: O(log T) each, expected.

@@ -88,6 +88,8 @@ class RadarTracer {
     place_grid();
   }
 
+  void report_damaged(DiagnosticLog& log) const { scene_.report_damaged(log); }
+
   void set_motion(const RadarMotion& motion) {
     for (std::size_t i = 0; i < world_.size(); ++i) {
       const auto now = trace::placed_nodes(world_[i]);
@@ -459,6 +461,7 @@ Result<RadarHistogram> measure(const Radar& radar, const RadarMoment& moment,
     out.echo_power = inside.watts() + outside.watts();
     out.outside = out.echo_power > 0 ? outside.watts() / out.echo_power : 0;
     if (radar.altimeter > 0) out.altitude = altitude_of(out, radar.altimeter);
+    tracer.report_damaged(log);
     return out;
   } catch (const Cancelled&) {
     report_cancelled(log);

@@ -146,7 +146,9 @@ Result<FrameLabels> Labeller::label(const world::World& world, const world::Came
   return run_job(job, log, [&]() -> Result<FrameLabels> {
     const auto things = named_things(world, impl_->options.parts, log);
     if (!things) return failed;
-    return impl_->label(world, camera, context, *things, job);
+    FrameLabels out = impl_->label(world, camera, context, *things, job);
+    impl_->scene.report_damaged(log);
+    return out;
   });
 }
 

@@ -3,17 +3,17 @@
 
 namespace panwright::pan {
 
-bool Model::check(DiagnosticLog& log, const Job& job) {
+bool Model::check(DiagnosticLog& log, const Job& job, std::uint32_t left) {
   using internal::Part;
   checked_ = false;
   return run_job(job, log, [&] {
     // tables first: what the arrays hold can be judged only by sound tables
-    internal::Problems problems = internal::section_problems(*this, Part::tables, false, job);
+    internal::Problems problems = internal::section_problems(*this, Part::tables, false, left, job);
     if (problems.empty()) problems = internal::unpack_tables(*this, job);
     if (problems.empty()) problems = internal::table_problems(*this);
     if (problems.empty()) find_places();
     internal::Problems arrays =
-        internal::section_problems(*this, Part::arrays, problems.empty(), job);
+        internal::section_problems(*this, Part::arrays, problems.empty(), left, job);
     if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this, job);
     problems.insert(problems.end(), arrays.begin(), arrays.end());
     for (const internal::Problem& problem : problems)

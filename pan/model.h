@@ -102,9 +102,11 @@ class Model : public ModelTables {
   // sections are unpacked when their checksum is right. A second call checks anew, and spans stay
   // where they are unless it fails.
   //
-  // returns  true if the file is valid
+  //   left     kind of a section whose bytes are not read, as their reader checks them piece by
+  //            piece: terrain::kTilesSection; 0: none
+  //   returns  true if the file is valid
   // Fails: E0001, E4008 to E4015. Cost: one pass over the file, and over the unpacked bytes.
-  bool check(DiagnosticLog& log, const Job& job = {});
+  bool check(DiagnosticLog& log, const Job& job = {}, std::uint32_t left = 0);
 
   const std::string& name() const { return name_; }
   std::span<const std::byte> bytes() const { return bytes_; }

@@ -128,6 +128,8 @@ struct RenderOptions {
   // Targets wide relative to their visible part have several; beyond the limit visible targets
   // share maps, and there is always one map
   std::uint64_t max_shadow_bytes = 1ull << 29;
+  // false: nothing of the Sun arrives from itself; planets, lamps and other surfaces give theirs.
+  bool sunlight = true;
   // Light that other surfaces send each target of the world (transport/transport.h); null: none.
   std::shared_ptr<const std::vector<light::SurfelLight>> indirect;
 };

@@ -182,6 +182,9 @@ class LookupsOf {
     std::vector<SurfacePoint> out(count);
     const Job job({threads_, {}});
     without_gil(job, [&] { ask(out, job); });
+    DiagnosticLog log;
+    lookups_.report_damaged(log);
+    settle(log);
     return surfaces(out);
   }
 

@@ -291,7 +291,14 @@ COMMANDS = {
             "void_tiles": "integer: without any height"}]),
         "points?": ("with --at, in its order", [{
             "latitude": "number: degrees; of a plane y, metres", "longitude": "number: degrees; of a plane x", "height?": "number: metres over the sphere; absent: no ground",
-            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "chart?": "integer"}])},
+            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "chart?": "integer"}]),
+        "sights?": ("with --sight, in its order", [{
+            "asked": "number[]: two places, each with metres above the ground", "open?": "boolean: no ground stands between; absent: a place has no ground",
+            "distance?": "number: metres between the two", "range?": "number: to the ground that blocks, metres", "latitude?": "number: of it, degrees; of a plane y",
+            "longitude?": "number", "height?": "number: of it, metres over the sphere"}]),
+        "ranges?": ("with --range, in its order", [{
+            "asked": "number[]: place, metres above the ground, azimuth, elevation", "range?": "number: metres; absent: no ground is met", "latitude?": "number: of the ground, degrees; of a plane y",
+            "longitude?": "number", "height?": "number: of it, metres over the sphere"}])},
     "radar": {
         "radar": "string: its name",
         "ranges": ("columns", {"count": "integer", "first_m": "number: metres, of its centre", "step_m": "number: metres"}),

@@ -55,7 +55,7 @@ struct Ground::State {
     if (!best) return {};
     const Vec3 position = ray.origin + best->distance * ray.direction;
     if (any) return GroundHit{best->distance, {}};
-    return GroundHit{best->distance, charts[best_chart].point_of(*best, position)};
+    return GroundHit{best->distance, charts[best_chart].point_of(*best, position, false)};
   }
 
   // Whether a ray without a hit comes below all ground.
@@ -142,7 +142,8 @@ std::optional<GroundHit> Ground::closest(const Vec3& point, double most) const {
     state_->charts[c].approach(walk, state_->trees);
     if (!walk.best) continue;
     squared = walk.squared;
-    out = GroundHit{walk.best->distance, state_->charts[c].point_of(*walk.best, walk.nearest)};
+    out =
+        GroundHit{walk.best->distance, state_->charts[c].point_of(*walk.best, walk.nearest, true)};
   }
   return out;
 }

@@ -19,8 +19,9 @@ namespace panwright::terrain {
 struct GroundPoint {
   double height = std::numeric_limits<double>::quiet_NaN();  // metres over the sphere; NaN: none
   Vec3 position{0};                                          // metres
-  Vec3 normal{0};    // of the triangle, unit, away from the body
-  double slope = 0;  // radians between normal and vertical
+  Vec3 normal{0};  // of the triangle, unit, away from the body
+  // radians between normal and vertical; of rays NaN
+  double slope = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t chart = 0, level = 0;
   std::uint32_t column = 0, row = 0;  // the cell, of its level
   std::uint32_t triangle = 0;         // 0: right of the cell's diagonal; 1: left

@@ -196,7 +196,7 @@ std::optional<TileView> Tiles::view(std::uint32_t tile) const {
     state = hash64(bytes) == record.hash ? kGood : kDamaged;
     state_[tile].store(state, std::memory_order_relaxed);
   }
-  if (state == kDamaged) return {};
+  if (state >= kDamaged) return {};
   TileView out;
   out.record = &record;
   out.step = charts_[chart_of(tile)].step;
@@ -207,6 +207,46 @@ std::optional<TileView> Tiles::view(std::uint32_t tile) const {
   out.mips = {reinterpret_cast<const std::uint16_t*>(bytes.data() + post_bytes(form)),
               std::size_t{kMipBlocks} * kMipBlocks};
   return out;
+}
+
+void Tiles::report_damaged(DiagnosticLog& log) const {
+  constexpr std::size_t kNamed = 8;
+  std::size_t found = 0;
+  for (std::uint32_t i = 0; i < records_.size(); ++i) {
+    std::uint8_t state = kDamaged;
+    if (state_[i].load(std::memory_order_relaxed) != kDamaged ||
+        !state_[i].compare_exchange_strong(state, kReported) || ++found > kNamed)
+      continue;
+    log.report_file(Code("W9615"), name(),
+                    tile_words(*this, i) + " does not match its hash: it is left out",
+                    "panwright check names all that are damaged");
+  }
+  if (found > kNamed)
+    log.report_file(Code("W9615"), name(),
+                    fmt::format("{} more tiles are left out", found - kNamed),
+                    "panwright check names all that are damaged");
+}
+
+bool Tiles::check_padding(DiagnosticLog& log) const {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;  // begin, end
+  for (const TileRecord& record : records_)
+    runs.emplace_back(record.offset, record.offset + record.length);
+  const auto end = static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(charts_.data()) -
+                                              bytes_.data());
+  runs.emplace_back(end, end);
+  std::ranges::sort(runs);
+  std::uint64_t at = 0;
+  for (const auto& [begin, next] : runs) {
+    for (; at < begin; ++at) {
+      if (bytes_[at] == std::byte{0}) continue;
+      log.report_file(
+          Code("E9611"), name(),
+          fmt::format("byte {} of section 'tiles', before the tile at {}, is not 0", at, begin));
+      return false;
+    }
+    at = std::max(at, next);
+  }
+  return true;
 }
 
 bool Tiles::check(DiagnosticLog& log, const Job& job) const {
@@ -222,7 +262,7 @@ bool Tiles::check(DiagnosticLog& log, const Job& job) const {
           phase.advance();
         },
         job);
-    bool good = true;
+    bool good = check_padding(log);
     for (std::uint32_t i = 0; i < records_.size(); ++i) {
       if (!is_damaged(i)) continue;
       good = false;

@@ -142,8 +142,12 @@ class Tiles {
   // void. Thread-safe.
   std::optional<TileView> view(std::uint32_t tile) const;
   // Returns whether view() found a tile damaged.
-  bool is_damaged(std::uint32_t tile) const { return state_[tile].load() == kDamaged; }
-  // Hashes all tiles and reports the damaged ones. True where there are none.
+  bool is_damaged(std::uint32_t tile) const { return state_[tile].load() >= kDamaged; }
+  // Reports the tiles that view() has found damaged since the last call: W9615, for many the first
+  // ones and their number. Cost: O(tiles), 10 µs of 14,000.
+  void report_damaged(DiagnosticLog& log) const;
+  // Hashes all tiles, looks at the padding between them, and reports what is damaged. True where
+  // nothing is.
   //
   // Fails: E9611; E0001. Cost: one pass over the tiles.
   bool check(DiagnosticLog& log, const Job& job = {}) const;
@@ -152,7 +156,8 @@ class Tiles {
 
  private:
   Tiles() = default;
-  static constexpr std::uint8_t kUnknown = 0, kGood = 1, kDamaged = 2;
+  static constexpr std::uint8_t kUnknown = 0, kGood = 1, kDamaged = 2, kReported = 3;
+  bool check_padding(DiagnosticLog& log) const;
   std::shared_ptr<const pan::Model> model_;
   std::span<const std::byte> bytes_;  // of the section
   std::span<const ChartRecord> charts_;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "image/png.h"
 #include "terrain/shape.h"
@@ -12,6 +13,8 @@
 #include "tools/commands.h"
 #include "tools/dem_tiles.h"
 #include "tools/print.h"
+#include "workspace/open.h"
+#include "workspace/shape_scene.h"
 
 namespace panwright::tools {
 
@@ -24,7 +27,8 @@ using terrain::Quantity;
 
 struct Options {
   CommonOptions common;
-  std::vector<std::string> files, places;
+  std::vector<std::string> files;
+  TerrainQuestions questions;
   std::string output, unit, values, positive, place, light = "315 45";
   double error = 0;
   std::optional<double> radius, spacing, missing, data_offset;
@@ -47,12 +51,26 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("METRES")
       .range(0, 1e6);
   arguments
-      .add("--at", options.places,
+      .add("--at", options.questions.places,
            "Place to tell height, normal and slope of, of terrain: latitude and longitude, degrees "
            "(of a plane y and x, metres), or a file with one place a line (.csv); may be repeated")
       .one_value()
       .numbers()
       .type("\"LAT LON\"|FILE");
+  arguments
+      .add("--sight", options.questions.sights,
+           "Line of sight over terrain: two places, each with metres above its ground, or a file "
+           "with one line of sight a line (.csv); may be repeated")
+      .one_value()
+      .numbers()
+      .type("\"LAT LON UP LAT LON UP\"|FILE");
+  arguments
+      .add("--range", options.questions.ranges,
+           "Distance to terrain from a place, metres above its ground, along an azimuth from north "
+           "clockwise and an elevation, degrees, or a file (.csv); may be repeated")
+      .one_value()
+      .numbers()
+      .type("\"LAT LON UP AZ EL\"|FILE");
   arguments.add("--size", options.size, "Longest side of the hillshade, pixels (default 1024)")
       .type("PIXELS")
       .range(16, 16384);
@@ -349,6 +367,25 @@ bool write_png(const std::string& path, std::uint32_t width, std::uint32_t heigh
   return true;
 }
 
+// A model of the shape, for images.
+void write_shape(const terrain::Shape& shape, const Options& options, CommandContext& context) {
+  const std::string& file = options.files.front();
+  const std::filesystem::path path(file);
+  scene::Scene scene = workspace::shape_scene(shape, path.stem().string());
+  const auto mapped = MappedFile::open(path, context.log());
+  if (!mapped) return;
+  scene.inputs.push_back(
+      {path.filename().string(), hash128(mapped->bytes()), mapped->bytes().size()});
+  context.step("write");
+  workspace::OpenOptions open;
+  open.prune = false;
+  workspace::WriteOptions write;
+  write.output = options.output;
+  write.origin = fmt::format(" unit={}", shape.unit);
+  if (workspace::write_pan(scene, open, write, context.log(), context.job()))
+    context.wrote(options.output, counted(scene.instances.size(), "small body"));
+}
+
 void run_shape(const Options& options, CommandContext& context) {
   terrain::ShapeOptions shape_options;
   shape_options.unit = unit_of(options.unit, context.log());
@@ -356,6 +393,7 @@ void run_shape(const Options& options, CommandContext& context) {
   if (!shape) return;
   report_shape(*shape, options.files.front(), options.common.json, context.result());
   if (options.output.empty()) return;
+  if (options.output.ends_with(".pan")) return write_shape(*shape, options, context);
   const std::uint32_t side = std::max(16u, options.size / 3);
   write_png(options.output, 3 * side, side, terrain::draw_shape(*shape, side), context,
             "from +x, +y and +z");
@@ -378,22 +416,26 @@ int run(const Options& options, const Host& host) {
   if (of_tiles && !output.empty())
     log.report(Code("E0201"), {},
                "-o needs an elevation file: terrain of a pan file is shown only");
-  if (!of_tiles && !options.places.empty())
-    log.report(Code("E0201"), {}, "--at needs terrain of a pan file: -o NAME.pan makes it");
+  if (!of_tiles && options.questions.any())
+    log.report(Code("E0201"), {},
+               "--at, --sight and --range need terrain of a pan file: -o NAME.pan makes it");
   if (log.has_errors() || (!output.empty() && !context.files().will_write(output, "-o", log)))
     return context.finish();
+  if (options.files.size() > 1 && terrain::is_shape(file))
+    log.report(Code("E0201"), {}, "a shape model is one file, expected no other beside it");
+  if (log.has_errors()) return context.finish();
   for (const std::string& each : options.files)
     if (!require_file(each, log)) return context.finish();
   if (of_tiles) {
-    show_terrain(file, options.places, context);
-    return context.finish();
-  }
-  if (tiles) {
-    write_terrain(options.files, reading, output, options.error, context);
+    show_terrain(file, options.questions, context);
     return context.finish();
   }
   if (terrain::is_shape(file)) {
     run_shape(options, context);
+    return context.finish();
+  }
+  if (tiles) {
+    write_terrain(options.files, reading, output, options.error, context);
     return context.finish();
   }
   const Job& job = context.job();

@@ -104,6 +104,7 @@ class LookupRun {
     if (!read_questions() || !open()) return false;
     context_.step("look up");
     ask();
+    lookups_.report_damaged(log_);
     if (!options_.output.empty()) {
       if (!write_file(options_.output, as_bytes(table_), log_)) return false;
       context_.wrote(options_.output);

@@ -8,6 +8,7 @@
 #include "base/number_rows.h"
 #include "base/text.h"
 #include "terrain/ground.h"
+#include "terrain/sights.h"
 #include "terrain/tile_writer.h"
 #include "terrain/tiles.h"
 #include "tools/print.h"
@@ -91,24 +92,24 @@ void report(const terrain::Tiles& tiles, CommandContext& context) {
   out["charts"] = std::move(charts);
 }
 
-bool read_places(const std::vector<std::string>& texts, CommandContext& context,
-                 std::vector<terrain::LatLon>& out) {
+// Rows of as many numbers of all texts of an option; each is such a row, or a file of rows.
+bool read_rows(const std::vector<std::string>& texts, const char* option, std::size_t columns,
+               CommandContext& context, std::vector<double>& out) {
   for (const std::string& text : texts) {
     auto numbers = numbers_in(text);
     if (text.ends_with(".csv") || text.ends_with(".txt")) {
       context.files().will_read(text);
-      const auto read = read_number_rows(text, 2, Code("E0262"), context.log());
+      const auto read = read_number_rows(text, columns, Code("E0262"), context.log());
       if (!read) return false;
       numbers = *read;
-    } else if (!numbers || numbers->size() != 2) {
+    } else if (!numbers || numbers->size() != columns) {
       context.log().report(Code("E0201"), {},
-                           fmt::format("--at is {}, expected two numbers, or a file with as many "
-                                       "in each line (.csv)",
-                                       in_quotes(text)));
+                           fmt::format("{} is {}, expected {} numbers, or a file with as many in "
+                                       "each line (.csv)",
+                                       option, in_quotes(text), columns));
       return false;
     }
-    for (std::size_t i = 0; i + 1 < numbers->size(); i += 2)
-      out.push_back({(*numbers)[i], (*numbers)[i + 1]});
+    out.insert(out.end(), numbers->begin(), numbers->end());
   }
   return true;
 }
@@ -215,14 +216,102 @@ void write_terrain(const std::vector<std::string>& files, const terrain::DemOpti
   context.wrote(output, counted(written->tiles, "tile"));
 }
 
-void show_terrain(const std::string& file, const std::vector<std::string>& places,
+namespace {
+
+constexpr double kSlack = 1e-4;  // metres from both ends that do not count
+
+// Questions of lines of sight and ranges, and their answers.
+class Looking {
+ public:
+  Looking(const terrain::Ground& ground, CommandContext& context)
+      : ground_(ground), context_(context), json_(context.options().json) {}
+
+  void sights(const std::vector<double>& rows) {
+    Json list = Json::array();
+    if (!json_ && !rows.empty()) print("\n");
+    for (std::size_t i = 0; i + 6 <= rows.size(); i += 6) {
+      const auto from = point(&rows[i]), to = point(&rows[i + 3]);
+      Json one = {{"asked", std::vector<double>(&rows[i], &rows[i] + 6)}};
+      std::string words = "no ground";
+      if (from && to) {
+        const Vec3 line = *to - *from;
+        const double length = glm::length(line);
+        const auto hit = length > 2 * kSlack
+                             ? ground_.nearest(*from, line / length, kSlack, length - kSlack)
+                             : std::nullopt;
+        one["open"] = !hit;
+        one["distance"] = length;
+        words = fmt::format("open, {:.10g} m", length);
+        if (hit) words = "blocked by " + met(*hit, one);
+      }
+      if (!json_) print("{} to {}: {}\n", asked(&rows[i], 3), asked(&rows[i + 3], 3), words);
+      list.push_back(std::move(one));
+    }
+    if (json_ && !list.empty()) context_.result()["sights"] = std::move(list);
+  }
+
+  void ranges(const std::vector<double>& rows) {
+    Json list = Json::array();
+    if (!json_ && !rows.empty()) print("\n");
+    for (std::size_t i = 0; i + 5 <= rows.size(); i += 5) {
+      const auto from = point(&rows[i]);
+      Json one = {{"asked", std::vector<double>(&rows[i], &rows[i] + 5)}};
+      std::string words = from ? "nothing" : "no ground";
+      if (from) {
+        const Vec3 along =
+            terrain::direction_at(terrain::local_axes(ground_, {rows[i], rows[i + 1]}),
+                                  rows[i + 3] * kDegree, rows[i + 4] * kDegree);
+        if (const auto hit = ground_.nearest(*from, along, kSlack)) words = met(*hit, one);
+      }
+      if (!json_) print("{} along {}: {}\n", asked(&rows[i], 3), asked(&rows[i + 3], 2), words);
+      list.push_back(std::move(one));
+    }
+    if (json_ && !list.empty()) context_.result()["ranges"] = std::move(list);
+  }
+
+ private:
+  std::optional<Vec3> point(const double* row) const {
+    return terrain::point_above(ground_, {row[0], row[1]}, row[2]);
+  }
+  static std::string asked(const double* row, std::size_t count) {
+    return fmt::format("{}", fmt::join(std::span(row, count), " "));
+  }
+
+  // Ground that a ray meets, in words and JSON.
+  std::string met(const terrain::GroundHit& hit, Json& one) const {
+    const Vec3& p = hit.point.position;
+    terrain::LatLon place{p.y, p.x};
+    if (ground_.tiles().map(0).is_placed())
+      place = {det::atan2(p.z, std::hypot(p.x, p.y)) / kDegree, det::atan2(p.y, p.x) / kDegree};
+    one["range"] = hit.distance;
+    one["latitude"] = place.latitude;
+    one["longitude"] = place.longitude;
+    one["height"] = hit.point.height;
+    return fmt::format("the ground at {:.8g} {:.8g}, {:.10g} m away, {:.8g} m high", place.latitude,
+                       place.longitude, hit.distance, hit.point.height);
+  }
+
+  const terrain::Ground& ground_;
+  CommandContext& context_;
+  bool json_;
+};
+
+}  // namespace
+
+void show_terrain(const std::string& file, const TerrainQuestions& questions,
                   CommandContext& context) {
-  std::vector<terrain::LatLon> wanted;
-  if (!read_places(places, context, wanted)) return;
+  std::vector<double> places, sights, ranges;
+  if (!read_rows(questions.places, "--at", 2, context, places) ||
+      !read_rows(questions.sights, "--sight", 6, context, sights) ||
+      !read_rows(questions.ranges, "--range", 5, context, ranges))
+    return;
   auto tiles = terrain::Tiles::open(file, context.log());
   if (!tiles) return;
-  if (places.empty()) return report(*tiles, context);
+  if (!questions.any()) return report(*tiles, context);
   const terrain::Ground ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
+  std::vector<terrain::LatLon> wanted;
+  for (std::size_t i = 0; i + 2 <= places.size(); i += 2)
+    wanted.push_back({places[i], places[i + 1]});
   std::vector<terrain::GroundPoint> points(wanted.size());
   context.step("ask");
   const auto done = run_job(context.job(), context.log(), [&] {
@@ -231,13 +320,12 @@ void show_terrain(const std::string& file, const std::vector<std::string>& place
   });
   if (!done) return;
   report(ground.tiles(), context);
-  report_points(wanted, points, context);
+  if (!wanted.empty()) report_points(wanted, points, context);
   warn_of_places(ground.tiles(), wanted, points, context.log());
-  for (std::uint32_t i = 0; i < ground.tiles().records().size(); ++i)
-    if (ground.tiles().is_damaged(i))
-      context.log().report_file(Code("E9611"), file,
-                                terrain::tile_words(ground.tiles(), i) +
-                                    " does not match its hash: it has no ground here");
+  Looking looking(ground, context);
+  looking.sights(sights);
+  looking.ranges(ranges);
+  ground.tiles().report_damaged(context.log());
 }
 
 void check_terrain(const std::string& file, DiagnosticLog& log, const Job& job) {

@@ -16,8 +16,16 @@ namespace panwright::tools {
 void write_terrain(const std::vector<std::string>& files, const terrain::DemOptions& reading,
                    const std::string& output, double error, CommandContext& context);
 
-// Shows the terrain of a pan file; with places ("LAT LON", or files of them) its ground there.
-void show_terrain(const std::string& file, const std::vector<std::string>& places,
+// Questions to terrain, each as numbers or a file of rows.
+struct TerrainQuestions {
+  std::vector<std::string> places;  // "LAT LON"
+  std::vector<std::string> sights;  // "LAT LON ABOVE LAT LON ABOVE"
+  std::vector<std::string> ranges;  // "LAT LON ABOVE AZ EL"
+  bool any() const { return !places.empty() || !sights.empty() || !ranges.empty(); }
+};
+
+// Shows the terrain of a pan file, with questions their answers.
+void show_terrain(const std::string& file, const TerrainQuestions& questions,
                   CommandContext& context);
 
 // Reports the damaged tiles of a pan file, if it has terrain. Fails: E9610, E9611.

@@ -404,6 +404,12 @@ void Scene::nearest_bundle(std::span<const Ray> rays, std::span<Hit> hits, Insid
   }
 }
 
+void Scene::report_damaged(DiagnosticLog& log) const {
+  for (const Placed& placed : targets_)
+    if (const terrain::Ground* ground = placed.target->ground())
+      ground->tiles().report_damaged(log);
+}
+
 Hit Scene::nearest_ground(const Ray& ray) const {
   Hit best;
   double limit = ray.max_distance;

@@ -180,6 +180,8 @@ class Scene {
   // Indices of the targets with visible parts or terrain, ascending.
   std::span<const std::uint32_t> visible() const { return visible_; }
   const RigidFrame& observer() const { return observer_; }
+  // Reports damaged tiles of terrain that rays have met, once each: W9615.
+  void report_damaged(DiagnosticLog& log) const;
   const Work& work() const { return work_; }
 
   // Returns the nearest hit within the ray's range, both ends included; none: an infinite distance.

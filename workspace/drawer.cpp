@@ -28,6 +28,14 @@ namespace {
 
 constexpr unsigned kLeastSamples = 8;  // of the reference
 
+// Whether terrain may shade targets.
+bool has_targets_on_ground(const world::World& world) {
+  return preview::has_ground(world) &&
+         std::ranges::any_of(world.instances(), [](const world::Instance& target) {
+           return target.visible() && !preview::has_ground(target);
+         });
+}
+
 }  // namespace
 
 struct Drawer::Impl {
@@ -42,8 +50,13 @@ struct Drawer::Impl {
   // of OpenGL; empty: the reference
   std::optional<preview::Renderer> renderer;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
-  bool submit_lens(const world::World& world, const world::Camera& camera, bool ground_truth,
-                   DiagnosticLog& log, const Job& job);
+  bool submit_at_once(const world::World& world, const world::Camera& camera, bool ground_truth,
+                      DiagnosticLog& log, const Job& job);
+  Result<image::Image> draw_now(const world::World& world, const world::Camera& camera,
+                                const preview::RenderOptions& own, DiagnosticLog& log,
+                                const Job& job);
+  bool shade_by_ground(const world::World& world, const world::Camera& camera, image::Image& image,
+                       DiagnosticLog& log, const Job& job);
 
   preview::Reference reference;  // with OpenGL: ground truth of lenses with distortion
   preview::LensRenderer lens;
@@ -96,10 +109,41 @@ struct Drawer::Impl {
   Result<Drawn> collect(DiagnosticLog& log, const Job& job);
 };
 
-// Draws an image with distortion at once. Those of the renderer come before it.
-bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& camera,
-                               bool ground_truth, DiagnosticLog& log, const Job& job) {
-  if (const char* why = preview::LensRenderer::refused(camera)) {
+Result<image::Image> Drawer::Impl::draw_now(const world::World& world, const world::Camera& camera,
+                                            const preview::RenderOptions& own, DiagnosticLog& log,
+                                            const Job& job) {
+  return camera.distortion != nullptr ? lens.render(*renderer, world, camera, own, log, job)
+                                      : renderer->render(world, camera, own, log, job);
+}
+
+// Terrain's shadow on targets: the Sun's part of their light is what an image without it lacks.
+bool Drawer::Impl::shade_by_ground(const world::World& world, const world::Camera& camera,
+                                   image::Image& image, DiagnosticLog& log, const Job& job) {
+  std::vector<float> shares;
+  const bool good = run_job(job, log, [&] {
+    shares = ground.sun_shares(world, camera, true, image, job);
+    return true;
+  });
+  if (!good || shares.empty()) return good;
+  preview::RenderOptions own = options.gl;
+  own.ground_truth = false;
+  own.sunlight = false;
+  own.indirect.reset();  // it is the Sun's, for the most part
+  DiagnosticLog apart = log.apart();
+  auto rest = draw_now(world, camera, own, apart, job);
+  if (!rest) {
+    forward(apart, {}, {}, log);
+    return false;
+  }
+  preview::shade(shares, *rest, image);
+  renderer->recycle(*std::move(rest));
+  return true;
+}
+
+// Draws an image with distortion, or beside terrain, at once. Those of the renderer come before it.
+bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera& camera,
+                                  bool ground_truth, DiagnosticLog& log, const Job& job) {
+  if (const char* why = preview::LensRenderer::refused(camera); why && camera.distortion) {
     log.report_file(Code("E5003"), {}, why);
     return false;
   }
@@ -115,13 +159,18 @@ bool Drawer::Impl::submit_lens(const world::World& world, const world::Camera& c
   }
   preview::RenderOptions own = options.gl;
   own.ground_truth = ground_truth;
-  auto image = lens.render(*renderer, world, camera, own, log, job);
-  if (!image || (ground_truth &&
-                 !reference.add_ground_truth(world, camera, options.gl.flat, *image, log, job))) {
+  DiagnosticLog apart = log.apart();
+  auto image = draw_now(world, camera, own, apart, job);
+  const auto sampling = camera.distortion != nullptr ? lens.sampling() : renderer->sampling();
+  if (!image ||
+      (ground_truth && camera.distortion != nullptr &&
+       !reference.add_ground_truth(world, camera, options.gl.flat, *image, apart, job)) ||
+      (preview::has_ground(world) && !shade_by_ground(world, camera, *image, apart, job))) {
+    forward(apart, {}, {}, log);
     if (job.cancelled()) done.clear();
     return false;
   }
-  done.push_back({{*std::move(image), {}, lens.sampling(), {}}, log.apart()});
+  done.push_back({{*std::move(image), {}, sampling, {}}, std::move(apart)});
   return true;
 }
 
@@ -207,7 +256,8 @@ bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera
                           DiagnosticLog& log, const Job& job) {
   if (renderer) {
     if (!find_light_between(world, camera, log, job)) return false;
-    if (camera.distortion != nullptr) return submit_lens(world, camera, ground_truth, log, job);
+    if (camera.distortion != nullptr || has_targets_on_ground(world))
+      return submit_at_once(world, camera, ground_truth, log, job);
     preview::RenderOptions own = options.gl;
     own.ground_truth = ground_truth;
     return renderer->submit(world, camera, own, log, job);
@@ -258,14 +308,12 @@ bool Drawer::Impl::may_stand_before(const sky::Sky& sky, const world::World& wor
 
 void Drawer::Impl::add_ground(const Behind& here, image::Image& image, DiagnosticLog& log,
                               const Job& job) {
-  ground.add(*here.ground, here.camera, here.ground_options, image, job);
+  preview::GroundOptions ground_options = here.ground_options;
+  ground_options.truth = here.truth || here.before;
+  ground.add(*here.ground, here.camera, ground_options, image, job);
+  ground.report_damaged(log);
   if (std::ranges::all_of(image.coverage, [](float share) { return share == 0; }))
     log.report_file(Code("W5006"), {}, "nothing is in view: no target and no terrain");
-  if (const auto shaded = ground.shaded_target(*here.ground); shaded >= 0)
-    log.report_file(Code("W9620"), {},
-                    fmt::format("the terrain's shadow on {} is left out",
-                                in_quotes((*here.ground)[static_cast<std::size_t>(shaded)].name())),
-                    "--engine reference draws it");
 }
 
 void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& job) {
@@ -302,6 +350,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
     next.ground_options.psf_sigma = next.psf_sigma;
     next.ground_options.flat = impl_->options.gl.flat;
   }
+  // depths decide which bodies of the sky stand in front
   next.before = next.bodies && impl_->may_stand_before(*next.sky, world, camera.position);
   const bool good =
       run_job(job, log,

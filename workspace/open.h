@@ -98,9 +98,10 @@ bool is_cad(const std::filesystem::path& path);
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the
-// extension: .pan is mapped and checked; .pxn and CAD files are read, cleaned, pruned and compiled
-// in memory, to the same bytes as `panwright compile` and `import` write; their terrain into a file
-// without a name.
+// extension: .pan is mapped and checked, but for the
+// tiles of its terrain, which are checked when they are looked at; .pxn and CAD files are read,
+// cleaned, pruned and compiled in memory, to the same bytes as `panwright compile` and `import`
+// write; their terrain into a file without a name.
 //
 //   returns  a model that is checked()
 // Fails: E0001, E0202; .pan: E01…, E4…; else E01…, E1…, E2…, E3…, E6…. For a partly readable text

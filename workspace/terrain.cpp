@@ -82,7 +82,7 @@ Result<world::ModelPtr> terrain_model(const pxn::TerrainText& text, const fs::pa
   const fs::path file = fs::path(own.path()) / "terrain.pan";
   if (!write_terrain(text, folder, file, log, job)) return failed;
   auto model = pan::Model::open(file, log);
-  if (!model || !model->check(log, job)) return failed;
+  if (!model || !model->check(log, job, terrain::kTilesSection)) return failed;
   return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
 }
 

@@ -238,16 +238,20 @@ void describe_all(const Model& model, const layout::DirectoryEntry& entry,
   describe(model, SectionKind{entry.kind}, all, problems);
 }
 
+void check_padding(const Model& model, const layout::DirectoryEntry& entry, Problems& problems) {
+  const std::uint64_t used = has_codec(entry) ? entry.packed_length : entry.raw_length;
+  const auto padding = model.bytes().subspan(entry.offset + used, entry.stored_length - used);
+  if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
+    problems.push_back({Code("E4008"), section_words(entry) + " has padding bytes that are not 0"});
+}
+
 void finish(const Model& model, const Work& work, Problems& problems) {
   const layout::DirectoryEntry& entry = *work.entry;
   if (combined(work.hashes) != entry.hash) {
     problems.push_back({Code("E4009"), section_words(entry) + " does not match its checksum"});
     return;
   }
-  const std::uint64_t used = has_codec(entry) ? entry.packed_length : entry.raw_length;
-  const auto padding = model.bytes().subspan(entry.offset + used, entry.stored_length - used);
-  if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
-    problems.push_back({Code("E4008"), section_words(entry) + " has padding bytes that are not 0"});
+  check_padding(model, entry, problems);
   describe_all(model, entry, work.found, problems);
 }
 
@@ -309,11 +313,17 @@ std::string section_words(const layout::DirectoryEntry& entry) {
       entry.offset + entry.stored_length);
 }
 
-Problems section_problems(const Model& model, Part part, bool contents, const Job& cancel) {
+Problems section_problems(const Model& model, Part part, bool contents, std::uint32_t left,
+                          const Job& cancel) {
+  Problems problems;
   std::vector<Work> works;
   std::size_t jobs = 0;
   for (const layout::DirectoryEntry& entry : model.directory()) {
     if (is_array(entry.kind) != (part == Part::arrays)) continue;
+    if (entry.kind == left && !has_codec(entry)) {
+      check_padding(model, entry, problems);
+      continue;
+    }
     const std::size_t blocks = block_count(entry.stored_length);
     const bool look = contents && model.reads(entry) && !has_codec(entry);
     works.push_back({&entry, look ? entry.stride : 0, jobs, std::vector<std::uint64_t>(blocks),
@@ -345,7 +355,6 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
                                                    ? model.bytes().size() - begin
                                                    : end + layout::kHashBlock - begin));
   }
-  Problems problems;
   for (const Work& work : works) finish(model, work, problems);
   return problems;
 }

@@ -82,9 +82,11 @@ std::optional<Problem> joint_problem(const Model& model);
 // Hashes every section, checks its padding, and, with contents, the elements of the arrays that are
 // not compressed.
 //
+//   left  kind of a section of which only the padding is checked; 0: none
 // Expects: contents only when table_problems found nothing.
 enum class Part { tables, arrays };
-Problems section_problems(const Model& model, Part part, bool contents, const Job& job);
+Problems section_problems(const Model& model, Part part, bool contents, std::uint32_t left,
+                          const Job& job);
 
 // Decompresses the compressed arrays and checks their elements. A section with a problem has no
 // contents.

@@ -110,6 +110,7 @@ void Lights::begin_image(const world::World& world, const world::Camera& camera,
                          const RenderOptions& options) {
   const world::Sun& sun = world.sun();
   maps_.begin_image();
+  sunlight_ = options.sunlight;
   lamps_.begin_image(world::placed_lamps(world, camera));
   planets_.begin_image(world, options);
   indirect_.begin_image(options);
@@ -155,7 +156,8 @@ bool Lights::update(Device::Impl& device, const FrameScene& scene, SamplingRepor
   samples_.clear();
   views_.assign(receivers, {});
   // from infinity: the same everywhere
-  const light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  light::Incidence sunlight = light::incidence(scene.world.sun(), scene.camera.position);
+  if (!sunlight_) sunlight.irradiance = Vec3(0);
   const bool shines = max_component(sunlight.irradiance) > 0;
   std::size_t dark = 0;  // receivers without the Sun
   std::optional<sky::Sky> sky;

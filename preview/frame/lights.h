@@ -68,6 +68,7 @@ class Lights {
   Planetshine planets_;
   Indirect indirect_;
   bool eclipsed_ = false;
+  bool sunlight_ = true;          // RenderOptions
   std::uint64_t lamp_bytes_ = 0;  // of their maps, at most
   ShadowMaps maps_;
   ShadowMaps::Limits limits_{0, 0, 0, {}};

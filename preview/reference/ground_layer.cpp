@@ -120,6 +120,17 @@ GroundLayer::GroundLayer(GroundLayer&&) noexcept = default;
 GroundLayer& GroundLayer::operator=(GroundLayer&&) noexcept = default;
 GroundLayer::~GroundLayer() = default;
 
+// H. Sato et al., "Resolved Hapke parameter maps of the Moon", 2014: means of maps.
+materials::Material lunar_regolith() {
+  materials::Material material;
+  material.weights = Vec3(1, 0, 0);
+  material.diffuse = Vec3(1);
+  material.diffuse_brdf = materials::Hapke{
+      .w = 0.384, .h = 0.052, .b0 = 1.70, .roughness = 23.657 * kDegree, .b = 0.229, .c = 0.426};
+  materials::fit(material);
+  return material;
+}
+
 bool has_ground(const world::Instance& target) {
   return std::ranges::any_of(target.model()->directory(), [](const auto& entry) {
     return entry.kind == terrain::kTilesSection;
@@ -161,26 +172,175 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
       }
       image.coverage[pixel] = static_cast<float>(
           std::min(1.0, double(covered) * left + sums.before_share + open * sums.behind_share));
-      view.set_truth(pixel, column, row, image);
+      if (options.truth) view.set_truth(pixel, column, row, image);
     }
   };
   parallel_for(image.height, add_row, job);
 }
 
-std::ptrdiff_t GroundLayer::shaded_target(const world::World& world) const {
-  const trace::Scene& rays = impl_->scene.rays();
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    const auto& placed = rays.targets()[i];
-    if (placed.target->ground() != nullptr || placed.target->bounds().empty()) continue;
-    const AxisBox& box = placed.target->bounds();
-    const Vec3 middle = placed.frame.world_from * (0.5 * (box.low + box.high)) +
-                        placed.frame.position - rays.observer().position;
-    const Vec3 sun = world.sun().direction;
-    const trace::Ray ray{{middle * rays.observer().world_from, sun * rays.observer().world_from},
-                         trace::Ray::kObserver};
-    if (rays.nearest_ground(ray)) return static_cast<std::ptrdiff_t>(i);
+void GroundLayer::report_damaged(DiagnosticLog& log) const {
+  impl_->scene.rays().report_damaged(log);
+}
+
+namespace {
+
+// Whether terrain may stand between a sphere of the world and the Sun.
+bool may_shade(const trace::Scene::Placed& ground, const Vec3& centre, double radius,
+               const Sun& sun) {
+  const Vec3 at = (centre - ground.frame.position) * ground.frame.world_from;
+  for (const terrain::ChartRecord& chart : ground.target->ground()->tiles().charts()) {
+    if (chart.radius > 0) {
+      // the ray to the Sun that comes nearest to the middle of the body
+      const double along = std::max(-glm::dot(at, sun.centre()), 0.0);
+      const double nearest = glm::length(at + along * sun.centre()) - radius - sun.sine() * along;
+      if (nearest <= std::max(chart.radius, chart.polar_radius) + chart.high) return true;
+    } else if (at.z - radius <= chart.high || sun.centre().z <= sun.sine()) {
+      return true;
+    }
   }
-  return -1;
+  return false;
+}
+
+// Shares of the Sun that terrain leaves to points of targets.
+struct GroundShade {
+  const trace::Scene& rays;
+  std::vector<Sun> suns;  // of the targets with terrain
+  std::vector<std::uint32_t> grounds;
+
+  bool is_blocked(const Vec3& at, double least, const Sun::Sample& light,
+                  std::size_t ground) const {
+    const std::uint32_t target = grounds[ground];
+    const Vec3 to_light = rays.targets()[target].frame.world_from * light.to_light;
+    const trace::Ray ray{{at, to_light * rays.observer().world_from, least}, trace::Ray::kObserver};
+    return rays.meets_ground(target, ray);
+  }
+
+  // at: of the observer; least: metres, below which nothing shades. turn: radians, of the places on
+  // the disc.
+  double share(const Vec3& at, double least, double turn) const {
+    double lit = 1;
+    for (std::size_t k = 0; k < grounds.size(); ++k) lit *= share(at, least, turn, k);
+    return lit;
+  }
+
+  double share(const Vec3& at, double least, double turn, std::size_t ground) const {
+    constexpr int kProbes = 8, kPlaces = 64;
+    const Sun& sun = suns[ground];
+    const bool blocked = is_blocked(at, least, sun.at(Vec2(0)), ground);
+    if (!sun.has_disc()) return blocked ? 0 : 1;
+    bool mixed = false;
+    for (int i = 0; i < kProbes && !mixed; ++i) {
+      const auto [s, c] = det::sincos(2 * kPi * i / kProbes);
+      mixed = is_blocked(at, least, sun.at(0.999 * Vec2(c, s)), ground) != blocked;
+    }
+    if (!mixed) return blocked ? 0 : 1;
+    constexpr double kGolden = 2.399963229728653;  // radians
+    double all = 0, open = 0;
+    for (int i = 0; i < kPlaces; ++i) {
+      const double radius = std::sqrt((i + 0.5) / kPlaces);
+      const auto [s, c] = det::sincos(turn + kGolden * i);
+      const Sun::Sample light = sun.at(radius * Vec2(c, s));
+      const double weight = light.irradiance.x + light.irradiance.y + light.irradiance.z;
+      all += weight;
+      if (!is_blocked(at, least, light, ground)) open += weight;
+    }
+    return all > 0 ? open / all : 1;
+  }
+};
+
+// Pixels without a depth take the share of one beside them that has one.
+void spread_shares(const image::Image& image, const std::vector<std::uint8_t>& known,
+                   const std::vector<float>& of_target, std::vector<float>& shares) {
+  const auto width = static_cast<std::int64_t>(image.width),
+             height = static_cast<std::int64_t>(image.height);
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * width + x);
+      if (known[pixel] || !(image.coverage[pixel] > 0)) continue;
+      double sum = 0;
+      int count = 0;
+      for (std::int64_t j = std::max<std::int64_t>(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+        for (std::int64_t i = std::max<std::int64_t>(x - 1, 0); i <= std::min(x + 1, width - 1);
+             ++i) {
+          const auto other = static_cast<std::size_t>(j * width + i);
+          if (!known[other]) continue;
+          sum += double(shares[other]);
+          ++count;
+        }
+      shares[pixel] = count > 0 ? static_cast<float>(sum / count) : of_target[pixel];
+    }
+}
+
+}  // namespace
+
+std::vector<float> GroundLayer::sun_shares(const world::World& world, const world::Camera& camera,
+                                           bool sun_disc, const image::Image& image,
+                                           const Job& job) {
+  TraceScene& scene = impl_->scene;
+  scene.update(world, job);
+  scene.place_camera(camera, trace::half_pixel(camera));
+  const trace::Scene& rays = scene.rays();
+  GroundShade shade{rays, {}, {}};
+  std::vector<Vec3> middles;  // of the targets that may be in shadow, in the observer's frame
+  for (const std::uint32_t g : rays.visible()) {
+    const trace::Scene::Placed& ground = rays.targets()[g];
+    if (ground.target->ground() == nullptr) continue;
+    const Sun sun(world.sun(), ground.frame.world_from, sun_disc);
+    bool needed = false;
+    for (const trace::Scene::Placed& placed : rays.targets()) {
+      const AxisBox& box = placed.target->bounds();
+      if (placed.target->ground() != nullptr || box.empty()) continue;
+      const Vec3 middle =
+          placed.frame.world_from * (0.5 * (box.low + box.high)) + placed.frame.position;
+      if (!may_shade(ground, middle, 0.5 * box.diagonal(), sun)) continue;
+      middles.push_back((middle - rays.observer().position) * rays.observer().world_from);
+      needed = true;
+    }
+    if (!needed) continue;
+    shade.suns.push_back(sun);
+    shade.grounds.push_back(g);
+  }
+  if (shade.grounds.empty()) return {};
+  std::vector<float> shares(image.pixels(), 1), of_target(image.pixels(), 1);
+  std::vector<std::uint8_t> known(image.pixels());
+  const auto add_row = [&](std::size_t y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const std::size_t pixel = y * image.width + x;
+      if (!(image.coverage[pixel] > 0)) continue;
+      const auto ray = view_ray(camera, {x + 0.5, double(y) + 0.5});
+      if (!ray) continue;
+      const double turn = 2 * kPi * numbers({static_cast<std::uint32_t>(pixel), 0, 0, 0}, 0)[0];
+      const std::uint32_t id = image.target_id[pixel];
+      if (id > 0 && rays.targets()[id - 1].target->ground() == nullptr) {
+        constexpr double kRounding = 4 * 0x1p-23;  // of the depth, a float
+        const double range = double(image.range[pixel]);
+        known[pixel] = 1;
+        shares[pixel] = static_cast<float>(shade.share(
+            ray->origin + range * ray->direction, kRounding * double(image.depth[pixel]), turn));
+      } else if (id == 0) {
+        // of a target that no pixel's middle meets: the one whose middle lies nearest to the ray
+        const auto beside = [&](const Vec3& at) {
+          const Vec3 off = at - ray->origin;
+          return glm::length(off - glm::dot(off, ray->direction) * ray->direction) /
+                 std::max(glm::length(off), 1e-300);
+        };
+        const Vec3& at = *std::ranges::min_element(middles, {}, beside);
+        of_target[pixel] = static_cast<float>(shade.share(at, 0, turn));
+      }
+    }
+  };
+  parallel_for(image.height, add_row, job);
+  spread_shares(image, known, of_target, shares);
+  if (std::ranges::all_of(shares, [](float share) { return share == 1; })) return {};
+  return shares;
+}
+
+void shade(std::span<const float> shares, const image::Image& rest, image::Image& image) {
+  for (std::size_t pixel = 0; pixel < shares.size(); ++pixel) {
+    if (shares[pixel] == 1) continue;
+    for (std::size_t k = 3 * pixel; k < 3 * pixel + 3; ++k)
+      image.radiance[k] = rest.radiance[k] + shares[pixel] * (image.radiance[k] - rest.radiance[k]);
+  }
 }
 
 }  // namespace panwright::preview

@@ -307,6 +307,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   if (options.ground_truth) trace_ground_truth(scene, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code("W5006"), {}, empty_because(world, scene.rays(), cells));
+  scene.rays().report_damaged(log);
   result.seconds = seconds_since(start);
   return result;
 }

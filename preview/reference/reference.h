@@ -100,7 +100,7 @@ class Reference {
   //
   // Expects: options as documented; a camera of 1 pixel or more, finite and with a unit rotation;
   // models kept alive by their pointers.
-  // Reports: W5006 when every pixel stays empty, W5008 when until_error was not reached.
+  // Reports: W5006 when every pixel stays empty, W5008 when until_error was not reached, W9615.
   // Fails: E0001; E5003 over max_bytes. Cost: O(samples · (bounces + 1)) rays; pixels without
   // targets cost nothing. Memory, for each model about 200 bytes a triangle.
   Result<ReferenceImage> render(const world::World& world, const world::Camera& camera,

@@ -160,7 +160,10 @@ bool ChartSurface::meets(const TileBox& box, const GroundWalk& walk, double& ent
   const double half = std::sqrt(left);
   double in = std::max(walk.ray.least - along, -half), out = std::min(walk.most - along, half);
   if (in > out) return false;
-  const Vec3 from = box.axes * beside, direction = box.axes * walk.ray.direction;
+  // of planes the axes are those of space
+  const bool turned = !is_plane();
+  const Vec3 from = turned ? box.axes * beside : beside,
+             direction = turned ? box.axes * walk.ray.direction : walk.ray.direction;
   for (int k = 0; k < 3; ++k) {
     // finite, so that nothing becomes NaN
     const double inverse = 1 / (std::fabs(direction[k]) > 1e-100 ? direction[k] : 1e-100);
@@ -387,7 +390,7 @@ LatLon ChartSurface::place_of(const Vec3& p) const {
           det::atan2(p.y, p.x) / kDegree};
 }
 
-GroundPoint ChartSurface::point_of(const TriangleHit& hit, const Vec3& position) const {
+GroundPoint ChartSurface::point_of(const TriangleHit& hit, const Vec3& position, bool slope) const {
   GroundPoint out;
   out.position = position;
   out.normal = normal_of(hit.corners);
@@ -399,9 +402,10 @@ GroundPoint ChartSurface::point_of(const TriangleHit& hit, const Vec3& position)
   const double distance = std::sqrt(glm::dot(position, position));
   const Vec3 up = is_plane() ? Vec3(0, 0, 1) : position / distance;
   out.height = is_plane() ? position.z : distance - radius(up);
-  out.slope =
-      det::atan2(std::sqrt(glm::dot(glm::cross(out.normal, up), glm::cross(out.normal, up))),
-                 glm::dot(out.normal, up));
+  if (slope)
+    out.slope =
+        det::atan2(std::sqrt(glm::dot(glm::cross(out.normal, up), glm::cross(out.normal, up))),
+                   glm::dot(out.normal, up));
   return out;
 }
 
@@ -434,7 +438,7 @@ GroundPoint ChartSurface::at(const LatLon& place) const {
     if (!view) return {};
     const auto hit = triangle_on(*view, cx, cy, which, ray);
     if (!hit) return {};
-    return point_of(*hit, ray.origin + hit->distance * ray.direction);
+    return point_of(*hit, ray.origin + hit->distance * ray.direction, true);
   };
   const std::uint32_t first = post.x - x >= post.y - y ? 0 : 1;
   if (const auto point = test(x, y, first)) return *point;

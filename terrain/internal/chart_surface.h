@@ -72,7 +72,7 @@ class ChartSurface {
   // Sets the nearest accepted triangle of level 0.
   void approach(GroundApproach& walk, TreeCache& trees) const;
   SmoothGround smooth(const GroundPoint& point) const;
-  GroundPoint point_of(const TriangleHit& hit, const Vec3& position) const;
+  GroundPoint point_of(const TriangleHit& hit, const Vec3& position, bool slope) const;
   // Metres between an observer and the ground of a tile, at least; and between its posts, at most.
   double distance_to(std::uint32_t tile, const Vec3& observer) const;
   double spacing(std::uint32_t tile) const;

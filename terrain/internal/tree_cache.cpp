@@ -12,10 +12,24 @@ TreeCache::~TreeCache() {
   for (std::size_t i = 0; i < tiles_.records().size(); ++i) delete slots_[i].tree.load();
 }
 
-TreeCache::Use::Use(TreeCache& trees) : trees_(trees) { trees_.in_use_.lock_shared(); }
+namespace {
+
+// Number of the thread, from 0.
+std::size_t thread_number() {
+  static std::atomic<std::size_t> threads{0};
+  thread_local const std::size_t number = threads++;
+  return number;
+}
+
+}  // namespace
+
+TreeCache::Use::Use(TreeCache& trees)
+    : trees_(trees), lock_(thread_number() % std::size(trees.in_use_)) {
+  trees_.in_use_[lock_].mutex.lock_shared();
+}
 
 TreeCache::Use::~Use() {
-  trees_.in_use_.unlock_shared();
+  trees_.in_use_[lock_].mutex.unlock_shared();
   if (trees_.bytes_.load(std::memory_order_relaxed) > trees_.most_) trees_.drop();
 }
 
@@ -45,7 +59,8 @@ void TreeCache::make(std::uint32_t tile, const ChartSurface& surface) {
 
 // Drops the trees that were not used for longest, until three quarters are left.
 void TreeCache::drop() {
-  const std::unique_lock alone(in_use_);
+  std::vector<std::unique_lock<std::shared_mutex>> alone;
+  for (Lock& lock : in_use_) alone.emplace_back(lock.mutex);
   if (bytes_.load() <= most_) return;
   std::vector<std::uint32_t> made;
   for (std::uint32_t i = 0; i < tiles_.records().size(); ++i)

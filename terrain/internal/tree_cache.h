@@ -28,6 +28,7 @@ class TreeCache {
 
    private:
     TreeCache& trees_;
+    std::size_t lock_;  // of in_use_
   };
 
   // Tree of a tile, made at the first call. Expects: a Use of this thread. Thread-safe.
@@ -45,7 +46,11 @@ class TreeCache {
   const Tiles& tiles_;
   const std::size_t most_;
   std::unique_ptr<Slot[]> slots_;
-  std::shared_mutex in_use_;
+  // threads share few locks, so that they do not wait for one another's cache line
+  struct alignas(64) Lock {
+    std::shared_mutex mutex;
+  };
+  Lock in_use_[16];
   std::mutex making_[16];
   std::atomic<std::size_t> bytes_{0};
   std::atomic<std::uint32_t> turn_{0};  // counts drops, for the age of trees

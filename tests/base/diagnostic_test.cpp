@@ -131,6 +131,7 @@ TEST(ExitCode, FollowsTheKindOfError) {
   EXPECT_EQ(of({Code("E0201")}), 2);
   EXPECT_EQ(of({Code("E0101")}), 3);
   EXPECT_EQ(of({Code("E4009")}), 4);
+  EXPECT_EQ(of({Code("E9611")}), 4);
   EXPECT_EQ(of({Code("E1101"), Code("E0103")}), 3);
 }
 

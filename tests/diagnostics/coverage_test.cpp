@@ -308,6 +308,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W9614",
        {"compile", terrain_text(folder, "alone.pxn", "blend=\"50m\""), "-o", folder / "alone.pan"},
        {}},
+      {"W9615", {"dem", damaged_terrain(folder), "--at", "-87.6177 56.84"}, {}},
       {"W0270", {"render", pan, "-o", png, "--size", "8x8", "--ifov", "20"}, {}},
       {"W9670", {"dem", terrain_of(folder, "sound.pan"), "--at", "89 0"}, {}},
       {"W9671", {"dem", bare_header(folder), "-o", folder / "bare.pan"}, {}},

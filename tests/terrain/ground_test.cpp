@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "terrain/sights.h"
 #include "terrain/tile_writer.h"
 #include "tests/support/process.h"
 #include "tests/terrain/made_files.h"
@@ -485,6 +486,81 @@ TEST(Ground, SmoothNormalsBesideVoids) {
     ASSERT_TRUE(smooth.rise >= 0 && smooth.rise < 100);
   }
   EXPECT_GT(points, 1500);
+}
+
+// Lines of sight between points above the ground against all triangles, from both ends; ranges
+// straight down, and along an azimuth.
+void expect_sights(const Made& made, double above) {
+  const Ground& ground = *made.ground;
+  Draw draw;
+  std::vector<GroundSight> asked;
+  for (int k = 0; k < 300; ++k) {
+    const auto pick = [&] {
+      return made.points[static_cast<std::size_t>(draw() * double(made.points.size()))];
+    };
+    const Vec3 from = pick(), to = pick();
+    const Vec3 up = ground.tiles().map(0).is_placed() ? glm::normalize(from) : Vec3(0, 0, 1);
+    asked.push_back({from + above * draw() * up, to + above * draw() * up});
+  }
+  std::vector<std::uint8_t> open(asked.size()), back(asked.size());
+  sights(ground, asked, 1e-4, open);
+  for (GroundSight& each : asked) std::swap(each.from, each.to);
+  sights(ground, asked, 1e-4, back);
+  EXPECT_EQ(open, back);
+  int free = 0;
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const Vec3 line = asked[k].to - asked[k].from;
+    const double length = glm::length(line);
+    bool blocked = false;
+    for (const auto& triangle : made.triangles) {
+      const auto t = brute(triangle, asked[k].from, line / length);
+      blocked = blocked || (t && *t >= 1e-4 && *t <= length - 1e-4);
+    }
+    EXPECT_EQ(open[k] == 0, blocked) << k;
+    free += open[k];
+  }
+  EXPECT_GT(free, 20);
+  EXPECT_LT(free, 280);
+}
+
+TEST(Ground, LinesOfSightOnAPlane) { expect_sights(make(Kind::plane, 300, 90, false), 60); }
+TEST(Ground, LinesOfSightOnAPolarMap) { expect_sights(make(Kind::polar, 270, 130, false), 500); }
+
+TEST(Ground, RangesFromPlaces) {
+  for (const Kind kind : {Kind::plane, Kind::cylindrical, Kind::polar}) {
+    const Made made = make(kind, 270, 130, false);
+    const Ground& ground = *made.ground;
+    const LatLon place = kind == Kind::plane         ? LatLon{-655, 1355}
+                         : kind == Kind::cylindrical ? LatLon{1.23, -4.56}
+                                                     : LatLon{-88, 30};
+    const auto from = point_above(ground, place, 12.5);
+    ASSERT_TRUE(from);
+    const LocalAxes axes = local_axes(ground, place);
+    std::vector<GroundRay> rays{{*from, direction_at(axes, 1, -kPi / 2)},
+                                {*from, direction_at(axes, 0.3, kPi / 2)}};
+    std::vector<double> metres(2);
+    ranges(ground, rays, 0, metres);
+    // measured: 1e-11
+    EXPECT_NEAR(metres[0], 12.5, 1e-9);
+    EXPECT_EQ(metres[1], std::numeric_limits<double>::infinity());
+    // a step to the north and to the east
+    if (kind == Kind::plane) continue;
+    const double angle = 1e-5;
+    const auto moved = [&](double azimuth) {
+      return glm::normalize(*from + 50000 * angle * direction_at(axes, azimuth, 0));
+    };
+    const auto at = [](double latitude, double longitude) {
+      const double y = latitude * kDegree, x = longitude * kDegree;
+      return Vec3(std::cos(y) * std::cos(x), std::cos(y) * std::sin(x), std::sin(y));
+    };
+    const double degrees =
+        glm::length(*from) > 0 ? angle * 50000 / glm::length(*from) / kDegree : 0;
+    EXPECT_LT(glm::length(moved(0) - at(place.latitude + degrees, place.longitude)), 1e-9);
+    EXPECT_LT(glm::length(moved(kPi / 2) -
+                          at(place.latitude,
+                             place.longitude + degrees / std::cos(place.latitude * kDegree))),
+              1e-8);
+  }
 }
 
 TEST(Ground, NoneInVoidsAndOutside) {

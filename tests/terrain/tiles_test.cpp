@@ -309,13 +309,57 @@ TEST(Tiles, DamagedTilesAreNamed) {
   EXPECT_FALSE(tiles->view(4));
   EXPECT_TRUE(tiles->is_damaged(4));
   EXPECT_TRUE(tiles->view(3));
+  // told once to those who left it out, and by every check
+  DiagnosticLog left_out;
+  tiles->report_damaged(left_out);
+  tiles->report_damaged(left_out);
+  ASSERT_EQ(left_out.entries().size(), 1u);
+  EXPECT_EQ(left_out.entries()[0].code, Code("W9615"));
+  EXPECT_FALSE(tiles->view(4));
   EXPECT_FALSE(tiles->check(log));
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].code, Code("E9611"));
-  EXPECT_NE(log.entries()[0].message.find("level 0, column 1, row 1"), std::string::npos)
-      << to_text(log);
+  for (const DiagnosticLog* said : {&log, &left_out})
+    EXPECT_NE(said->entries()[0].message.find("level 0, column 1, row 1"), std::string::npos)
+        << to_text(*said);
   DiagnosticLog sound;
   EXPECT_TRUE(out.tiles->check(sound));
+  out.tiles->report_damaged(sound);
+  EXPECT_TRUE(sound.entries().empty());
+}
+
+// Of many damaged tiles the first are named, and the others counted.
+TEST(Tiles, ManyDamagedTilesAreCounted) {
+  const TemporaryFolder folder;
+  const Written out = write(made_field(1100, 700), {}, folder);
+  ASSERT_TRUE(out.tiles) << out.said;
+  std::string bytes = text_of(out.file);
+  for (std::uint32_t i = 0; i < 12; ++i) bytes[128 + out.tiles->records()[i].offset] ^= 1;
+  DiagnosticLog log;
+  const auto tiles = Tiles::open(folder.write("damaged.pan", bytes), log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  for (std::uint32_t i = 0; i < 15; ++i) EXPECT_EQ(tiles->view(i).has_value(), i >= 12);
+  tiles->report_damaged(log);
+  ASSERT_EQ(log.entries().size(), 9u);
+  EXPECT_EQ(log.entries()[8].message, "4 more tiles are left out");
+}
+
+// Bytes between tiles lie under no hash of a tile; a check looks at them.
+TEST(Tiles, PaddingIsChecked) {
+  const TemporaryFolder folder;
+  const Written out = write(made_field(700, 301), {}, folder);
+  ASSERT_TRUE(out.tiles) << out.said;
+  std::string bytes = text_of(out.file);
+  const TileRecord& record = out.tiles->records()[2];
+  ASSERT_NE((record.offset + record.length) % 64, 0u);
+  bytes[128 + record.offset + record.length] = 1;
+  DiagnosticLog log;
+  const auto tiles = Tiles::open(folder.write("damaged.pan", bytes), log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  for (std::uint32_t i = 0; i < tiles->records().size(); ++i) EXPECT_TRUE(tiles->view(i));
+  EXPECT_FALSE(tiles->check(log));
+  ASSERT_EQ(log.entries().size(), 1u);
+  EXPECT_EQ(log.entries()[0].code, Code("E9611"));
 }
 
 // Any byte of the lists and the tail may be wrong: the file is refused, or read as it was.

@@ -9,6 +9,8 @@
 #include "pxn/pxn.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/terrain_models.h"
+#include "workspace/drawer.h"
 
 namespace panwright::workspace::open_test {
 namespace {
@@ -193,6 +195,77 @@ TEST(Open, AModelOutlivesItsFileAndTheWorldsThatHeldIt) {
   }
   ASSERT_TRUE(std::filesystem::remove(path));
   EXPECT_TRUE(bytes_of(*shared) == bytes);
+}
+
+// A file with a damaged tile of terrain opens; images have a void there, and name it. A check
+// refuses the file.
+TEST(Open, LeavesOutDamagedTilesOfTerrain) {
+  constexpr int kSide = 600;  // 3 x 3 tiles
+  const TemporaryFolder folder;
+  const world::ModelPtr whole =
+      support::plane_model(kSide, std::vector<float>(kSide * kSide, 1.0f));
+  std::string bytes = bytes_of(*whole);
+  {
+    DiagnosticLog log;
+    const auto tiles = terrain::Tiles::of(whole, log);
+    ASSERT_TRUE(tiles && *tiles);
+    bytes[128 + (**tiles).records()[4].offset + 77] ^= 1;
+  }
+  const std::string path = folder.write("damaged.pan", bytes);
+  DiagnosticLog log;
+  const auto model = open(path, {}, log);
+  ASSERT_TRUE(model) << to_text(log);
+  EXPECT_TRUE(log.entries().empty()) << to_text(log);
+  world::World world;
+  ASSERT_TRUE(world.add("ground", *model, log));
+  world::Camera camera;
+  world::set_orthographic(camera, 10, 10, 500);  // pixels of 50 m
+  camera.position = {0, 0, 100};
+  camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 1, 0), log);
+  DrawOptions options;
+  options.engine = Engine::reference;
+  options.reference.samples = 8;
+  auto drawer = Drawer::create(options, log);
+  ASSERT_TRUE(drawer);
+  const auto drawn = drawer->draw(world, camera, false, log);
+  ASSERT_TRUE(drawn) << to_text(log);
+  // the tile of columns and rows 256 to 512: x from -43.5 to 212.5, y from -212.5 to 43.5
+  const auto share = [&](int column, int row) {
+    return drawn->image.coverage[static_cast<std::size_t>(10 * row + column)];
+  };
+  EXPECT_EQ(share(6, 6), 0);
+  EXPECT_EQ(share(2, 6), 1);
+  EXPECT_EQ(share(6, 2), 1);
+  EXPECT_EQ(log.errors(), 0u) << to_text(log);
+  ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
+  EXPECT_EQ(log.entries()[0].code, Code("W9615"));
+  const auto checked = support::run({PANWRIGHT_BIN_DIR "/panwright", "check", path});
+  EXPECT_EQ(checked.code, 4);
+  EXPECT_THAT(checked.err, testing::HasSubstr("E9611"));
+}
+
+// A shape model is written as a model with its plates, closed, of the regolith of terrain.
+TEST(ShapeScene, AFileOfASmallBody) {
+  const TemporaryFolder folder;
+  const std::string tab = folder.write("octahedron.tab",
+                                       "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+                                       "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\n"
+                                       "f 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n");
+  const std::string pan = written({"dem", tab, "--unit", "km"}, folder / "body.pan");
+  DiagnosticLog log;
+  const auto model = open(folder / "body.pan", {}, log);
+  ASSERT_TRUE(model) << to_text(log);
+  ASSERT_EQ((*model)->meshes().size(), 1u);
+  EXPECT_EQ((*model)->meshes()[0].triangle_count, 8u);
+  EXPECT_TRUE((*model)->meshes()[0].flags & pan::layout::kMeshClosed);
+  EXPECT_EQ((*model)->material_name(0), "regolith");
+  EXPECT_EQ((*model)->node_name(0), "octahedron");
+  ASSERT_EQ((*model)->inputs().size(), 1u);
+  const auto bounds = (*model)->world_bounds();
+  ASSERT_TRUE(bounds);
+  EXPECT_NEAR(bounds->high.x, 1000, 1e-3);
+  EXPECT_NEAR(bounds->low.z, -1000, 1e-3);
+  EXPECT_TRUE(written({"dem", tab, "--unit", "km"}, folder / "again.pan") == pan);
 }
 
 TEST(IsCad, GoesByTheExtension) {

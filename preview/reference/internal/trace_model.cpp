@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "materials/cells.h"
+#include "preview/reference/ground_layer.h"
 
 namespace panwright::preview::reference {
 
@@ -15,18 +16,6 @@ namespace {
 namespace layout = pan::layout;
 
 Vec3 vec3(const layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
-
-// The Moon's ground at 643 nm, mean of maps of its parameters: H. Sato et al., "Resolved Hapke
-// parameter maps of the Moon", 2014.
-materials::Material lunar_regolith() {
-  materials::Material material;
-  material.weights = Vec3(1, 0, 0);
-  material.diffuse = Vec3(1);
-  material.diffuse_brdf = materials::Hapke{
-      .w = 0.384, .h = 0.052, .b0 = 1.70, .roughness = 23.657 * kDegree, .b = 0.229, .c = 0.426};
-  materials::fit(material);
-  return material;
-}
 
 }  // namespace
 
