@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <tuple>
+#include <variant>
 
 #include "base/file.h"
 #include "base/text.h"
@@ -95,11 +96,14 @@ bool check_lens(const Settings& settings, DiagnosticLog& log) {
   return true;
 }
 
-bool is_sound(const Settings& settings, DiagnosticLog& log) {
-  const std::size_t errors = log.errors();
-  if (check(settings, log) && check_sky(settings, log)) (void)check_lens(settings, log);
+// Checks what settings mean for one kind of instrument: an overload for each kind.
+//
+//   bounded  each alone is within its bounds
+void check_kind(const CameraInstrument& kind, const Settings& settings, bool bounded,
+                DiagnosticLog& log) {
+  if (bounded) (void)check_lens(settings, log);
   for (const std::string& output : *settings.outputs) {
-    check_output(CameraInstrument(), output, log);
+    check_output(kind, output, log);
     const auto format = image::image_format(output);
     if ((format == image::ImageFormat::tiff || format == image::ImageFormat::fits) &&
         !settings.detector && !settings.camera_file)
@@ -109,6 +113,16 @@ bool is_sound(const Settings& settings, DiagnosticLog& log) {
                              in_quotes(output)),
                  "docs/detector.md");
   }
+}
+
+// The kind of instrument that settings choose.
+Instrument kind_of(const Settings&) { return CameraInstrument(); }
+
+bool is_sound(const Settings& settings, DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  const bool bounded = check(settings, log) && check_sky(settings, log);
+  std::visit([&](const auto& kind) { check_kind(kind, settings, bounded, log); },
+             kind_of(settings));
   return log.errors() == errors;
 }
 
@@ -390,7 +404,12 @@ bool FrameMaker::use_detector(Settings& settings, Frame& frame, DiagnosticLog& l
 
 Result<Frame> FrameMaker::made(const View& view, DiagnosticLog& log) {
   auto frame = at_once(view, log);
-  if (!frame || !expose(view, *frame, log) || !switch_lamps(view, *frame, log)) return failed;
+  if (!frame) return failed;
+  // each kind of instrument says what its frames are over time
+  const auto over_time = [&](const CameraInstrument&) {
+    return expose(view, *frame, log) && switch_lamps(view, *frame, log);
+  };
+  if (!std::visit(over_time, frame->instrument)) return failed;
   return frame;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <variant>
 #include <vector>
 
 #include "base/text.h"
@@ -106,10 +107,11 @@ double ortho_of(const world::Camera& camera) {
   return width;
 }
 
-// Settings of a frame with all that was left to defaults of the camera and the world.
-Settings made_settings(const world::World& world, const Frame& frame) {
-  Settings made = with_presets(frame.settings);
-  const world::Camera& camera = frame.camera();
+// What a record has of one kind of instrument: overloads for each kind.
+
+// Settings of the instrument, with all that was left to defaults.
+void set_kind(const CameraInstrument& kind, Settings& made) {
+  const world::Camera& camera = kind.camera;
   made.size = {camera.width, camera.height};
   made.camera = camera.position;
   made.quat = camera.world_from_camera;
@@ -129,6 +131,17 @@ Settings made_settings(const world::World& world, const Frame& frame) {
     made.intrinsics = {camera.focal.x, camera.focal.y, camera.principal.x, camera.principal.y};
   else
     made.ortho = ortho_of(camera);
+}
+
+bool keeps_field(const CameraInstrument& kind) {
+  return kind.field_of_view && kind.camera.projection == world::Projection::perspective;
+}
+
+// Settings of a frame with all that was left to defaults of the instrument and the world.
+Settings made_settings(const world::World& world, const Frame& frame) {
+  Settings made = with_presets(frame.settings);
+  std::visit([&](const auto& kind) { set_kind(kind, made); }, frame.instrument);
+  const Settings none;
   const world::Sun& sun = world.sun();
   made.sun = sun.direction;
   made.sun_distance = sun.distance;
@@ -191,7 +204,8 @@ Json view_of(const world::World& world, const Frame& frame, const RecordSource& 
 }
 
 // Every keypoint, whether it is in the image or not; one behind the camera has no pixel.
-Json keypoints_of(const world::World& world, const world::Camera& camera) {
+Json keypoints_of(const world::World& world, const CameraInstrument& kind) {
+  const world::Camera& camera = kind.camera;
   Json out = Json::array();
   for (const world::Instance& target : world.instances()) {
     const pan::Model& model = *target.model();
@@ -295,15 +309,17 @@ std::string record_text(const world::World& world, const Frame& frame, const Rec
     moved = moved || !world[i].node_states().empty() || !world[i].visible();
   }
   if (moved) record["nodes_moved"] = true;
-  const auto& instrument = std::get<CameraInstrument>(frame.instrument);
-  if (instrument.field_of_view && frame.camera().projection == world::Projection::perspective)
+  if (std::visit([](const auto& kind) { return keeps_field(kind); }, frame.instrument))
     record["field_of_view"] = true;
   if (const Json options = reading(source.open); !options.empty()) record["reading"] = options;
   if (*frame.settings.engine == Settings::Engine::gl && context != preview::ContextKind::automatic)
     record["context"] = context == preview::ContextKind::egl ? "egl" : "osmesa";
   record["view"] = view_of(world, frame, source);
   // rows of several times show them elsewhere
-  Json keypoints = *frame.settings.line_time == 0 ? keypoints_of(world, frame.camera()) : Json();
+  Json keypoints;
+  if (*frame.settings.line_time == 0)
+    keypoints =
+        std::visit([&](const auto& kind) { return keypoints_of(world, kind); }, frame.instrument);
   if (!keypoints.empty()) record["keypoints"] = std::move(keypoints);
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
 }

@@ -29,7 +29,7 @@ struct RecordSource {
 // are as in `source`; those that are not UTF-8 are {"bytes": "…"}, hexadecimal.
 //
 //   world  as shown
-// Expects: a camera.
+//   frame  of any instrument
 std::string record_text(const world::World& world, const Frame& frame, const RecordSource& source,
                         preview::ContextKind context = preview::ContextKind::automatic);
 
