@@ -199,8 +199,8 @@ Result<server::ServerOptions> options_of(const Options& options, DiagnosticLog& 
   return out;
 }
 
-// Options of one protocol that the other lacks.
-bool check_protocol(const Options& options, DiagnosticLog& log) {
+// Options that have no meaning beside others.
+bool check_combinations(const Options& options, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   const auto refuse = [&](bool given, const char* name) {
     if (given)
@@ -218,6 +218,14 @@ bool check_protocol(const Options& options, DiagnosticLog& log) {
   } else {
     refuse(!options.folder.empty(), "--folder");
   }
+  const auto clash = [&](bool given, const char* name, const char* other) {
+    if (given)
+      log.report(Code("E0201"), {}, fmt::format("{} cannot be combined with {}", name, other));
+  };
+  const Options defaults;
+  clash(!options.path.empty() && options.address != defaults.address, "--address", "--socket");
+  clash(!options.path.empty() && options.port != defaults.port, "--port", "--socket");
+  clash(!options.replay.empty() && options.web != kNoPage, "--web", "--replay");
   std::error_code ignored;
   if (!options.folder.empty() && !std::filesystem::is_directory(options.folder, ignored))
     log.report_file(Code("E0101"), options.folder, "folder not found", "create it");
@@ -320,7 +328,7 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   auto server = options_of(options, log);
-  if (!server || !check_protocol(options, log)) return context.finish();
+  if (!server || !check_combinations(options, log)) return context.finish();
   if (!options.replay.empty()) return replay_log(options, *server, context);
   if (!options.log.empty() && !context.files().will_write(options.log, "--log", log))
     return context.finish();

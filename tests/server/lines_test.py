@@ -293,6 +293,9 @@ def hostile():
 def usage():
     for words, message in ((["--json-lines", "--grey"], "--grey cannot be combined with --json-lines"),
                            (["--folder", "."], "--folder requires --json-lines"),
+                           (["--socket", "a", "--address", "127.0.0.2"], "--address cannot be combined with --socket"),
+                           (["--socket", "a", "--port", "0"], "--port cannot be combined with --socket"),
+                           (["--replay", "a.jsonl", "--web", "0"], "--web cannot be combined with --replay"),
                            (["--json-lines", "--folder", "nowhere"], "folder not found"),
                            (["--json-lines", "--socket", "box.pxn"], "cannot listen on box.pxn"),
                            (["--json-lines", "--socket", "x" * 200], "at most 107 bytes")):
