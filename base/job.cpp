@@ -6,12 +6,55 @@
 #include <atomic>
 #include <cassert>
 #include <mutex>
+#include <new>
+#include <utility>
+#include <vector>
 
 #include "base/internal/job_state.h"
 
 namespace panwright {
 
 static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers set it");
+
+namespace {
+
+// Arenas of jobs that have ended: as many as there were jobs at the same time.
+struct Arenas {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<tbb::task_arena>> kept;
+};
+
+// never destroyed: jobs may end after it
+Arenas& arenas() {
+  static Arenas& all = *new Arenas;
+  return all;
+}
+
+tbb::task_arena* kept_arena(int threads) {
+  Arenas& all = arenas();
+  const std::lock_guard lock(all.mutex);
+  for (auto& each : all.kept) {
+    if (each->max_concurrency() != threads) continue;
+    std::swap(each, all.kept.back());
+    tbb::task_arena* const arena = all.kept.back().release();
+    all.kept.pop_back();
+    return arena;
+  }
+  return new tbb::task_arena(threads);
+}
+
+}  // namespace
+
+void KeepArena::operator()(tbb::task_arena* arena) const {
+  std::unique_ptr<tbb::task_arena> ended(arena);
+  Arenas& all = arenas();
+  const std::lock_guard lock(all.mutex);
+  try {
+    all.kept.push_back(std::move(ended));
+  } catch (const std::bad_alloc&) {
+    // it goes
+  }
+}
 
 Job::Job(JobOptions options) : state_(std::make_shared<State>()) {
   state_->stop = std::make_shared<std::atomic<bool>>(false);
@@ -71,9 +114,8 @@ void Phase::tell(std::uint64_t done, bool finished) {
 void run_on_threads(const Job& job, const std::function<void()>& work) {
   if (!job.state() || job.state()->threads == 0) return work();
   Job::State& state = *job.state();
-  std::call_once(state.arena_made, [&] {
-    state.arena = std::make_unique<tbb::task_arena>(static_cast<int>(state.threads));
-  });
+  std::call_once(state.arena_made,
+                 [&] { state.arena.reset(kept_arena(static_cast<int>(state.threads))); });
   state.arena->execute(work);
 }
 

@@ -23,6 +23,7 @@
 #include "workspace/internal/scenario_source.h"
 #include "workspace/internal/setting_json.h"
 #include "workspace/quantities.h"
+#include "workspace/sky_settings.h"
 #include "workspace/targets.h"
 
 namespace panwright::workspace {

@@ -11,6 +11,12 @@
 
 namespace panwright {
 
+// Keeps an arena for the next job with as many threads: TBB gives back the memory of one that ends
+// late or never.
+struct KeepArena {
+  void operator()(tbb::task_arena* arena) const;
+};
+
 struct Job::State {
   std::shared_ptr<std::atomic<bool>> stop;  // shared with jobs that are cancelled together
   std::size_t threads = 0;                  // 0: all cores
@@ -18,7 +24,7 @@ struct Job::State {
   std::mutex mutex;
   std::size_t depth = 0;  // phases under way
   std::once_flag arena_made;
-  std::unique_ptr<tbb::task_arena> arena;  // with threads alone
+  std::unique_ptr<tbb::task_arena, KeepArena> arena;  // with threads alone
 };
 
 }  // namespace panwright

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "preview/frame/blocks.h"
+#include "preview/frame/lights.h"
 #include "preview/frame/outline.h"
 #include "preview/frame/sampling_frame.h"
 

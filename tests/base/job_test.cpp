@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/internal/job_state.h"
 #include "base/parallel.h"
 
 namespace panwright::job_test {
@@ -106,6 +107,23 @@ TEST(RunOnThreads, HoldsWhateverRunsInside) {
     parallel_for(64, body, job);
     EXPECT_LE(most, static_cast<int>(threads));
   }
+}
+
+// A server has a job for each request: TBB kept 1 kB of each, 150 MB after two hours.
+TEST(RunOnThreads, TheNextJobHasTheArenaOfTheLast) {
+  const auto arena_of = [](const Job& job) {
+    run_on_threads(job, [] {});
+    return job.state()->arena.get();
+  };
+  const tbb::task_arena* last = nullptr;
+  for (int i = 0; i < 3; ++i) {
+    const tbb::task_arena* const arena = arena_of(Job({5, {}}));
+    if (i > 0) EXPECT_EQ(arena, last);
+    last = arena;
+  }
+  const Job one({5, {}}), beside({5, {}}), other({4, {}});
+  EXPECT_NE(arena_of(one), arena_of(beside));
+  EXPECT_EQ(arena_of(other)->max_concurrency(), 4);
 }
 
 TEST(Phase, TellsTheListenerFromBeginToEnd) {
