@@ -378,6 +378,30 @@ bool Sampling::one_sample_each(const Frame& frame, image::Image& image,
   return true;
 }
 
+namespace {
+
+// The same scene through another camera.
+FrameScene seen_by(const world::Camera& camera, const FrameScene& scene) {
+  return {.world = scene.world,
+          .camera = camera,
+          .states = scene.states,
+          .visible = scene.visible,
+          .lights = scene.lights,
+          .pixel = scene.pixel,
+          .texels = scene.texels,
+          .specular_filter = scene.specular_filter};
+}
+
+// Clears an image of as many pixels.
+void clear_to(std::uint32_t width, std::uint32_t height, image::Image& image) {
+  image.width = width;
+  image.height = height;
+  image.radiance.assign(3 * image.pixels(), 0.0f);
+  image.coverage.assign(image.pixels(), 0.0f);
+}
+
+}  // namespace
+
 // Solar cells take the place of what relief may add: it is told of a small image of the same view.
 bool Sampling::look_at_relief(const Frame& frame) {
   constexpr double kSide = 256;  // pixels
@@ -387,18 +411,8 @@ bool Sampling::look_at_relief(const Frame& frame) {
   camera.height = static_cast<std::uint32_t>(std::ceil(camera.height * scale));
   camera.focal *= scale;
   camera.principal *= scale;
-  small_.width = camera.width;
-  small_.height = camera.height;
-  small_.radiance.assign(3 * small_.pixels(), 0.0f);
-  small_.coverage.assign(small_.pixels(), 0.0f);
-  const FrameScene scene{.world = frame.scene.world,
-                         .camera = camera,
-                         .states = frame.scene.states,
-                         .visible = frame.scene.visible,
-                         .lights = frame.scene.lights,
-                         .pixel = frame.scene.pixel,
-                         .texels = frame.scene.texels,
-                         .specular_filter = frame.scene.specular_filter};
+  clear_to(camera.width, camera.height, small_);
+  const FrameScene scene = seen_by(camera, frame.scene);
   const Tile part = tile_scene(scene, {0, 0, camera.width, camera.height}).tile;
   Frame other{scene,     frame.options, frame.formats, small_, frame.job,
               frame.log, frame.width,   frame.height,  part,   frame.triangles};
@@ -408,20 +422,10 @@ bool Sampling::look_at_relief(const Frame& frame) {
 // A second look between the samples of the first: thin things that one of them misses, the other
 // one may see. Predictions alone come of it.
 bool Sampling::look_at_corners(const Frame& frame) {
-  corners_.width = frame.image.width;
-  corners_.height = frame.image.height;
-  corners_.radiance.assign(3 * corners_.pixels(), 0.0f);
-  corners_.coverage.assign(corners_.pixels(), 0.0f);
+  clear_to(frame.image.width, frame.image.height, corners_);
   world::Camera shifted = frame.scene.camera;
   shifted.principal += Vec2(0.5);
-  const FrameScene scene{.world = frame.scene.world,
-                         .camera = shifted,
-                         .states = frame.scene.states,
-                         .visible = frame.scene.visible,
-                         .lights = frame.scene.lights,
-                         .pixel = frame.scene.pixel,
-                         .texels = frame.scene.texels,
-                         .specular_filter = frame.scene.specular_filter};
+  const FrameScene scene = seen_by(shifted, frame.scene);
   Frame other{scene,     frame.options, frame.formats, corners_,   frame.job,
               frame.log, frame.width,   frame.height,  frame.part, frame.triangles};
   if (!one_sample_each(other, corners_, corner_patternless_)) return false;
