@@ -42,7 +42,7 @@ def view_of(packet, bodies, scale):
 def serve(renderer, bodies, poses, images, scale):
     connection, number = None, 0
     while True:
-        ready, _, _ = select.select([poses, images] + ([connection] if connection else []), [], [])
+        ready, _, _ = select.select([poses, images] + ([connection] if connection else []), [], [], 1)  # not for ever: a signal just before it does not wake it
         if connection in ready and not connection.recv(4096):
             connection.close()
             connection = None

@@ -231,6 +231,8 @@ def main():
             answers = Answers(renderer, names)
             try:
                 while True:
+                    while not wire.poll(200):  # a signal that comes just before zmq waits does not wake it
+                        pass
                     wire.send_multipart(answers.reply(wire.recv_multipart()))
             except KeyboardInterrupt:
                 pass
