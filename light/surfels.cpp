@@ -6,6 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/parallel.h"
+
 namespace panwright::light {
 namespace {
 
@@ -65,6 +67,11 @@ double largest_cosine(const Vec3& normal, std::uint32_t direction) {
   return cosine * kCos + std::sqrt(std::max(1 - cosine * cosine, 0.0)) * kSin;
 }
 
+std::uint64_t mixed(std::uint64_t key) {
+  key *= 0x9E3779B97F4A7C15u;
+  return key ^ key >> 32;
+}
+
 // Set of keys of cells, above 0.
 class CellSet {
  public:
@@ -82,8 +89,7 @@ class CellSet {
 
  private:
   std::size_t find(std::uint64_t key) const {
-    const std::uint64_t mixed = key * 0x9E3779B97F4A7C15u;
-    std::size_t slot = (mixed ^ mixed >> 32) & (slots_.size() - 1);
+    std::size_t slot = mixed(key) & (slots_.size() - 1);
     while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) & (slots_.size() - 1);
     return slot;
   }
@@ -180,6 +186,39 @@ void add_cells(const Surfel& surfel, std::uint32_t index, const SurfelGrid& grid
       }
 }
 
+// Those of all surfels: by cell, and by distance within one.
+std::vector<Listed> all_cells(std::span<const Surfel> surfels, const SurfelGrid& grid,
+                              const CellSet& cells, const Job& job) {
+  constexpr std::size_t kAtOnce = 256;
+  constexpr std::uint64_t kRanges = 64;  // of hashed cells, sorted one by one
+  const std::size_t chunks = (surfels.size() + kAtOnce - 1) / kAtOnce;
+  std::vector<std::array<std::vector<Listed>, kRanges>> found(chunks);
+  parallel_for(
+      chunks,
+      [&](std::size_t c) {
+        std::vector<Listed> some;
+        const std::size_t end = std::min(surfels.size(), (c + 1) * kAtOnce);
+        for (std::size_t i = c * kAtOnce; i < end; ++i)
+          add_cells(surfels[i], static_cast<std::uint32_t>(i), grid, cells, some);
+        for (const Listed& one : some) found[c][mixed(one.cell) % kRanges].push_back(one);
+      },
+      job);
+  std::vector<std::vector<Listed>> sorted(kRanges);
+  parallel_for(
+      kRanges,
+      [&](std::size_t range) {
+        for (const auto& chunk : found)
+          sorted[range].insert(sorted[range].end(), chunk[range].begin(), chunk[range].end());
+        std::ranges::sort(sorted[range], [](const Listed& a, const Listed& b) {
+          return std::tie(a.cell, a.distance, a.surfel) < std::tie(b.cell, b.distance, b.surfel);
+        });
+      },
+      job);
+  std::vector<Listed> all;
+  for (const std::vector<Listed>& range : sorted) all.insert(all.end(), range.begin(), range.end());
+  return all;
+}
+
 void add_limits(const Surfel& surfel, std::size_t index, SurfelGrid& grid) {
   if (surfel.limit_count == 0) return;
   grid.limits.resize(std::max(grid.limits.size(), (index + 1) * Surfel::kMostLimits));
@@ -210,7 +249,7 @@ std::uint32_t SurfelGrid::slot_of(std::uint32_t xy, std::uint32_t zd) {
 }
 
 SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
-                       std::span<const SurfacePlace> places) {
+                       std::span<const SurfacePlace> places, const Job& job) {
   assert(surfels.size() <= SurfelGrid::kMost);
   SurfelGrid grid;
   grid.stamp = next_stamp();
@@ -223,7 +262,6 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
   if (!bounds.empty()) grid.origin = bounds.low - widest;
   grid.side = std::max(side, bounds.empty() ? 1 : (bounds.longest() + 2 * widest) / 60000);
   const CellSet cells = cells_of(places, grid);
-  std::vector<Listed> listed;
   for (std::uint32_t i = 0; i < surfels.size(); ++i) {
     const glm::vec3 at(surfels[i].position - grid.origin);
     const Surfel& surfel = surfels[i];
@@ -231,11 +269,8 @@ SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
         {at.x, at.y, at.z,
          static_cast<float>(packed_normal(surfel.normal) | surfel.limit_count << 16)});
     add_limits(surfel, i, grid);
-    add_cells(surfel, i, grid, cells, listed);
   }
-  std::ranges::sort(listed, [](const Listed& a, const Listed& b) {
-    return std::tie(a.cell, a.distance, a.surfel) < std::tie(b.cell, b.distance, b.surfel);
-  });
+  const std::vector<Listed> listed = all_cells(surfels, grid, cells, job);
   std::vector<std::array<std::uint32_t, 4>> lists;
   for (std::size_t i = 0; i < listed.size();) {
     std::size_t end = i;

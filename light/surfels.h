@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/axis_box.h"
+#include "base/job.h"
 #include "base/math.h"
 #include "base/stamp.h"
 
@@ -75,9 +76,9 @@ struct SurfacePlace {
 //   side    of cubes, metres
 //   places  spread over all surfaces: lists stand in their cubes and those beside them; empty:
 //           wherever surfels reach
-// Expects: at most kMost.
+// Expects: at most kMost. Throws Cancelled.
 SurfelGrid surfel_grid(std::span<const Surfel> surfels, double side,
-                       std::span<const SurfacePlace> places = {});
+                       std::span<const SurfacePlace> places = {}, const Job& job = {});
 
 // Returns the irradiance at a point of a surface, as shaders do: the mean of near surfels that face
 // the same way, on its side of their limits. 0 far from all.

@@ -416,9 +416,9 @@ double weak_furnace(const Microfacets& microfacets, const Vec3& v, int nodes) {
 }
 
 Vec3 directional_albedo(const Material& material, double mu, double azimuth,
-                        const std::optional<Vec3>& reflectance) {
+                        const std::optional<Vec3>& reflectance, int nodes) {
   assert(mu > 0 && mu <= 1);
-  return albedo(material, direction(mu, azimuth), 128, reflectance);
+  return albedo(material, direction(mu, azimuth), nodes, reflectance);
 }
 
 Vec3 hemispherical_albedo(const Material& material) {

@@ -28,6 +28,7 @@ std::vector<Share> parts_of(const materials::Material& material) {
   return {{parts[0], shares.cell}, {parts[1], shares.finger}, {parts[2], shares.gap}};
 }
 
+constexpr int kOrder = 32;             // nodes of quadratures: albedos within 1e-4
 constexpr double kLeastGlossy = 0.02;  // albedo
 constexpr double kNarrowest = 0.2;     // slope of a lobe that the rays of a surfel resolve
 constexpr double kOfSlope = 1.5;       // a material's lobes beside its narrowest
@@ -76,8 +77,8 @@ Reflectance::Reflectance(const materials::Material& material) {
     for (int i = 0; i < kNodes; ++i) {
       const double mu = std::sqrt((i + 0.5) / kNodes);
       const auto k = static_cast<std::size_t>(i);
-      const Vec3 white = materials::directional_albedo(part.material, mu);
-      const Vec3 without = materials::directional_albedo(black, mu);
+      const Vec3 white = materials::directional_albedo(part.material, mu, 0, {}, kOrder);
+      const Vec3 without = materials::directional_albedo(black, mu, 0, {}, kOrder);
       black_[k] += part.share * without;
       white_[k] += part.share * white;
       black_mean_ += part.share * without / double{kNodes};

@@ -105,7 +105,7 @@ Transport::ShapePtr Transport::make_shape(std::uint32_t target, const Job& job) 
   for (const Point& point : set.points()) places.push_back({point.start, point.normal});
   // half a spacing: lists of those that light a place are not much longer than these
   shape->grid = std::make_shared<const light::SurfelGrid>(
-      light::surfel_grid(set.surfels(), 0.5 * set.spacing(), places));
+      light::surfel_grid(set.surfels(), 0.5 * set.spacing(), places, job));
   ++counts_.shapes;
   return shape;
 }

@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
+#include <optional>
 
+#include "materials/energy.h"
 #include "materials/sample.h"
 #include "tests/transport/transport_models.h"
+#include "transport/reflectance.h"
 #include "transport/transport.h"
 
 namespace panwright::transport::oracles_test {
@@ -204,6 +208,34 @@ TEST(TransportOracles, LobesThrowSunlight) {
     mean += irradiance_at(transport.light()[0], {0, 0.04 * (i - 9.5), 0.3}, {-1, 0, 0}).x / 20;
   EXPECT_GT(expected, 0.05);
   EXPECT_NEAR(mean, expected, 0.1 * expected);
+}
+
+// Few nodes of quadrature beside many, of lobes that are hard for them.
+TEST(TransportOracles, ReflectanceIsThatOfMaterials) {
+  double worst = 0;
+  for (const materials::SpecularBrdf& brdf : std::initializer_list<materials::SpecularBrdf>{
+           materials::BlinnPhong{2000}, materials::CookTorrance{1, 0.2, 1, 1},
+           materials::CookTorrance{1, 0.01, 1, 1}, materials::Beckmann{0.02, 0.3},
+           materials::Ggx{0.01, 0.01}, materials::Ggx{0.6, 0.1}, materials::Mirror{},
+           materials::Retroreflector{}})
+    for (const std::optional<materials::Coat>& coat :
+         {std::optional<materials::Coat>{}, {{1.5, 0, Vec3(0.2)}}, {{1.5, 0.05, Vec3(0)}}}) {
+      materials::Material material;
+      material.diffuse = Vec3(0.3);
+      material.specular = Vec3(0.6);
+      material.weights = {1, 1, 0};
+      material.specular_brdf = brdf;
+      material.coat = coat;
+      materials::fit(material);
+      const Reflectance reflectance(material);
+      for (int k = 0; k < 6; ++k) {
+        const double mu = std::sqrt((k + 0.5) / 6);  // its nodes
+        worst =
+            std::max(worst, max_component(glm::abs(reflectance.directional(mu, Vec3(1)) -
+                                                   materials::directional_albedo(material, mu))));
+      }
+    }
+  EXPECT_LE(worst, 1.5e-4);  // 8.8e-5
 }
 
 }  // namespace
