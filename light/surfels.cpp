@@ -67,7 +67,7 @@ double largest_cosine(const Vec3& normal, std::uint32_t direction) {
   return cosine * kCos + std::sqrt(std::max(1 - cosine * cosine, 0.0)) * kSin;
 }
 
-std::uint64_t mixed(std::uint64_t key) {
+std::uint64_t scattered(std::uint64_t key) {
   key *= 0x9E3779B97F4A7C15u;
   return key ^ key >> 32;
 }
@@ -89,7 +89,7 @@ class CellSet {
 
  private:
   std::size_t find(std::uint64_t key) const {
-    std::size_t slot = mixed(key) & (slots_.size() - 1);
+    std::size_t slot = scattered(key) & (slots_.size() - 1);
     while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) & (slots_.size() - 1);
     return slot;
   }
@@ -200,7 +200,7 @@ std::vector<Listed> all_cells(std::span<const Surfel> surfels, const SurfelGrid&
         const std::size_t end = std::min(surfels.size(), (c + 1) * kAtOnce);
         for (std::size_t i = c * kAtOnce; i < end; ++i)
           add_cells(surfels[i], static_cast<std::uint32_t>(i), grid, cells, some);
-        for (const Listed& one : some) found[c][mixed(one.cell) % kRanges].push_back(one);
+        for (const Listed& one : some) found[c][scattered(one.cell) % kRanges].push_back(one);
       },
       job);
   std::vector<std::vector<Listed>> sorted(kRanges);

@@ -9,6 +9,7 @@
 
 #include "base/job.h"
 #include "tools/plot.h"
+#include "workspace/frame.h"
 #include "workspace/scenario.h"
 #include "workspace/views.h"
 
