@@ -22,17 +22,33 @@ inline Vec3 perpendicular(const Vec3& axis) {
   return glm::normalize(glm::cross(axis, other));
 }
 
+// Returns whether another body stands before what is seen of one.
+//
+//   direction  unit; away: metres
+inline bool is_hidden(const Sky& sky, std::size_t index, const Vec3& point, const Vec3& direction,
+                      double away) {
+  for (std::size_t k = 0; k < sky.size(); ++k) {
+    if (k == index) continue;
+    const Vec3 from = sky.shape(k).from(point), ray = sky.shape(k).unit_from_world * direction;
+    const double a = glm::dot(ray, ray), b = glm::dot(from, ray), c = glm::dot(from, from) - 1;
+    const double square = b * b - a * c;
+    if (square >= 0 && b < 0 && c > 0 && c / (std::sqrt(square) - b) < away) return true;
+  }
+  return false;
+}
+
 struct PartAxes {
   Vec3 x, y, z;
 };
 
 // Calls f(part) for the lit parts of a body's air beside its disc.
 template <class F>
-void for_air(const Sky& sky, std::size_t index, const Vec3& from, const PartAxes& axes,
+void for_air(const Sky& sky, std::size_t index, const Vec3& point, const PartAxes& axes,
              const CapGrid& grid, const F& f) {
   const light::Air* air = sky.air(index);
   if (air == nullptr) return;
   const Ellipsoid& shape = sky.shape(index);
+  const Vec3 from = shape.from(point);
   const double distance = std::sqrt(glm::dot(from, from));
   // cosines of the ground's limb and of the air's; within the air all of the sky
   const auto cosine_of = [&](double r) {
@@ -54,7 +70,10 @@ void for_air(const Sky& sky, std::size_t index, const Vec3& from, const PartAxes
       const Vec3 light = sky.air_light(index, from, toward).light *
                          (2 * t * solid * shape.volume / (stretch * stretch * stretch));
       const double flux = light.x + light.y + light.z;
-      if (flux > 0) f(Part{toward / stretch, light, flux});
+      const Vec3 direction = toward / stretch;
+      // air is seen as far away as the limb
+      if (flux > 0 && !is_hidden(sky, index, point, direction, distance * along * stretch))
+        f(Part{direction, light, flux});
     }
   }
 }
@@ -70,7 +89,7 @@ void for_parts(const Sky& sky, std::size_t index, const Vec3& point, const CapGr
   if (!(distance > 1)) return;
   const Vec3 axis = -from / distance;
   const Vec3 x = perpendicular(axis), y = glm::cross(axis, x);
-  for_air(sky, index, from, {x, y, axis}, grid, f);
+  for_air(sky, index, point, {x, y, axis}, grid, f);
   const bool in_air = sky.air(index) && distance < sky.air(index)->top();
   const double cosine = std::sqrt((distance - 1) * (distance + 1)) / distance;
   const double height = 1 / (distance * distance) / (1 + cosine);  // 1 − cos of the disc's radius
@@ -92,7 +111,8 @@ void for_parts(const Sky& sky, std::size_t index, const Vec3& point, const CapGr
           sky.radiance(index, place, -direction, footprint, in_air ? &from : nullptr) *
           (solid * shape.volume / (stretch * stretch * stretch));
       const double flux = light.x + light.y + light.z;
-      if (flux > 0) f(Part{direction, light, flux});
+      if (flux > 0 && !is_hidden(sky, index, point, direction, way * stretch))
+        f(Part{direction, light, flux});
     }
   }
 }

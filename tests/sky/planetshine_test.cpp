@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,31 @@ double plate(double height, double zenith_deg, const Vec3& normal) {
     }
   }
   return sum;
+}
+
+// The Moon behind the Earth, half of it, and before it, from 6,878 km.
+TEST(Planetshine, BodiesHideOneAnother) {
+  const auto of = [](std::initializer_list<light::Body> bodies) {
+    world::World world;
+    world.set_sky(bodies, false);
+    world.set_sun({.direction = {1, 0, 0}});
+    return irradiance(Sky(world), Vec3(0), glm::normalize(Vec3(0, 0.3, -1)));
+  };
+  light::Body earth = *light::body_preset("earth");
+  earth.air = false;
+  earth.radii = Vec3(kRadius);
+  earth.centre = Vec3(0, 0, -6878e3);
+  light::Body moon = *light::body_preset("moon");
+  moon.centre = Vec3(-2e7, 0, -4e8);
+  EXPECT_EQ(of({earth, moon}), of({earth}));
+  EXPECT_GT(of({moon}).x, 1e-7);
+  // its middle at the Earth's limb
+  const double limb = std::asin(earth.radii.x / 6878e3);
+  moon.centre = 4e8 * Vec3(0, std::sin(limb), -std::cos(limb));
+  const double share = (of({earth, moon}).x - of({earth}).x) / of({moon}).x;
+  EXPECT_NEAR(share, 0.5, 0.02) << share;
+  moon.centre = Vec3(0, 0, -2e5 - moon.radii.z);
+  EXPECT_LT(of({earth, moon}).x, of({earth}).x + of({moon}).x - 1e-3);
 }
 
 // E/(albedo·S) of nadir plates: series in Legendre polynomials of the zenith angle, whose first
