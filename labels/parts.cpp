@@ -42,6 +42,26 @@ std::optional<std::string> nearest_node(const world::World& world, std::string_v
   return near ? std::optional(std::string(*near)) : std::nullopt;
 }
 
+// The node of the shape that each node is the blanket of: its name and `_foil` beside it, as `foil`
+// of a shape makes it; else itself.
+std::vector<std::uint32_t> shapes_of(const pan::Model& model) {
+  constexpr std::string_view kBlanket = "_foil";
+  std::map<std::pair<std::int32_t, std::string_view>, std::uint32_t> by_name;
+  const auto nodes = model.nodes();
+  for (std::uint32_t n = 0; n < nodes.size(); ++n)
+    by_name.try_emplace({nodes[n].parent, model.string(nodes[n].name)}, n);
+  std::vector<std::uint32_t> shapes(nodes.size());
+  for (std::uint32_t n = 0; n < nodes.size(); ++n) {
+    shapes[n] = n;
+    std::string_view name = model.string(nodes[n].name);
+    if (!name.ends_with(kBlanket)) continue;
+    name.remove_suffix(kBlanket.size());
+    if (const auto at = by_name.find({nodes[n].parent, name}); at != by_name.end())
+      shapes[n] = at->second;
+  }
+  return shapes;
+}
+
 // Nodes of each label, in the order of the first.
 using LabelledNodes = std::vector<std::pair<std::string, std::vector<std::uint32_t>>>;
 
@@ -54,15 +74,22 @@ LabelledNodes labelled_nodes(const world::Instance& target, const std::vector<Ch
     if (at == result.end()) at = result.insert(result.end(), {label, {}});
     if (at->second.empty() || at->second.back() != node) at->second.push_back(node);
   };
-  const auto own = model.labels();
-  std::size_t next = 0;
+  const auto labels = model.labels();
+  const std::vector<std::uint32_t> shapes = shapes_of(model);
   for (std::uint32_t node = 0; node < model.nodes().size(); ++node) {
-    for (; next < own.size() && own[next].node == node; ++next)
-      if (const std::string_view label = model.string(own[next].name); !label.empty())
+    const std::uint32_t shape = shapes[node];
+    // labels stand in the order of their nodes
+    auto own = std::ranges::lower_bound(labels, shape, {}, &pan::layout::Label::node);
+    for (; own != labels.end() && own->node == shape; ++own)
+      if (const std::string_view label = model.string(own->name); !label.empty())
         add(std::string(label), node);
-    const std::string path = chosen.empty() ? "" : target.name() + "/" + model.node_path(node);
+    const auto path_of = [&](std::uint32_t n) {
+      return chosen.empty() ? "" : target.name() + "/" + model.node_path(n);
+    };
+    const std::string path = path_of(node), shape_path = shape == node ? path : path_of(shape);
     for (std::size_t k = 0; k < chosen.size(); ++k)
-      if (is_path(target.name(), path, chosen[k].node)) {
+      if (is_path(target.name(), path, chosen[k].node) ||
+          is_path(target.name(), shape_path, chosen[k].node)) {
         add(chosen[k].label, node);
         found[k] = 1;
       }

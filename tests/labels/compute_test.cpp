@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "labels/parts.h"
 #include "sensor/lens.h"
 #include "tests/labels/label_worlds.h"
 
@@ -38,6 +39,26 @@ ModelMaker single(const geometry::Mesh& mesh) {
 }
 
 // a plate of exact binary sides, its back to the camera or not
+// A blanket beside its shape is a part of it; another node of such a name is not.
+TEST(Labels, BlanketsBelongToTheirShapes) {
+  ModelMaker maker;
+  const auto bus = maker.node("bus", 0, Vec3(0)), foil = maker.node("bus_foil", 0, Vec3(0));
+  const auto wing = maker.node("wing", 0, Vec3(0)), other = maker.node("wing_foil", wing, Vec3(0));
+  for (const auto node : {bus, foil, wing, other}) maker.add(node, support::box(Vec3(1)));
+  maker.contents.labels.push_back({"wing", static_cast<std::uint32_t>(wing)});
+  world::World world;
+  DiagnosticLog log;
+  ASSERT_TRUE(world.add("craft", maker.model(), log)) << to_text(log);
+  for (const char* const path : {"bus", "craft/root/bus"}) {
+    const auto named = named_things(world, {{"body", path}}, log);
+    ASSERT_TRUE(named) << to_text(log);
+    ASSERT_EQ(named->things.size(), 3u);
+    EXPECT_EQ(named->things[1].label, "body");
+    EXPECT_EQ(named->things[1].nodes, (std::vector<std::uint32_t>{1, 2}));
+    EXPECT_EQ(named->things[2].nodes, std::vector<std::uint32_t>{3});  // its child is within
+  }
+}
+
 TEST(LabelsCompute, APlateCoversTheAreaOfItsRectangle) {
   world::World world;
   // 20.5 by 10.25 pixels about pixel (30.25, 20.125)
