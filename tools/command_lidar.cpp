@@ -170,6 +170,10 @@ class LidarRun {
       line += fmt::format(", {} out of gate", out_of);
     if (alarms > 0) line += fmt::format(", {}", counted(alarms, "false alarm"));
     fmt::print(stderr, "{}\n", line);
+    if (2 * alarms > cloud.points.size())
+      fmt::print(stderr,
+                 "most points are false alarms: gate_m = [NEAR, FAR] in [detection] leaves "
+                 "out those beyond the target, threshold_e weak ones\n");
     if (!options_.ideal && cloud.energy < lidar_.pulse_energy)
       fmt::print(stderr, "pulses have {:.3g} J, the eye-safe limit; [beam] asks for {:.3g} J\n",
                  cloud.energy, lidar_.pulse_energy);
