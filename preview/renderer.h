@@ -132,6 +132,9 @@ struct RenderOptions {
   bool sunlight = true;
   // Light that other surfaces send each target of the world (transport/transport.h); null: none.
   std::shared_ptr<const std::vector<light::SurfelLight>> indirect;
+  // With `indirect`: mirrors and smooth coats show the Sun and lamps alone, as
+  // Reference::add_mirrored() adds the rest.
+  bool mirrors_apart = false;
 };
 
 // Renderer of worlds into images of linear radiance, one after the other. State derived from a

@@ -68,6 +68,7 @@ IMAGES = {
         "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
         "light_between?": ("that surfaces send one another, with --indirect on or auto", {
             "drawn": "boolean: false: it changes the image by less than is asked", "flux": "number: estimate of its share of the flux",
+            "mirrors": "boolean: targets have mirrors or smooth coats, which show others by rays",
             "rms": "number: of its RMS, in parts of the radiance's", "surfels": "integer: of all targets"}),
         "shadow_edge?": "number: 99th percentile of the error of shadow edges, pixels; with --engine gl",
         "penumbra?": "number: largest possible width of a penumbra, pixels; with --engine gl, shadows of the Sun's disc",

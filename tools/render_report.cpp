@@ -116,9 +116,9 @@ std::string explained(const Written& image) {
     const workspace::LightBetween& between = *image.between;
     text += fmt::format(
         "  light between surfaces: {}, about {:.2g} % of the flux, {:.2g} % RMS of the radiance; "
-        "{}{}\n",
+        "{}{}{}\n",
         between.drawn ? "drawn" : "left out", 100 * between.flux, 100 * between.rms,
-        counted(between.surfels, "surfel"),
+        counted(between.surfels, "surfel"), between.mirrors ? ", mirrors by rays" : "",
         between.seconds > 0 ? ", " + milliseconds(between.seconds) : "");
   }
   if (!image.sampling) return text;
@@ -184,6 +184,7 @@ void describe_image(const Written& image, Json& entry) {
   if (image.between)
     entry["light_between"] = {{"drawn", image.between->drawn},
                               {"flux", image.between->flux},
+                              {"mirrors", image.between->mirrors},
                               {"rms", image.between->rms},
                               {"surfels", image.between->surfels}};
   if (image.sampling && image.sampling->shadow_edge > 0)

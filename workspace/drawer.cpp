@@ -76,8 +76,10 @@ struct Drawer::Impl {
     world::Camera camera;
     double psf_sigma = 0;
     std::vector<LampPoint> lamps;
-    std::optional<world::World> ground;  // with terrain that is not drawn yet
+    std::optional<world::World> world;  // with terrain or mirrors that are not drawn yet
+    bool ground = false;
     preview::GroundOptions ground_options;
+    std::shared_ptr<const std::vector<light::SurfelLight>> mirrored;  // none: no mirrors
     std::optional<LightBetween> between;
   };
   std::deque<Behind> behind;
@@ -222,6 +224,7 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
 bool Drawer::Impl::find_light_between(const world::World& world, const world::Camera& camera,
                                       DiagnosticLog& log, const Job& job) {
   options.gl.indirect.reset();
+  options.gl.mirrors_apart = false;
   told.reset();
   if (options.indirect == Indirect::off) return true;
   if (!between) between = std::make_unique<Between>(options.cache);
@@ -249,6 +252,7 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
     between->lights = transport.counts().lights;
   }
   options.gl.indirect = between->light;
+  options.gl.mirrors_apart = tell.mirrors = preview::has_mirrors(world);
   return true;
 }
 
@@ -310,7 +314,7 @@ void Drawer::Impl::add_ground(const Behind& here, image::Image& image, Diagnosti
                               const Job& job) {
   preview::GroundOptions ground_options = here.ground_options;
   ground_options.truth = here.truth || here.before;
-  ground.add(*here.ground, here.camera, ground_options, image, job);
+  ground.add(*here.world, here.camera, ground_options, image, job);
   ground.report_damaged(log);
   if (std::ranges::all_of(image.coverage, [](float share) { return share == 0; }))
     log.report_file(Code("W5006"), {}, "nothing is in view: no target and no terrain");
@@ -337,16 +341,18 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   constexpr double kReach = 6;  // of a PSF, in sigma
-  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, {}, {}};
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, false,
+                    {}, {},    {}};
   next.psf_sigma =
       impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
   // the reference has bodies of its own
   next.bodies = world.has_sky() && impl_->renderer.has_value();
   if (next.bodies || next.stars.catalogue) next.sky.emplace(world);
   if (impl_->renderer && preview::has_ground(world)) {
-    next.ground = world;
-    const unsigned samples = impl_->options.gl.samples;
-    next.ground_options.samples = samples > 0 ? samples : 2;
+    next.world = world;
+    next.ground = true;
+    const preview::RenderOptions& gl = impl_->options.gl;
+    if (gl.samples > 0 && !gl.adaptive) next.ground_options.samples = gl.samples;
     next.ground_options.psf_sigma = next.psf_sigma;
     next.ground_options.flat = impl_->options.gl.flat;
   }
@@ -362,6 +368,10 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
       impl_->submit(world, camera, ground_truth || next.before || next.ground, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   next.between = impl_->told;
+  if (impl_->options.gl.mirrors_apart) {
+    next.world = world;
+    next.mirrored = impl_->options.gl.indirect;
+  }
   if (good) behind.push_back(std::move(next));
   while (behind.size() > impl_->in_flight()) behind.pop_front();
   return good;
@@ -375,15 +385,21 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   const bool fills = drawn && behind.front().ground;
   forward(apart, {}, {}, log, fills ? std::optional(Code("W5006")) : std::nullopt);
   if (drawn) drawn->between = behind.front().between;
-  if (drawn && (behind.front().sky || behind.front().ground || !behind.front().lamps.empty())) {
+  if (drawn && (behind.front().sky || behind.front().world || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
-    const bool good = run_job(job, log, [&] {
-      if (here.ground) impl_->add_ground(here, drawn->image, log, job);
-      impl_->add_sky(here, drawn->image, job);
-      for (const LampPoint& lamp : here.lamps)
-        sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);
-      return true;
-    });
+    const preview::MirrorOptions mirrors{
+        impl_->options.gl.flat, here.psf_sigma,
+        here.mirrored ? std::span(*here.mirrored) : std::span<const light::SurfelLight>()};
+    const bool good =
+        (!here.mirrored || impl_->reference.add_mirrored(*here.world, here.camera, mirrors,
+                                                         drawn->image, log, job)) &&
+        run_job(job, log, [&] {
+          if (here.ground) impl_->add_ground(here, drawn->image, log, job);
+          impl_->add_sky(here, drawn->image, job);
+          for (const LampPoint& lamp : here.lamps)
+            sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);
+          return true;
+        });
     if (!good) drawn = failed;
   }
   while (behind.size() > impl_->in_flight()) behind.pop_front();

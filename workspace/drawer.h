@@ -31,7 +31,8 @@ using Indirect = Settings::Indirect;
 // Light between surfaces of an image.
 struct LightBetween {
   bool drawn = false;        // false: it changes too little
-  double rms = 0, flux = 0;  // estimates of what it adds, in parts of the image's
+  bool mirrors = false;      // targets have mirrors or smooth coats, which show others
+  double rms = 0, flux = 0;  // estimates of what it adds without mirrors, in parts of the image's
   std::uint64_t surfels = 0;
   double seconds = 0;  // spent on finding it; 0: known
 };

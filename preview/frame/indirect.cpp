@@ -36,6 +36,7 @@ std::vector<std::array<float, 4>> interleaved(const light::SurfelLight& light) {
 
 void Indirect::begin_image(const RenderOptions& options) {
   light_ = options.indirect;
+  mirrors_apart_ = options.mirrors_apart;
   const auto wanted = [&](const std::unique_ptr<Grid>& grid) {
     return light_ != nullptr && std::ranges::any_of(*light_, [&](const light::SurfelLight& light) {
              return light.grid && light.grid->stamp == grid->stamp;
@@ -88,6 +89,7 @@ bool Indirect::update(const Context& context, const FrameScene& scene,
     any_grid_ = &grid;
   }
   blocks_.upload(gl, receivers_.size(), [&](std::size_t r, IndirectBlock& block) {
+    block.mirrors_apart = mirrors_apart_;
     if (receivers_[r] == nullptr) return;
     const light::SurfelGrid& grid = *(*light_)[scene.visible.targets[r].target].grid;
     Mat4 from_sample = samples[r];

@@ -44,6 +44,7 @@ class Indirect {
   Grid& grid_of(const GladGLContext& gl, const light::SurfelLight& light);
 
   std::shared_ptr<const std::vector<light::SurfelLight>> light_;
+  bool mirrors_apart_ = false;
   std::vector<std::unique_ptr<Grid>> grids_;
   std::vector<const Grid*> receivers_;  // null: no light
   const Grid* any_grid_ = nullptr;      // bound where a receiver has none

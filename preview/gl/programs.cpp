@@ -42,8 +42,8 @@ std::string wide_light_text(const materials::BrdfModel& brdf_model, bool planets
          defined("LOBE_ANY", brdf_model.specular != none) + lobe("LOBE_BLINN_PHONG", blinn_phong) +
          lobe("LOBE_COOK_TORRANCE", cook_torrance) + lobe("LOBE_SLOPES", beckmann) +
          lobe("LOBE_HEAVY", ggx) + lobe("LOBE_MIRROR", mirror) +
-         lobe("LOBE_RETURNS", retroreflector) + wide_lobes_glsl + defined("PLANETS", planets) +
-         (planets ? planets_glsl : "") + defined("INDIRECT", indirect) +
+         lobe("LOBE_RETURNS", retroreflector) + defined("INDIRECT", indirect) + wide_lobes_glsl +
+         defined("PLANETS", planets) + (planets ? planets_glsl : "") +
          (indirect ? indirect_glsl : "");
 }
 

@@ -266,11 +266,12 @@ struct alignas(16) IndirectBlock {
   float cells_a_metre;  // inverse side of its cubes
   std::uint32_t last_slot;  // of surfel_cells
   std::int32_t probes;  // slots that a list may lie behind its own; 0: no light
-  float padding_60[1];
+  std::int32_t mirrors_apart;  // 1: RenderOptions::mirrors_apart
 };
 static_assert(sizeof(IndirectBlock) == 64);
 static_assert(offsetof(IndirectBlock, from_sample) == 0);
 static_assert(offsetof(IndirectBlock, cells_a_metre) == 48);
 static_assert(offsetof(IndirectBlock, last_slot) == 52);
 static_assert(offsetof(IndirectBlock, probes) == 56);
+static_assert(offsetof(IndirectBlock, mirrors_apart) == 60);
 }  // namespace panwright::preview

@@ -9,9 +9,12 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
+#include "materials/material.h"
+#include "pan/model.h"
 #include "preview/reference/internal/backdrop.h"
 #include "preview/reference/internal/batches.h"
 #include "preview/reference/internal/bodies.h"
+#include "preview/reference/internal/mirror_pass.h"
 #include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview {
@@ -217,6 +220,26 @@ bool Reference::add_ground_truth(const world::World& world, const world::Camera&
     impl_->scene.update(world, job);
     impl_->scene.place_camera(camera);
     trace_ground_truth(impl_->scene, camera, flat, image, job);
+    return true;
+  });
+}
+
+bool has_mirrors(const world::World& world) {
+  return std::ranges::any_of(world.instances(), [](const world::Instance& target) {
+    return std::ranges::any_of(target.model()->materials(), [](const auto& record) {
+      const materials::Material material = pan::material_from(record, {});
+      return materials::narrowest_slope(material, materials::Lobes::about_normal) == 0.0;
+    });
+  });
+}
+
+bool Reference::add_mirrored(const world::World& world, const world::Camera& camera,
+                             const MirrorOptions& options, image::Image& image, DiagnosticLog& log,
+                             const Job& job) {
+  return run_job(job, log, [&] {
+    impl_->scene.update(world, job);
+    impl_->scene.place_camera(camera);
+    reference::add_mirrored(impl_->scene, world, camera, options, image, job);
     return true;
   });
 }

@@ -11,6 +11,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "image/image.h"
+#include "light/surfels.h"
 #include "trace/scene.h"
 #include "world/camera.h"
 #include "world/world.h"
@@ -37,6 +38,13 @@ struct ReferenceOptions {
   std::uint64_t max_bytes = 12ull << 30;  // of the image and its sums in memory
 };
 
+struct MirrorOptions {
+  bool flat = false;     // shade by the triangles' own normals
+  double psf_sigma = 0;  // pixels, of a Gaussian; 0: none
+  // Light that other surfaces send each target; empty: none.
+  std::span<const light::SurfelLight> indirect;
+};
+
 // View with its error estimates. H = height, W = width of the image.
 struct ReferenceImage {
   image::Image image;
@@ -61,6 +69,9 @@ struct ReferenceImage {
   std::uint64_t bounce_rays = 0;
   double seconds = 0;  // without preparation
 };
+
+// Returns whether a target of a world has mirrors or smooth coats.
+bool has_mirrors(const world::World& world);
 
 // Path tracer of worlds.
 //
@@ -112,6 +123,17 @@ class Reference {
   // Expects, fails: as render(), without a limit of memory. Cost: a ray a pixel.
   bool add_ground_truth(const world::World& world, const world::Camera& camera, bool flat,
                         image::Image& image, DiagnosticLog& log, const Job& job = {});
+
+  // Adds what mirrors and smooth coats show of targets, terrain and bodies to an image that another
+  // engine has drawn without (RenderOptions::mirrors_apart); the Sun, lamps and stars are its own.
+  // What they show has the Sun's light, that of lamps and bodies, and its own mirrors, up to eight
+  // one after the other. Pixels have a sample, and sixteen where they differ by a hundredth of
+  // white from one beside them. The same bits for any number of threads.
+  //
+  // Fails: E0001. Cost: a ray and one from there a pixel under the outlines of such parts.
+  bool add_mirrored(const world::World& world, const world::Camera& camera,
+                    const MirrorOptions& options, image::Image& image, DiagnosticLog& log,
+                    const Job& job = {});
 
   // Returns whether targets hide points from a camera: 1, or 0.
   //

@@ -1,8 +1,6 @@
 // Light that other surfaces send, by surfels near a sample (light/surfels.h). Defined in front: wide_lobes.glsl with what it
 // needs, sample_normal.glsl.
 
-INDIRECT_BLOCK
-
 // As light::irradiance_at().
 const float kFacingScale = 1.0 / 0.7;
 const float kAcross = 8.0;
@@ -168,11 +166,11 @@ WideLight indirect_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal)
   WideLobe lobe = wide_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, normal, seen_from, normal) * light.irradiance;
-  vec3 share = vec3(coat_first(s, cosine));
-  if (lobe.share > 0.0) share += lobe.share * coated_reflection(s, cosine, cosine, cosine);
+  vec3 share = vec3(coat_is_apart(s) ? 0.0 : coat_first(s, cosine));
+  if (lobe.share > 0.0 && !lobe_is_apart(s)) share += lobe.share * coated_reflection(s, cosine, cosine, cosine);
 #else
   light.diffuse = bare_diffuse(s, normal, seen_from, normal) * light.irradiance;
-  vec3 share = lobe.share > 0.0 ? lobe.share * bare_reflection(s, cosine) : vec3(0.0);
+  vec3 share = lobe.share > 0.0 && !lobe_is_apart(s) ? lobe.share * bare_reflection(s, cosine) : vec3(0.0);
 #endif
   light.mirrored = share * radiance;
   return light;

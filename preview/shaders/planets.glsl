@@ -127,13 +127,14 @@ WideLight planet_sent(Surface s, ivec2 sample_at, vec3 to_viewer, vec3 normal) {
   WideLobe lobe = wide_lobe(s, cosine);
 #ifdef COATED
   light.diffuse = coated_diffuse(s, middle, seen_from, normal);
-  light.mirrored = coat_first(s, cosine) *
+  if (!coat_is_apart(s))
+    light.mirrored = coat_first(s, cosine) *
                    planet_radiance(planet_middle(mirror, normal, 0.5 * s.coat_alpha, cosine),
                                    s.coat_alpha * s.coat_alpha * (1.0 + cosine * cosine) + bumps);
-  vec3 share = lobe.share > 0.0 ? lobe.share * coated_reflection(s, cosine, cosine, cosine) : vec3(0.0);
+  vec3 share = lobe.share > 0.0 && !lobe_is_apart(s) ? lobe.share * coated_reflection(s, cosine, cosine, cosine) : vec3(0.0);
 #else
   light.diffuse = bare_diffuse(s, middle, seen_from, normal);
-  vec3 share = lobe.share > 0.0 ? lobe.share * bare_reflection(s, cosine) : vec3(0.0);
+  vec3 share = lobe.share > 0.0 && !lobe_is_apart(s) ? lobe.share * bare_reflection(s, cosine) : vec3(0.0);
 #endif
 #if defined(LOBE_RETURNS)
   light.mirrored += share * planet_radiance(seen_from, lobe.square);

@@ -150,4 +150,5 @@ const int kIndirectBinding = 7;
   float cells_a_metre; \
   uint last_slot; \
   int probes; \
+  int mirrors_apart; \
 } indirect;

@@ -1,6 +1,31 @@
 // What lobes send of light that is wide beside them. Defined in front: any of COATED and COMPENSATED (for what microfacets scatter
 // more than once), and where there are lobes LOBE_ANY and one of LOBE_BLINN_PHONG, LOBE_COOK_TORRANCE, LOBE_SLOPES,
-// LOBE_HEAVY (GGX), LOBE_MIRROR, LOBE_RETURNS.
+// LOBE_HEAVY (GGX), LOBE_MIRROR, LOBE_RETURNS; and INDIRECT where other surfaces send light.
+
+#ifdef INDIRECT
+INDIRECT_BLOCK
+#define MIRRORS_APART (indirect.mirrors_apart != 0)
+#else
+#define MIRRORS_APART false
+#endif
+
+// Whether rays add what a smooth coat, or a mirror, shows of such light.
+bool coat_is_apart(Surface s) {
+#ifdef COATED
+  return MIRRORS_APART && !(s.coat_alpha > 0.0);
+#else
+  return false;
+#endif
+}
+bool lobe_is_apart(Surface s) {
+#if !defined(LOBE_MIRROR)
+  return false;
+#elif defined(COATED)
+  return MIRRORS_APART && (!(s.coat_alpha > 0.0) || s.coat_index == 1.0);
+#else
+  return MIRRORS_APART;
+#endif
+}
 
 // What a surface sends of such light to the viewer. diffuse: apart from what lobes send
 struct WideLight {

@@ -59,7 +59,7 @@ class View(TypedDict, total=False):
     shadows: Literal["auto", "off", "hard", "soft"]  # gl: auto (penumbrae where visible, with `samples` auto), hard (the Sun's centre), soft (`sun-points` of its disc) or off.
     sun_points: float | str  # gl: number of points of the Sun's disc that cast shadows (64; with `shadows` auto the largest number).
     shadow_side: float | str  # gl: shadow map resolution, texels (2048; with `samples` auto 2896; imposters: five times their texels).
-    indirect: Literal["off", "auto", "on"]  # gl: light that surfaces send one another, eight bounces, the first one glossy: off, on, or auto (on where it changes the image by more than `pixel-error`) ([light between surfaces](light.md)).
+    indirect: Literal["off", "auto", "on"]  # gl: light that surfaces send one another, eight bounces, the first one glossy: off, on, or auto (on where it changes the image by more than `pixel-error`) ([light between surfaces](light.md)); [mirrors](mirrors.md) show others too.
     levels: float | str  # gl: level of detail: auto (pixel footprint), off (finest), or a footprint in metres.
     imposters: float | str  # gl: small targets drawn separately, finer than pixels (docs/imposters.md): auto (up to 100 pixels, 511 where accurate, with `samples` auto), off, always, or largest size.
     flux_error: float | str  # gl: target error of an imposter's flux (0.05%).

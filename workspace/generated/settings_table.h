@@ -189,7 +189,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--shadow-side", "", "N", "Shadow map resolution (texels), of each model or part of it (default 2048; with --samples auto 2896; imposters: five times their texels)"},
     {"indirect", kFormText, 0, 0, SettingUnit::none, kIndirectWords, -kUnbounded, kUnbounded, 0, EngineSet::gl, Recorded::changed,
      "\"off\", \"auto\" or \"on\"", "off, auto or on",
-     "--indirect", "", "off|auto|on", "Light that surfaces send one another, eight bounces, the first one glossy: off (default), on, or auto (on where it changes the image by more than --pixel-error)"},
+     "--indirect", "", "off|auto|on", "Light that surfaces send one another, eight bounces, the first one glossy: off (default), on, or auto (on where it changes the image by more than --pixel-error); mirrors show others too"},
     {"levels", kFormNumber | kFormText, 0, 0, SettingUnit::length, kLevelsWords, 0.0, kUnbounded, 0, EngineSet::gl, Recorded::changed,
      "auto, off, or metres", "auto, off, or a footprint, as 2cm or 0.02 (metres)",
      "--levels", "", "auto|off|METRES", "Level of detail: auto (pixel footprint), off (finest), or a footprint in metres"},

@@ -253,16 +253,20 @@ class Grid {
 
 }  // namespace
 
-std::vector<Cell> cells_of(const trace::Scene& scene, const world::Camera& camera) {
+std::vector<Cell> cells_of(
+    const trace::Scene& scene, const world::Camera& camera,
+    const std::function<bool(std::uint32_t target, std::uint32_t part)>& wanted) {
   std::vector<AxisRectangle> areas;
-  for (const trace::Scene::Placed& placed : scene.targets()) {
+  for (std::uint32_t t = 0; t < scene.targets().size(); ++t) {
+    const trace::Scene::Placed& placed = scene.targets()[t];
     const trace::Affine camera_from_model = between(scene.observer(), placed.frame);
     const trace::Target& target = *placed.target;
     // terrain may be anywhere
-    if (target.ground() != nullptr) areas.push_back({Vec2(-kInfinity), Vec2(kInfinity)});
+    if (target.ground() != nullptr && !wanted) areas.push_back({Vec2(-kInfinity), Vec2(kInfinity)});
     const std::size_t first = areas.size();
     areas.resize(first + target.parts().size());
     parallel_for(target.parts().size(), [&](std::size_t i) {
+      if (wanted && !wanted(t, target.parts()[i])) return;
       // the positions of the camera and of the model have cancelled before that of the part joins
       const trace::Affine camera_from_mesh =
           camera_from_model * target.placements()[i].model_from_mesh;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/math.h"
@@ -21,6 +22,10 @@ struct Cell {
 // Returns cells by rows, from the left: in each pixel the bounding rectangle of the targets'
 // possible parts, by their boxes, or, for boxes below a few pixels, by their vertices. Cost:
 // O(parts + pixels); O(vertices) for small parts.
-std::vector<Cell> cells_of(const trace::Scene& scene, const world::Camera& camera);
+//
+//   wanted  whether a part of a target counts; none: all do, and terrain
+std::vector<Cell> cells_of(
+    const trace::Scene& scene, const world::Camera& camera,
+    const std::function<bool(std::uint32_t target, std::uint32_t part)>& wanted = {});
 
 }  // namespace panwright::preview::reference

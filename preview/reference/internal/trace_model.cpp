@@ -73,6 +73,17 @@ void TraceModel::lay_decals_over(Part& part) {
   }
 }
 
+bool TraceModel::may_mirror(std::uint32_t part) const {
+  const auto side = [&](const Part& one) {
+    return scatters_[one.scatter].has_mirror ||
+           (one.cell_parts > 0 &&
+            (scatters_[one.cell_parts].has_mirror || scatters_[one.cell_parts + 1].has_mirror ||
+             scatters_[one.cell_parts + 2].has_mirror));
+  };
+  const Part& front = parts_[part];
+  return side(front) || (front.back >= 0 && side(backs_[static_cast<std::size_t>(front.back)]));
+}
+
 void TraceModel::add_parts() {
   parts_.reserve(model_->instances().size());
   for (std::uint32_t i = 0; i < model_->instances().size(); ++i) {

@@ -79,6 +79,9 @@ class TraceModel {
     return part.plain ? static_cast<std::int32_t>(part.scatter) : -1;
   }
 
+  // Returns whether a part, or a cell of it, has mirrors or a smooth coat on one of its sides.
+  bool may_mirror(std::uint32_t part) const;
+
  private:
   struct Decal {
     Mat4 decal_from_mesh;  // the mesh's coordinates, its origin added
