@@ -176,7 +176,7 @@ void Lookups::elevations(std::span<const Vec2> places, std::span<SurfacePoint> f
   const auto top = impl_->top();
   for_each_lookup(places.size(), job, [&](std::size_t i) {
     found[i] = top ? impl_->cast({Vec3(places[i], *top), Vec3(0, 0, -1)}) : SurfacePoint{};
-    if (found[i]) found[i].distance = 0;
+    if (found[i]) found[i].distance = found[i].position.z;
   });
 }
 

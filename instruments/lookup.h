@@ -84,8 +84,8 @@ class Lookups {
   void sights(std::span<const Sight> sights, double slack, std::span<std::uint8_t> open,
               const Job& job = {}) const;
 
-  // Highest surface above and below a place (x, y), along the world's z axis: `position.z` is the
-  // elevation. Distances are 0.
+  // Highest surface above and below a place (x, y), along the world's z axis. Distances are its
+  // elevation, `position.z`.
   void elevations(std::span<const Vec2> places, std::span<SurfacePoint> found,
                   const Job& job = {}) const;
 

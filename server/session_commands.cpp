@@ -304,7 +304,11 @@ bool Session::object_command(Request kind, WireReader& in, std::string& note) {
       geometry::JointValues values = state.world[*target].joint_values()[joint];
       for (std::uint32_t i = 0; i < count; ++i) {
         const double value = in.real64();
-        if (in.flag() && i < geometry::value_count(joint_kind)) values[i] = value;
+        if (!in.flag()) continue;
+        if (i < geometry::value_count(joint_kind))
+          values[i] = value;
+        else
+          note = "a number beyond the values of the joint is ignored";
       }
       const bool scales = joint_kind == geometry::JointKind::general;
       if (!in.finite() || (scales && values[0] * values[1] * values[2] == 0) ||

@@ -291,6 +291,7 @@ TEST(Lookups, ElevationsAreThoseOfASphereOnAPlate) {
   EXPECT_NEAR(found[2].position.z, 100.5 + std::sqrt(1 - 0.81), 0.05);  // the mesh is coarse
   EXPECT_NEAR(found[3].position.z, 100, 1e-9);
   EXPECT_FALSE(found[4]);
+  EXPECT_EQ(found[1].distance, found[1].position.z);
   EXPECT_EQ(found[1].ids.target, 2u);
   EXPECT_EQ(found[3].ids.target, 1u);
 }
