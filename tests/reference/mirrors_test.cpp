@@ -108,8 +108,8 @@ TEST(Mirrors, ImageOfABall) {
           kReflectance * world.white().x / kPi * 2 * kPi * (1 - std::sqrt((1 - sine) * (1 + sine)));
       const double flux = flux_of(image, camera) / expected - 1;
       printf("tilt %.1f, PSF %.1f: off by %.4f px, flux %+.2e\n", tilt, psf, off, flux);
-      EXPECT_LE(off, 0.05);              // 0.019
-      EXPECT_LE(std::fabs(flux), 3e-3);  // 1.8e-3
+      EXPECT_LE(off, 0.05);              // 0.0095
+      EXPECT_LE(std::fabs(flux), 2e-3);  // 1.2e-3
     }
 }
 

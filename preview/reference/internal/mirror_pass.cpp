@@ -102,11 +102,7 @@ struct MirrorView {
     for (std::uint32_t k = 0; k < side * side; ++k) {
       const StreamKey name{row * camera.width + column, side, k, 0};
       const std::array<double, 4> u = numbers(name, kMirrorUse + 2);
-      Vec2 place(column + (k % side + u[0]) / side, row + (k / side + u[1]) / side);
-      if (options.psf_sigma > 0) {
-        const det::SinCos turn = det::sincos(2 * kPi * u[3]);
-        place += options.psf_sigma * std::sqrt(-2 * det::log(u[2])) * Vec2(turn.cos, turn.sin);
-      }
+      const Vec2 place(column + (k % side + u[0]) / side, row + (k / side + u[1]) / side);
       sum += at(place, {name.pixel, side, 1024 * (k + 1), 0});
     }
     return sum / double(side * side);
@@ -114,28 +110,13 @@ struct MirrorView {
 };
 
 // Pixels that may show a mirror, as marks of the image.
-std::vector<std::uint8_t> pixels_of(const TraceScene& scene, const world::Camera& camera,
-                                    double psf_sigma) {
-  constexpr double kReach = 4;  // of a PSF, in sigma
-  const auto margin = static_cast<std::int64_t>(std::ceil(kReach * psf_sigma));
-  const auto width = static_cast<std::int64_t>(camera.width),
-             height = static_cast<std::int64_t>(camera.height);
-  world::Camera wide = camera;
-  wide.width += static_cast<std::uint32_t>(2 * margin);
-  wide.height += static_cast<std::uint32_t>(2 * margin);
-  wide.principal += static_cast<double>(margin);
+std::vector<std::uint8_t> pixels_of(const TraceScene& scene, const world::Camera& camera) {
   std::vector<std::uint8_t> marks(camera.width * std::size_t{camera.height});
   const auto may_mirror = [&](std::uint32_t target, std::uint32_t part) {
     return scene.model(target)->may_mirror(part);
   };
-  for (const Cell& cell : cells_of(scene.rays(), wide, may_mirror)) {
-    const std::int64_t x = cell.column - margin, y = cell.row - margin;
-    for (std::int64_t j = std::max<std::int64_t>(y - margin, 0);
-         j <= std::min(y + margin, height - 1); ++j)
-      for (std::int64_t i = std::max<std::int64_t>(x - margin, 0);
-           i <= std::min(x + margin, width - 1); ++i)
-        marks[static_cast<std::size_t>(j * width + i)] = 1;
-  }
+  for (const Cell& cell : cells_of(scene.rays(), camera, may_mirror))
+    marks[cell.row * std::size_t{camera.width} + cell.column] = 1;
   return marks;
 }
 
@@ -148,13 +129,55 @@ bool differs(const std::vector<Vec3>& light, std::uint32_t width, std::size_t pi
   return false;
 }
 
+// Convolves an image with the discrete Gaussian of a variance, exp(-t) I_n(t). T. Lindeberg,
+// "Scale-space for discrete signals", 1990. Beyond the border it is dark.
+void blur(image::Image& image, double sigma, std::uint32_t reach, const Job& job) {
+  constexpr int kAngles = 256;  // exact for as many terms
+  std::vector<double> kernel(reach + 1);
+  for (std::uint32_t n = 0; n <= reach; ++n)
+    for (int i = 0; i < kAngles; ++i) {
+      const double angle = kPi * (i + 0.5) / kAngles;
+      kernel[n] += det::exp(sigma * sigma * (det::cos(angle) - 1)) * det::cos(n * angle) / kAngles;
+    }
+  const std::vector<float> in = image.radiance;
+  std::vector<float> across(in.size());
+  const auto convolve = [&](std::span<const float> from, std::span<float> to, std::size_t line,
+                            std::size_t length, std::size_t next, std::size_t step) {
+    for (std::size_t i = 0; i < length; ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto at = [&](std::size_t place) {
+          return static_cast<double>(from[line * next + place * step + k]);
+        };
+        double sum = kernel[0] * at(i);
+        for (std::size_t n = 1; n <= reach; ++n)
+          sum += kernel[n] * ((i >= n ? at(i - n) : 0) + (i + n < length ? at(i + n) : 0));
+        to[line * next + i * step + k] = static_cast<float>(sum);
+      }
+  };
+  const std::size_t pitch = 3 * std::size_t{image.width};
+  parallel_for(
+      image.height, [&](std::size_t row) { convolve(in, across, row, image.width, pitch, 3); },
+      job);
+  parallel_for(
+      image.width,
+      [&](std::size_t column) { convolve(across, image.radiance, column, image.height, 3, pitch); },
+      job);
+}
+
 }  // namespace
 
 void add_mirrored(const TraceScene& scene, const world::World& world, const world::Camera& camera,
                   const MirrorOptions& options, image::Image& image, const Job& job) {
-  const std::vector<std::uint8_t> marks = pixels_of(scene, camera, options.psf_sigma);
+  // a PSF takes light from beyond the border
+  constexpr double kReach = 4;  // of it, in sigma
+  const auto margin = static_cast<std::uint32_t>(std::ceil(kReach * options.psf_sigma));
+  world::Camera wide = camera;
+  wide.width += 2 * margin;
+  wide.height += 2 * margin;
+  wide.principal += static_cast<double>(margin);
+  const std::vector<std::uint8_t> marks = pixels_of(scene, wide);
   if (std::ranges::find(marks, 1) == marks.end()) return;
-  MirrorView view{scene, camera, options, {}, {}, {}, {}};
+  MirrorView view{scene, wide, options, {}, {}, {}, {}};
   for (const trace::Scene::Placed& placed : scene.rays().targets()) {
     view.suns.emplace_back(world.sun(), placed.frame.world_from, true);
     if (!world.bodies().empty())
@@ -163,11 +186,11 @@ void add_mirrored(const TraceScene& scene, const world::World& world, const worl
   }
   view.lamps = trace_lamps(world, camera, scene.rays());
   view.path = {world.lamps().empty() ? nullptr : &view.lamps, 0, options.flat, world.white()};
-  const std::uint32_t width = camera.width;
+  const std::uint32_t width = wide.width;
   std::vector<Vec3> first(marks.size(), Vec3(0));
   const auto each = [&](const auto& use) {
     parallel_for(
-        camera.height,
+        wide.height,
         [&](std::size_t row) {
           for (std::uint32_t column = 0; column < width; ++column)
             if (marks[row * width + column] != 0) use(column, static_cast<std::uint32_t>(row));
@@ -177,14 +200,23 @@ void add_mirrored(const TraceScene& scene, const world::World& world, const worl
   each([&](std::uint32_t column, std::uint32_t row) {
     first[row * std::size_t{width} + column] = view.pixel(column, row, 1);
   });
+  image::Image layer;
+  layer.width = wide.width;
+  layer.height = wide.height;
+  layer.radiance.resize(3 * layer.pixels());
   const double step = kStep * mean(world.white()) / kPi;
   each([&](std::uint32_t column, std::uint32_t row) {
     const std::size_t pixel = row * std::size_t{width} + column;
     const Vec3 light =
         differs(first, width, pixel, step) ? view.pixel(column, row, kMore) : first[pixel];
     for (std::size_t k = 0; k < 3; ++k)
-      image.radiance[3 * pixel + k] += static_cast<float>(light[static_cast<int>(k)]);
+      layer.radiance[3 * pixel + k] = static_cast<float>(light[static_cast<int>(k)]);
   });
+  if (options.psf_sigma > 0) blur(layer, options.psf_sigma, margin, job);
+  for (std::size_t row = 0; row < camera.height; ++row)
+    for (std::size_t i = 0; i < 3 * std::size_t{camera.width}; ++i)
+      image.radiance[3 * row * camera.width + i] +=
+          layer.radiance[3 * ((row + margin) * width + margin) + i];
 }
 
 }  // namespace panwright::preview::reference
