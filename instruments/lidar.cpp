@@ -69,6 +69,8 @@ class Measurement {
         is_flash() ? 1 / (focal_ * focal_) : 0.25 * kPi * lidar_.field * lidar_.field;
     const double sun =
         lidar_.sun_w_m2_nm > 0 ? lidar_.sun_w_m2_nm : solar_irradiance(lidar_.wavelength);
+    sent_ =
+        beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ * collecting_;
     background_ = sun * lidar_.filter_nm * field * collecting_ * electrons_per_joule_;
     with_sun_ = lidar_.sun && (lidar_.excess_noise > 0 || lidar_.photon_counting);
   }
@@ -119,6 +121,7 @@ class Measurement {
   double collecting_ = 0;   // m², with the optics' losses
   double energy_ = 0;       // joules of a pulse
   double beam_energy_ = 0;  // of a footprint
+  double sent_ = 0;         // electrons of a sub-ray from 1/sr at one metre
   double focal_ = 1;        // pixels, of a flash
   double background_ = 0;   // electrons a second of radiance 1/sr of the Sun's irradiance
   bool with_sun_ = false;
@@ -168,10 +171,15 @@ geometry::Ray Measurement::sub_ray(const Across& across, Vec2 place, const Vec2&
 // mirror shows.
 void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::Hit& hit,
                               std::vector<Returned>& returned) const {
-  const preview::ViewedSurface seen = scene.returned(hit);
-  const double sent =
-      beam_energy_ / static_cast<double>(footprint_.size()) * electrons_per_joule_ * collecting_;
   const double square = std::max(hit.distance * hit.distance, 1e-12);
+  preview::SurfaceScene::BandLight plain;
+  if (scene.returned_from_table(hit, lidar_.band, plain)) {
+    if (plain.returned > 0)
+      returned.push_back(
+          {hit.distance, sent_ * plain.returned / square, plain.cosine, scene.rays().ids(hit), 0});
+    return;
+  }
+  const preview::ViewedSurface seen = scene.returned(hit);
   double factor = seen.returned[lidar_.band];
   for (std::size_t i = 0; i < static_cast<std::size_t>(seen.mirror_count); ++i) {
     const preview::SurfaceMirror& mirror = seen.mirrors[i];
@@ -187,13 +195,13 @@ void Measurement::add_surface(const preview::SurfaceScene& scene, const trace::H
     const preview::ViewedSurface shown = scene.returned(behind);
     const double range = hit.distance + behind.distance;
     const double electrons =
-        sent * reflectance * reflectance * shown.returned[lidar_.band] / (range * range);
+        sent_ * reflectance * reflectance * shown.returned[lidar_.band] / (range * range);
     if (electrons > 0)
       returned.push_back({range, electrons, shown.cosine, scene.rays().ids(behind), kGhost});
   }
   if (factor > 0)
     returned.push_back(
-        {hit.distance, sent * factor / square, seen.cosine, scene.rays().ids(hit), 0});
+        {hit.distance, sent_ * factor / square, seen.cosine, scene.rays().ids(hit), 0});
 }
 
 // Electrons a second of the Sun's light on the surface of a hit.

@@ -15,14 +15,13 @@ constexpr double kReach = 5;            // sigmas that a pulse has to each side
 constexpr double kFwhm = 2.3548200450309493;
 constexpr int kSteps = 512;  // of tables, a sigma
 
-// The Gaussian exp(-x²/2) and its distribution, from -kReach to kReach sigmas.
+// The normal distribution from -kReach to kReach sigmas.
 struct GaussTables {
-  std::vector<double> density, distribution;
+  std::vector<double> distribution;
   GaussTables() {
     const int count = static_cast<int>(kReach) * kSteps;
     for (int k = 0; k <= count + 1; ++k) {
       const double x = static_cast<double>(k) / kSteps;
-      density.push_back(det::exp(-0.5 * x * x));
       distribution.push_back(1 - normal_tail(x));
     }
   }
@@ -32,8 +31,6 @@ struct GaussTables {
     if (k + 1 >= table.size()) return table.back();
     return table[k] + (place - static_cast<double>(k)) * (table[k + 1] - table[k]);
   }
-  // Expects: within kReach, both ends included.
-  double gauss(double x) const { return at(density, std::fabs(x)); }
   double below(double x) const {
     const double share = at(distribution, std::fabs(x));
     return x < 0 ? 1 - share : share;
@@ -132,8 +129,15 @@ Receiver::Receiver(const Lidar& lidar, const LidarRandom& random) : lidar_(lidar
   seconds_ = lidar.sample > 0 ? lidar.sample : 0.5 * fwhm / kFwhm;
   step_ = 0.5 * kLight * seconds_;
   unit_ = step_ / (sigma_ * std::sqrt(2 * kPi));
-  spread_ = step_ / sigma_;
-  shrink_ = det::exp(-spread_ * spread_);
+  reach_ = kReach * sigma_ / step_;
+  samples_ = static_cast<std::size_t>(2 * reach_) + 1;
+  phases_ = static_cast<std::size_t>(std::ceil(kSteps * step_ / sigma_));
+  for (std::size_t phase = 0; phase <= phases_; ++phase)
+    for (std::size_t k = 0; k < samples_; ++k) {
+      const double after = static_cast<double>(phase) / static_cast<double>(phases_);
+      const double x = (static_cast<double>(k) + after - reach_) * step_ / sigma_;
+      shapes_.push_back(x <= kReach ? det::exp(-0.5 * x * x) : 0);
+    }
   rise_ = sigma_ / step_ * std::sqrt(2 * det::log(2));
 }
 
@@ -142,23 +146,21 @@ void Receiver::record(const Window& window, const std::vector<Returned>& returne
                       std::uint32_t pulse, double floor_e, Scratch& scratch, Excess& excess) const {
   std::vector<double>& s = scratch.samples;
   s.assign(static_cast<std::size_t>(window.end - window.first), 0);
-  const GaussTables& gauss = tables();
-  const double reach = kReach * sigma_ / step_;
   for (std::size_t i = window.from; i < window.to; ++i) {
     const double centre = returned[i].range / step_;
+    const auto first =
+        std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach_)));
+    const double place = (static_cast<double>(first) - (centre - reach_)) * phases_;
+    const auto phase = std::min(static_cast<std::size_t>(place), phases_ - 1);
+    const double share = place - static_cast<double>(phase);
     const double height = returned[i].electrons * unit_;
-    const auto first = std::max(window.first, static_cast<std::int64_t>(std::ceil(centre - reach)));
-    const auto last =
-        std::min(window.end - 1, static_cast<std::int64_t>(std::floor(centre + reach)));
-    // exp(-x²/2) at even steps: a product of ratios, each of which shrinks by one factor
-    const double x = (static_cast<double>(first) - centre) * step_ / sigma_;
-    double value = height * gauss.gauss(x);
-    double ratio = det::exp(-spread_ * (x + 0.5 * spread_));
-    for (std::int64_t k = first; k <= last; ++k) {
-      s[static_cast<std::size_t>(k - window.first)] += value;
-      value *= ratio;
-      ratio *= shrink_;
-    }
+    const double near = height * (1 - share), far = height * share;
+    const double* const a = shapes_.data() + phase * samples_;
+    const double* const b = a + samples_;
+    // the window ends where the shape does, but for rounding
+    double* const out = s.data() + (first - window.first);
+    const std::size_t count = std::min(samples_, static_cast<std::size_t>(window.end - first));
+    for (std::size_t k = 0; k < count; ++k) out[k] += near * a[k] + far * b[k];
   }
   const double electronics = lidar_.electronics_e * lidar_.electronics_e;
   if (lidar_.excess_noise > 0 || electronics > 0) {

@@ -93,9 +93,12 @@ class Receiver {
   double step_ = 0;     // metres of range between samples
   double seconds_ = 0;  // the same in time
   double unit_ = 0;     // of a sample at the peak, for one electron
-  double spread_ = 0;   // step_ in sigmas
-  double shrink_ = 0;   // exp(-spread_²)
-  double rise_ = 0;     // samples from half of the peak to the peak
+  double reach_ = 0;    // samples that a pulse has to each side
+  // exp(-x²/2) from -kReach sigmas on: a row of samples_ for each place of the first one, from
+  // there to a sample beyond, in phases_ steps
+  std::vector<double> shapes_;
+  std::size_t samples_ = 0, phases_ = 0;
+  double rise_ = 0;  // samples from half of the peak to the peak
 };
 
 // Truth of an echo from the light in it. Sets flags of what is mixed, and of none a false alarm.

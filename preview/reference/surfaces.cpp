@@ -29,9 +29,22 @@ struct ZeroPhase {
     }
   }
   Vec3 operator()(double cosine) const {
+    double share = 0;
+    const std::size_t k = step(cosine, share);
+    return f[k] + share * (f[k + 1] - f[k]);
+  }
+  double of_band(double cosine, int band) const {
+    double share = 0;
+    const std::size_t k = step(cosine, share);
+    return f[k][band] + share * (f[k + 1][band] - f[k][band]);
+  }
+
+ private:
+  static std::size_t step(double cosine, double& share) {
     const double place = std::sqrt(std::max(1 - cosine, 0.0)) * kSteps;
     const auto k = std::min(static_cast<std::size_t>(place), std::size_t{kSteps - 1});
-    return f[k] + (place - static_cast<double>(k)) * (f[k + 1] - f[k]);
+    share = place - static_cast<double>(k);
+    return k;
   }
 };
 
@@ -64,6 +77,31 @@ struct SurfaceScene::Impl {
       tables.push_back(each);
     }
     known = std::move(now);
+  }
+
+  // Returns the table of a surface and the cosine of its viewer; null: it has none.
+  const ZeroPhase* table_of(const trace::Hit& hit, double& cosine) const {
+    const ModelTables& of = *tables[hit.target];
+    const std::int32_t number = of.model->plain_scatter(hit);
+    if (number < 0) return nullptr;
+    const ZeroPhase& table = of.scatters[static_cast<std::size_t>(number)];
+    if (table.f.empty()) return nullptr;
+    const trace::Target& target = *scene.rays().targets()[hit.target].target;
+    const trace::Model::Part& part = target.model().parts()[hit.part];
+    const std::size_t first = std::size_t{3} * hit.triangle;
+    const Vec2& b = hit.barycentric;
+    const auto& n0 = part.mesh.normals[part.mesh.indices[first]];
+    const auto& n1 = part.mesh.normals[part.mesh.indices[first + 1]];
+    const auto& n2 = part.mesh.normals[part.mesh.indices[first + 2]];
+    const double a = 1 - b.x - b.y;
+    const Vec3 smooth(a * n0.x + b.x * n1.x + b.y * n2.x, a * n0.y + b.x * n1.y + b.y * n2.y,
+                      a * n0.z + b.x * n1.z + b.y * n2.z);
+    const Vec3 normal = target.placement(hit.part).normals * smooth;
+    const double square = glm::dot(normal, normal);
+    if (!(square > 1e-200)) return nullptr;  // viewed() takes the triangle's
+    const double side = part.closed || hit.front ? -1 : 1;
+    cosine = std::clamp(side * glm::dot(normal, hit.direction) / std::sqrt(square), 0.0, 1.0);
+    return &table;
   }
 };
 
@@ -110,25 +148,18 @@ ViewedSurface SurfaceScene::viewed(const trace::Hit& hit) const {
 }
 
 ViewedSurface SurfaceScene::returned(const trace::Hit& hit) const {
-  const ModelTables& tables = *impl_->tables[hit.target];
-  const std::int32_t number = tables.model->plain_scatter(hit);
-  if (number < 0 || tables.scatters[static_cast<std::size_t>(number)].f.empty()) return viewed(hit);
-  const trace::Target& target = *rays().targets()[hit.target].target;
-  const trace::Model::Part& part = target.model().parts()[hit.part];
-  const trace::Place place = trace::place_of(part.mesh, hit.triangle, hit.barycentric);
-  Vec3 smooth(0);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto& n = part.mesh.normals[place.corner[k]];
-    smooth += place.weight[static_cast<int>(k)] * Vec3(n.x, n.y, n.z);
-  }
-  Vec3 normal = target.placement(hit.part).normals * smooth;
-  const double square = glm::dot(normal, normal);
-  if (!(square > 1e-200)) return viewed(hit);  // which takes the triangle's
-  normal *= (part.closed || hit.front ? 1 : -1) / std::sqrt(square);
   ViewedSurface out;
-  out.cosine = std::clamp(-glm::dot(normal, hit.direction), 0.0, 1.0);
-  out.returned = out.cosine * tables.scatters[static_cast<std::size_t>(number)](out.cosine);
+  const ZeroPhase* const table = impl_->table_of(hit, out.cosine);
+  if (table == nullptr) return viewed(hit);
+  out.returned = out.cosine * (*table)(out.cosine);
   return out;
+}
+
+bool SurfaceScene::returned_from_table(const trace::Hit& hit, int band, BandLight& out) const {
+  const ZeroPhase* const table = impl_->table_of(hit, out.cosine);
+  if (table == nullptr) return false;
+  out.returned = out.cosine * table->of_band(out.cosine, band);
+  return true;
 }
 
 Vec3 SurfaceScene::lit(const trace::Hit& hit, const Vec3& to_light, Vec3& start) const {

@@ -51,6 +51,12 @@ class SurfaceScene {
   // Returns the light at zero phase alone, without start and normal. Of plain materials without
   // narrow lobes from tables, to a relative 1e-4: some 30 ns, and else as viewed().
   ViewedSurface returned(const trace::Hit& hit) const;
+  // Light at zero phase of one band, as returned() has it.
+  struct BandLight {
+    double cosine = 0, returned = 0;
+  };
+  // The same for one band, faster; false: not from tables, which returned() answers.
+  bool returned_from_table(const trace::Hit& hit, int band, BandLight& out) const;
   // Cost: an evaluation of the BRDF.
   ViewedSurface viewed(const trace::Hit& hit) const;
   // Returns f·cos of light from a direction towards the viewer of a hit, 1/sr, RGB; 0 below the
