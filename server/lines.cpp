@@ -6,6 +6,7 @@
 #include <map>
 
 #include "server/internal/service.h"
+#include "server/internal/web_page.h"
 
 namespace panwright::server {
 
@@ -55,12 +56,25 @@ class LineProtocol final : public Protocol {
 
 class LineAnswerer final : public Answerer {
  public:
-  explicit LineAnswerer(const LineServerOptions& options) : options_(options) {}
-  bool open() override { return options_.open(); }
-  void begin(std::uint64_t client) override { sessions_[client] = options_.begin(); }
+  LineAnswerer(const LineServerOptions& options, DiagnosticLog& log)
+      : options_(options), log_(log) {}
+
+  bool open(const Post&) override {
+    if (options_.page.port) {
+      auto page = WebPage::open(options_.listen, options_.page, {}, log_);
+      if (!page) return false;
+      page_ = *std::move(page);
+    }
+    return options_.open();
+  }
+
+  void begin(std::uint64_t client) override {
+    sessions_[client] = options_.begin(page_ ? page_->shown_of(client) : ShownImage());
+  }
   void leave(std::uint64_t client) override { sessions_.erase(client); }
   void end() override {
     sessions_.clear();
+    page_.reset();
     options_.end();
   }
 
@@ -78,6 +92,8 @@ class LineAnswerer final : public Answerer {
 
  private:
   const LineServerOptions& options_;
+  DiagnosticLog& log_;
+  std::unique_ptr<WebPage> page_;  // null: none
   std::map<std::uint64_t, std::unique_ptr<LineSession>> sessions_;
 };
 
@@ -85,7 +101,7 @@ class LineAnswerer final : public Answerer {
 
 bool serve_lines(const LineServerOptions& options, DiagnosticLog& log, const Job& job) {
   const LineProtocol protocol(options);
-  LineAnswerer answerer(options);
+  LineAnswerer answerer(options, log);
   return run_service(options.listen, protocol, answerer, log, job);
 }
 

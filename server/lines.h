@@ -9,6 +9,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "server/listen.h"
+#include "server/stage.h"
 
 namespace panwright::server {
 
@@ -24,9 +25,11 @@ class LineSession {
 
 struct LineServerOptions {
   ListenOptions listen;  // most_request: bytes of a line
+  PageOptions page;      // Expects: it does not steer
   // Opens what sessions share. False: failed, and reported.
   std::function<bool()> open;
-  std::function<std::unique_ptr<LineSession>()> begin;
+  // shown: called after each image; empty: there is no page
+  std::function<std::unique_ptr<LineSession>(ShownImage shown)> begin;
   // Frees what open() made.
   std::function<void()> end;
   // Answer to a client that is refused, by its reason.

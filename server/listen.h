@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace panwright::server {
@@ -17,6 +18,15 @@ struct ListenOptions {
   double most_seconds = 60;                              // of one request
   // Called once, when clients can connect: with the address and the port, or the path and 0.
   std::function<void(const std::string& where, std::uint16_t port)> ready;
+};
+
+// Page for browsers that shows the last image. It is on the address of ListenOptions, and on
+// 127.0.0.1 beside a Unix socket.
+struct PageOptions {
+  std::optional<std::uint16_t> port;  // 0: any; none: no page
+  bool steers = false;                // it may move camera, Sun and joints
+  // Called once, before ListenOptions::ready.
+  std::function<void(const std::string& address, std::uint16_t port)> ready;
 };
 
 }  // namespace panwright::server

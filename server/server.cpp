@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <map>
 
 #include "server/internal/service.h"
 #include "server/internal/web_page.h"
 #include "server/messages.h"
-#include "server/metrics.h"
 #include "server/request_log.h"
 
 namespace panwright::server {
@@ -71,19 +71,20 @@ class PanguAnswerer final : public Answerer {
   PanguAnswerer(const ServerOptions& options, DiagnosticLog& log, const Job& job)
       : options_(options), log_(log), job_(job) {}
 
-  bool open() override {
+  bool open(const Post& post) override {
     if (!options_.log.empty()) {
       auto made = RequestLog::create(options_.log, log_);
       if (!made) return false;
       request_log_ = *std::move(made);
     }
-    if (options_.web) {
-      const std::string address =
-          options_.listen.path.empty() ? options_.listen.address : "127.0.0.1";
-      auto page = WebPage::open(address, *options_.web, log_);
+    if (options_.page.port) {
+      // one look at what browsers ask waits at a time, so that they delay clients by one image
+      const auto asked = [this, post] {
+        if (!asked_.exchange(true)) post([this](const Job& job) { steer(job); });
+      };
+      auto page = WebPage::open(options_.listen, options_.page, asked, log_);
       if (!page) return false;
       page_ = *std::move(page);
-      if (options_.web_ready) options_.web_ready(address, page_->port());
     }
     auto stage = Stage::open(options_.stage, log_, job_);
     if (!stage) return false;
@@ -94,19 +95,7 @@ class PanguAnswerer final : public Answerer {
   }
 
   void begin(std::uint64_t client) override {
-    auto state = options_.shared && shared_ ? shared_ : std::make_shared<State>(stage_->initial());
-    if (options_.shared) shared_ = state;
-    SessionOptions session = options_.session;
-    if (page_)
-      session.shown = [this, client](Drawing&& drawing, const world::Camera& camera,
-                                     const State& of, double seconds) {
-        latency_.add(seconds);
-        const Shown shown{client, latency_.count(), seconds, latency_.quantile(0.5),
-                          latency_.quantile(0.99)};
-        page_->show(std::move(drawing), text_of(shown, camera, of));
-      };
-    sessions_[client] = std::make_unique<Session>(*stage_, state, session);
-    if (request_log_) request_log_->begin(client, options_.shared ? 0 : client);
+    sessions_[client] = session_over(options_.shared ? shared() : own(client), client);
   }
 
   Reply answer(std::uint64_t client, std::span<const std::uint8_t> request,
@@ -120,20 +109,75 @@ class PanguAnswerer final : public Answerer {
 
   void end() override {
     sessions_.clear();
+    steering_.reset();
     page_.reset();
     stage_.reset();
   }
 
  private:
+  // State of sessions, and its number in the log.
+  struct Numbered {
+    std::shared_ptr<State> state;
+    std::uint64_t number = 0;
+  };
+  Numbered own(std::uint64_t number) const {
+    return {std::make_shared<State>(stage_->initial()), number};
+  }
+  const Numbered& shared() {
+    if (shared_.state == nullptr) shared_ = own(0);
+    return shared_;
+  }
+
+  std::unique_ptr<Session> session_over(const Numbered& world, std::uint64_t number) {
+    SessionOptions session = options_.session;
+    if (page_)
+      session.shown = [this, world, show = page_->shown_of(number)](
+                          Drawing&& drawing, const world::Camera& camera, const world::World& of,
+                          double time, double seconds) {
+        steered_ = world;
+        show(std::move(drawing), camera, of, time, seconds);
+      };
+    if (request_log_) request_log_->begin(number, world.number);
+    return std::make_unique<Session>(*stage_, world.state, session);
+  }
+
+  // What browsers ask, of the world that they see. Images are drawn once.
+  void steer(const Job& job) {
+    asked_ = false;
+    if (!page_) return;  // it has ended
+    if (steered_.state == nullptr) steered_ = options_.shared ? shared() : own(kPages);
+    if (steering_ == nullptr || steering_of_ != steered_.state) {
+      steering_of_ = steered_.state;
+      steering_ = session_over(steered_, kPages + pages_++);
+    }
+    const auto answer = [&](const Bytes& request) {
+      const Reply reply = steering_->answer(request, job);
+      if (request_log_) request_log_->add(kPages + pages_ - 1, request, reply);
+    };
+    Bytes image;
+    for (Bytes& request : page_->take_requests())
+      if (static_cast<Request>(word_at(request)) == Request::get_viewpoint_by_camera)
+        image = std::move(request);
+      else
+        answer(request);
+    if (!image.empty()) answer(image);
+  }
+
+  // numbers of sessions of the page, above those of clients
+  static constexpr std::uint64_t kPages = std::uint64_t{1} << 32;
   const ServerOptions& options_;
   DiagnosticLog& log_;
   const Job& job_;
   std::unique_ptr<Stage> stage_;
-  std::shared_ptr<State> shared_;
+  Numbered shared_;
   std::map<std::uint64_t, std::unique_ptr<Session>> sessions_;
   std::unique_ptr<RequestLog> request_log_;
-  std::unique_ptr<WebPage> page_;  // null: none
-  LatencyHistogram latency_;       // of images
+  std::unique_ptr<WebPage> page_;       // null: none
+  std::atomic<bool> asked_{false};      // steer() waits
+  Numbered steered_;                    // of the last image
+  std::shared_ptr<State> steering_of_;  // state of steering_
+  std::unique_ptr<Session> steering_;   // of the page; null: it asked nothing yet
+  std::uint64_t pages_ = 0;             // sessions of it so far
 };
 
 }  // namespace

@@ -6,8 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
 
 #include "base/diagnostic.h"
@@ -26,11 +24,9 @@ struct ServerOptions {
   ListenOptions listen;
   bool shared = false;  // all sessions have one state
   std::string log;      // RequestLog; empty: none
-  // Port of a page for browsers that shows the last image; 0: any; none: no page. It is on the
-  // address of `listen`, and on 127.0.0.1 beside a Unix socket.
-  std::optional<std::uint16_t> web;
-  // Called once, before listen.ready.
-  std::function<void(const std::string& address, std::uint16_t port)> web_ready;
+  // One that steers has a session over the world of the client whose image came last; before any,
+  // over one of its own.
+  PageOptions page;
 };
 
 // Serves until the job is cancelled or a client quits it. `GET /metrics` of HTTP on the same port

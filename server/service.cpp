@@ -57,7 +57,11 @@ class Service final : public Host {
 
   // Contexts are current on the worker's thread.
   bool open() {
-    return on_worker([&] { return answerer_.open(); });
+    return on_worker([&] {
+      return answerer_.open([this](std::function<void(const Job&)> work) {
+        worker_.add([this, work = std::move(work)] { within_limit(work); });
+      });
+    });
   }
 
   // Before models are opened, so that a place in use is known at once.
@@ -120,12 +124,11 @@ class Service final : public Host {
     const auto arrived = Clock::now();
     auto work = std::make_shared<Bytes>(std::move(request));
     worker_.add([this, connection, work, arrived] {
-      const Job one{JobOptions{job_.threads(), {}}};
-      asio::post(io_, [this, one] { time_limit(one); });
-      Reply reply = answerer_.answer(connection->number(), *work, one);
+      Reply reply;
+      within_limit(
+          [&](const Job& one) { reply = answerer_.answer(connection->number(), *work, one); });
       asio::post(io_, [this, connection, arrived, name = protocol_.name_of(*work),
                        shared = std::make_shared<Reply>(std::move(reply))] {
-        limit_.reset();
         --metrics_.waiting;
         if (!shared->note.empty()) ++metrics_.ignored;
         metrics_.latency[name].add(seconds_since(arrived));
@@ -246,6 +249,14 @@ class Service final : public Host {
     for (const auto& [number, connection] : open)
       if (const auto alive = connection.lock()) alive->close();
     io_.stop();
+  }
+
+  // Of the worker's thread.
+  void within_limit(const std::function<void(const Job&)>& work) {
+    const Job one{JobOptions{job_.threads(), {}}};
+    asio::post(io_, [this, one] { time_limit(one); });
+    work(one);
+    asio::post(io_, [this] { limit_.reset(); });
   }
 
   // Cancels the request under way when its time is over.

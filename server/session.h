@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,10 +18,6 @@
 #include "server/state.h"
 
 namespace panwright::server {
-
-// A drawn image that is no longer needed, and what it took.
-using ShownImage = std::function<void(Drawing&& drawing, const world::Camera& camera,
-                                      const State& state, double seconds)>;
 
 struct SessionOptions {
   WireImages images;

@@ -51,7 +51,8 @@ Bytes Session::image_at(const world::Camera& camera, const Lens* lens, const Job
   add_sky_and_fog(state(), drawing->white, drawing->image, job);
   WireWriter out;
   append_image(*drawing, options_.images, out, job);
-  if (options_.shown) options_.shown(*std::move(drawing), camera, state(), seconds_since(begin));
+  if (options_.shown)
+    options_.shown(*std::move(drawing), camera, state().world, state().time, seconds_since(begin));
   return out.take();
 }
 

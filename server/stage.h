@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,11 @@ struct Drawing {
   image::Image image;
   double white = 1;  // irradiance whose white Lambert plate is white, 2^EV included
 };
+
+// Takes a drawn image that is no longer needed, what it shows at a time in seconds, and the seconds
+// that the answer took.
+using ShownImage = std::function<void(Drawing&& drawing, const world::Camera& camera,
+                                      const world::World& world, double time, double seconds)>;
 
 // It belongs to one thread at a time, that of its context.
 class Stage {

@@ -16,6 +16,7 @@
 
 #include "image/png.h"
 #include "server/internal/page.h"
+#include "server/messages.h"
 
 namespace panwright::server {
 
@@ -27,6 +28,8 @@ constexpr std::size_t kMostViewers = 8;
 constexpr std::size_t kPiece = 64 * 1024;  // bytes of a message that are handed over at once
 constexpr unsigned kSeconds = 10;          // for a browser to ask, and to take a piece
 constexpr int kMostSockets = 64;
+constexpr std::size_t kMostBytes = 256;  // of a request of a browser
+constexpr std::size_t kMostWaiting = 64;
 
 struct Image {
   Drawing drawing;
@@ -61,6 +64,22 @@ bool is_own_page(const std::string& origin, const std::string& host) {
   return has_address && origin == "http://" + host;
 }
 
+// Whole, and of a kind that a page may ask.
+bool is_allowed(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < sizeof(std::uint32_t)) return false;
+  switch (static_cast<Request>(word_at(bytes))) {
+    case Request::get_viewpoint_by_camera:
+    case Request::set_viewpoint_by_quaternion_d:
+    case Request::set_sun_by_degrees:
+    case Request::set_joint_config: {
+      const RequestSize size = request_size(bytes, kMostBytes);
+      return size.state == RequestSize::State::complete && size.bytes == bytes.size();
+    }
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 struct WebPage::Impl {
@@ -78,8 +97,10 @@ struct WebPage::Impl {
   std::thread thread;
   std::atomic<bool> ended{false};
   std::size_t viewers = 0;
+  std::function<void()> asked;
 
   std::mutex mutex;
+  std::vector<Bytes> requests;
   std::shared_ptr<const Image> image;
   std::uint64_t number = 0;
   // of the thread: the image as bytes
@@ -87,7 +108,9 @@ struct WebPage::Impl {
   std::uint64_t encoded = 0;
 
   int http(lws* wsi, lws_callback_reasons reason, const char* path);
-  int live(lws* wsi, lws_callback_reasons reason, Viewer* viewer);
+  int live(lws* wsi, lws_callback_reasons reason, Viewer* viewer,
+           std::span<const std::uint8_t> received);
+  bool take_request(lws* wsi, std::span<const std::uint8_t> bytes);
   int answer_page(lws* wsi);
   int send(lws* wsi, Viewer& viewer);
   void take_newest();
@@ -178,7 +201,22 @@ int WebPage::Impl::send(lws* wsi, Viewer& viewer) {
   return 0;
 }
 
-int WebPage::Impl::live(lws* wsi, lws_callback_reasons reason, Viewer* viewer) {
+// False: the browser may not say that, or says too much at once.
+bool WebPage::Impl::take_request(lws* wsi, std::span<const std::uint8_t> bytes) {
+  const bool whole = lws_is_first_fragment(wsi) != 0 && lws_is_final_fragment(wsi) != 0 &&
+                     lws_remaining_packet_payload(wsi) == 0 && lws_frame_is_binary(wsi) != 0;
+  if (!asked || !whole || !is_allowed(bytes)) return false;
+  {
+    const std::lock_guard lock(mutex);
+    if (requests.size() >= kMostWaiting) return false;
+    requests.emplace_back(bytes.begin(), bytes.end());
+  }
+  asked();
+  return true;
+}
+
+int WebPage::Impl::live(lws* wsi, lws_callback_reasons reason, Viewer* viewer,
+                        std::span<const std::uint8_t> received) {
   switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
       return viewers < kMostViewers && is_own_page(header_text(wsi, WSI_TOKEN_ORIGIN),
@@ -198,7 +236,7 @@ int WebPage::Impl::live(lws* wsi, lws_callback_reasons reason, Viewer* viewer) {
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return send(wsi, *viewer);
     case LWS_CALLBACK_RECEIVE:
-      return -1;  // it has nothing to say
+      return take_request(wsi, received) ? 0 : -1;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
       lws_callback_on_writable_all_protocol(context, lws_get_protocol(wsi));
       return 0;
@@ -207,8 +245,15 @@ int WebPage::Impl::live(lws* wsi, lws_callback_reasons reason, Viewer* viewer) {
   }
 }
 
-Result<std::unique_ptr<WebPage>> WebPage::open(const std::string& address, std::uint16_t port,
-                                               DiagnosticLog& log) {
+Result<std::unique_ptr<WebPage>> WebPage::open(const ListenOptions& listen,
+                                               const PageOptions& options,
+                                               std::function<void()> asked, DiagnosticLog& log) {
+  const auto live = [](lws* wsi, lws_callback_reasons reason, void* user, void* in,
+                       std::size_t length) {
+    return impl_of<Impl>(wsi).live(wsi, reason, static_cast<Impl::Viewer*>(user),
+                                   {static_cast<const std::uint8_t*>(in), length});
+  };
+  // a browser takes the first of its list that is here: the page sees by it whether it may steer
   static const lws_protocols kProtocols[] = {
       {"http",
        [](lws* wsi, lws_callback_reasons reason, void* user, void* in, std::size_t length) {
@@ -217,18 +262,21 @@ Result<std::unique_ptr<WebPage>> WebPage::open(const std::string& address, std::
          return lws_callback_http_dummy(wsi, reason, user, in, length);
        },
        0, 0, 0, nullptr, 0},
-      {"panwright",
-       [](lws* wsi, lws_callback_reasons reason, void* user, void*, std::size_t) {
-         return impl_of<Impl>(wsi).live(wsi, reason, static_cast<Impl::Viewer*>(user));
-       },
-       sizeof(Impl::Viewer), 256, 0, nullptr, 0},
+      {"panwright", live, sizeof(Impl::Viewer), kMostBytes, 0, nullptr, 0},
       {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
+  static const lws_protocols kSteering[] = {
+      kProtocols[0],
+      kProtocols[1],
+      {"panwright-steer", live, sizeof(Impl::Viewer), kMostBytes, 0, nullptr, 0},
+      kProtocols[2]};
+  const std::string address = listen.path.empty() ? listen.address : "127.0.0.1";
   auto impl = std::make_unique<Impl>();
+  if (options.steers) impl->asked = std::move(asked);
   lws_set_log_level(0, nullptr);
   lws_context_creation_info info{};
-  info.port = port;
+  info.port = *options.port;
   info.iface = address.c_str();
-  info.protocols = kProtocols;
+  info.protocols = options.steers ? kSteering : kProtocols;
   info.user = impl.get();
   info.gid = static_cast<gid_t>(-1);
   info.uid = static_cast<uid_t>(-1);
@@ -247,10 +295,12 @@ Result<std::unique_ptr<WebPage>> WebPage::open(const std::string& address, std::
     log.report(Code("E0201"), {},
                fmt::format("cannot show a page on {}:{}; expected an address of this machine and "
                            "a free port",
-                           address, port),
+                           address, *options.port),
                "--web 0 takes a free port");
     return failed;
   }
+  if (options.ready)
+    options.ready(address, static_cast<std::uint16_t>(lws_get_vhost_listen_port(impl->host)));
   impl->thread = std::thread([raw = impl.get()] {
     while (!raw->ended && lws_service(raw->context, 0) >= 0) {
     }
@@ -267,8 +317,9 @@ WebPage::~WebPage() {
   lws_context_destroy(impl_->context);
 }
 
-std::uint16_t WebPage::port() const {
-  return static_cast<std::uint16_t>(lws_get_vhost_listen_port(impl_->host));
+std::vector<Bytes> WebPage::take_requests() {
+  const std::lock_guard lock(impl_->mutex);
+  return std::exchange(impl_->requests, {});
 }
 
 void WebPage::show(Drawing drawing, std::string text) {
@@ -296,41 +347,68 @@ Json joints_json(const world::Instance& object) {
     for (std::size_t i = 0; i < geometry::value_count(static_cast<geometry::JointKind>(joint.kind));
          ++i)
       numbers.push_back(values[k][i]);
-    out.push_back({{"name", object.model()->joint_name(k)}, {"values", numbers}});
+    out.push_back({{"name", object.model()->joint_name(k)}, {"index", k}, {"values", numbers}});
   }
+  return out;
+}
+
+// The number of an object on the wire; null: another one has it as a name.
+Json number_of(const world::World& world, std::size_t index) {
+  const std::string& name = world[index].name();
+  const bool is_number =
+      !name.empty() && name.size() < 10 && name.find_first_not_of("0123456789") == name.npos;
+  if (is_number && std::to_string(std::stoul(name)) == name) return std::stoul(name);
+  return world.find(std::to_string(index)) ? Json() : Json(index);
+}
+
+Json objects_json(const world::World& world) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const world::Instance& object = world[i];
+    out.push_back({{"name", object.name()},
+                   {"number", number_of(world, i)},
+                   {"visible", object.visible()},
+                   {"position", vector_json(object.pose().translation)},
+                   {"quat", quaternion_json(object.pose().rotation)},
+                   {"joints", joints_json(object)}});
+  }
+  return out;
+}
+
+Json camera_json(const world::Camera& camera) {
+  Json out = {{"position", vector_json(camera.position)},
+              {"quat", quaternion_json(camera.world_from_camera)}};
+  const Vec2 half = 0.5 * Vec2(camera.width, camera.height) / camera.focal;
+  if (camera.projection == world::Projection::orthographic)
+    out["ortho_m"] = {2 * half.x, 2 * half.y};
+  else
+    out["fov_deg"] = {2 * std::atan(half.x) / kDegree, 2 * std::atan(half.y) / kDegree};
   return out;
 }
 
 }  // namespace
 
-std::string text_of(const Shown& shown, const world::Camera& camera, const State& state) {
-  Json out;
-  out["client"] = shown.client;
-  out["images"] = shown.images;
-  out["width"] = camera.width;
-  out["height"] = camera.height;
-  out["time"] = state.time;
-  Json& view = out["camera"] = {{"position", vector_json(camera.position)},
-                                {"quat", quaternion_json(camera.world_from_camera)}};
-  const Vec2 half = 0.5 * Vec2(camera.width, camera.height) / camera.focal;
-  if (camera.projection == world::Projection::orthographic)
-    view["ortho_m"] = {2 * half.x, 2 * half.y};
-  else
-    view["fov_deg"] = {2 * std::atan(half.x) / kDegree, 2 * std::atan(half.y) / kDegree};
-  const world::Sun& sun = state.world.sun();
-  out["sun"] = {{"direction", vector_json(glm::normalize(sun.direction))},
-                {"distance_au", sun.distance}};
-  out["objects"] = Json::array();
-  for (const world::Instance& object : state.world.instances())
-    out["objects"].push_back({{"name", object.name()},
-                              {"visible", object.visible()},
-                              {"position", vector_json(object.pose().translation)},
-                              {"quat", quaternion_json(object.pose().rotation)},
-                              {"joints", joints_json(object)}});
-  out["answer_ms"] = {{"last", 1e3 * shown.last},
-                      {"median, at most", 1e3 * shown.median},
-                      {"99 %, at most", 1e3 * shown.p99}};
-  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+ShownImage WebPage::shown_of(std::uint64_t client) {
+  return [this, client](Drawing&& drawing, const world::Camera& camera, const world::World& world,
+                        double time, double seconds) {
+    latency_.add(seconds);
+    const world::Sun& sun = world.sun();
+    const Json out = {{"client", client},
+                      {"images", latency_.count()},
+                      {"width", camera.width},
+                      {"height", camera.height},
+                      {"time", time},
+                      {"camera", camera_json(camera)},
+                      {"sun",
+                       {{"direction", vector_json(glm::normalize(sun.direction))},
+                        {"distance_au", sun.distance}}},
+                      {"objects", objects_json(world)},
+                      {"answer_ms",
+                       {{"last", 1e3 * seconds},
+                        {"median, at most", 1e3 * latency_.quantile(0.5)},
+                        {"99 %, at most", 1e3 * latency_.quantile(0.99)}}}};
+    show(std::move(drawing), out.dump(-1, ' ', false, Json::error_handler_t::replace));
+  };
 }
 
 }  // namespace panwright::server

@@ -55,6 +55,7 @@ struct Options {
   bool shared = false;
   bool json_lines = false;
   std::uint32_t web = kNoPage;
+  bool web_control = false;
   std::string path;
   std::string folder;
   std::uint32_t most_clients = 16;
@@ -65,6 +66,19 @@ struct Options {
   bool coverage = false;
   std::string gl = "auto";
 };
+
+void declare_page(Arguments& arguments, Options& options, const char* group) {
+  arguments
+      .add("--web", options.web,
+           "Show the last image and its state on a page for browsers, on this port; 0: a free one")
+      .range(0u, 65535u)
+      .type("PORT")
+      .group(group);
+  arguments
+      .flag("--web-control", options.web_control,
+            "Let whoever opens that page move the camera, the Sun and joints of the world it shows")
+      .group(group);
+}
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments
@@ -132,12 +146,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .flag("--coverage", options.coverage,
             "List the requests of the protocol and what of them has no meaning yet, and end")
       .group(group);
-  arguments
-      .add("--web", options.web,
-           "Show the last image and its state on a page for browsers, on this port; 0: a free one")
-      .range(0u, 65535u)
-      .type("PORT")
-      .group(group);
+  declare_page(arguments, options, group);
   for (const SettingId id : kSettings) declare(arguments, options.view, id);
   arguments.add("--gl", options.gl, "OpenGL context: auto (default), egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
@@ -185,8 +194,9 @@ Result<server::ServerOptions> options_of(const Options& options, DiagnosticLog& 
   out.session.images.grey = options.grey;
   out.shared = options.shared;
   out.log = options.log;
-  if (options.web != kNoPage) out.web = static_cast<std::uint16_t>(options.web);
-  out.web_ready = [&options](const std::string& address, std::uint16_t port) {
+  if (options.web != kNoPage) out.page.port = static_cast<std::uint16_t>(options.web);
+  out.page.steers = options.web_control;
+  out.page.ready = [&options](const std::string& address, std::uint16_t port) {
     const bool is_six = address.find(':') != address.npos;
     const std::string page =
         fmt::format("http://{}{}{}:{}/", is_six ? "[" : "", address, is_six ? "]" : "", port);
@@ -212,7 +222,7 @@ bool check_combinations(const Options& options, DiagnosticLog& log) {
     refuse(options.format != "ppm", "--format");
     refuse(options.grey, "--grey");
     refuse(options.shared, "--shared");
-    refuse(options.web != kNoPage, "--web");
+    refuse(options.web_control, "--web-control");
     refuse(!options.log.empty(), "--log");
     refuse(!options.replay.empty(), "--replay");
   } else {
@@ -225,6 +235,8 @@ bool check_combinations(const Options& options, DiagnosticLog& log) {
   const Options defaults;
   clash(!options.path.empty() && options.address != defaults.address, "--address", "--socket");
   clash(!options.path.empty() && options.port != defaults.port, "--port", "--socket");
+  if (options.web_control && options.web == kNoPage)
+    log.report(Code("E0201"), {}, "--web-control requires --web");
   clash(!options.replay.empty() && options.web != kNoPage, "--web", "--replay");
   std::error_code ignored;
   if (!options.folder.empty() && !std::filesystem::is_directory(options.folder, ignored))
@@ -282,6 +294,7 @@ void serve_lines(const Options& options, const server::ServerOptions& from,
   std::optional<workspace::ViewSession> session;
   server::LineServerOptions server;
   server.listen = listen_of(options);
+  server.page = from.page;
   server.listen.most_request =
       std::min<std::uint64_t>(options.most_request, workspace::kMaxViewLine);
   server.open = [&] {
@@ -289,7 +302,11 @@ void serve_lines(const Options& options, const server::ServerOptions& from,
     session.emplace(from.stage.open, from.stage.context);
     return session->world(views.defaults, {}, log, context.job()) != nullptr;
   };
-  server.begin = [&] { return std::make_unique<Lines>(*session, views, log); };
+  server.begin = [&](server::ShownImage shown) {
+    ViewLineOptions own = views;
+    own.shown = std::move(shown);
+    return std::make_unique<Lines>(*session, own, log);
+  };
   server.end = [&] { session.reset(); };
   server.refusal = [](std::string_view why) {
     return Json{{"ok", false},

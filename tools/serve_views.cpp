@@ -69,7 +69,7 @@ int serve_views(workspace::ViewSession& session, const workspace::Settings& defa
   // a model that cannot be opened is known before the first line
   if (defaults.targets && session.world(defaults, listener, context.log(), job) == nullptr)
     return 0;
-  ViewLines views(session, {defaults, listener, false, {}}, context.log());
+  ViewLines views(session, {defaults, listener, false, {}, {}}, context.log());
   Lines lines(job);
   std::string line;
   for (;;) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/clock.h"
@@ -63,6 +64,16 @@ std::vector<SharedLayer> layers_of(const image::Image& image, const image::FileO
   return out;
 }
 
+// What a page shows of a product, and its exposure in stops.
+std::pair<image::Image, double> colours_of(const workspace::Product& product) {
+  const auto& from = std::get<workspace::ImageProduct>(product);
+  image::Image out;
+  out.width = from.image.width;
+  out.height = from.image.height;
+  out.radiance = from.image.radiance;
+  return {std::move(out), from.exposure.stops};
+}
+
 }  // namespace
 
 // Answer to one view.
@@ -71,6 +82,7 @@ class ViewLines::Reply {
   explicit Reply(std::size_t index) : index_(index) {}
 
   void take(const workspace::Written& image) { image_ = image; }
+  double seconds() const { return seconds_since(start_); }
 
   // An image that comes with the answer.
   void take(workspace::Kept& kept, ImageReply way, server::SharedImages& shared,
@@ -113,7 +125,7 @@ class ViewLines::Reply {
       reply["settings"] = Json::parse(image_->record)["view"];
     }
     // all of it, from the line to the files
-    reply["ms"] = 1e3 * seconds_since(start_);
+    reply["ms"] = 1e3 * seconds();
     if (!shared_.is_null()) reply["shared"] = shared_;
     if (!layers_.is_null()) reply["layers"] = layers_;
     reply["errors"] = log.errors();
@@ -231,8 +243,21 @@ void ViewLines::draw(workspace::View& view, Reply& reply, DiagnosticLog& log, co
       view.settings.layers =
           layer_mask(image::FileLayer::radiance) | layer_mask(image::FileLayer::dn);
   }
+  std::optional<server::Drawing> drawing;
+  world::Camera camera;
+  world::World world;
+  if (options_.shown)
+    own.seen = [&](const world::World& at_rest, const workspace::Frame& frame,
+                   const workspace::Product& product) {
+      auto [image, stops] = colours_of(product);
+      drawing = server::Drawing{std::move(image), std::exp2(-stops)};
+      camera = frame.camera();
+      world = at_rest;
+      workspace::show(frame, at_rest, world);
+    };
   try {
-    (void)session_.run({&view, 1}, own, log, job);
+    if (session_.run({&view, 1}, own, log, job) && drawing)
+      options_.shown(*std::move(drawing), camera, world, 0, reply.seconds());
   } catch (const std::exception&) {
     report_exception(log);  // the next view may fit
   }

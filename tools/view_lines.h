@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "server/shared_images.h"
+#include "server/stage.h"
 #include "tools/render_report.h"
 
 namespace panwright::tools {
@@ -19,6 +20,7 @@ struct ViewLineOptions {
   // defaults, and write below `folder` alone; empty: nowhere.
   bool foreign = false;
   std::filesystem::path folder;
+  server::ShownImage shown;  // called after each image; may be empty
 };
 
 // Stream of views. Each answer depends on its line and its number alone.

@@ -270,6 +270,8 @@ class Run {
     const std::unique_ptr<Writing> writing = std::move(writing_);
     if (writing == nullptr) return true;
     forward(writing->log, frames_[writing->what.frame].label, {}, scope_.log);
+    const auto& seen = scope_.options.listener.seen;
+    if (seen && writing->ok) seen(scope_.world, *writing->frame, writing->product);
     const auto& kept = scope_.options.listener.kept;
     if (kept && writing->ok) {
       ++done_;

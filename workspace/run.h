@@ -65,6 +65,8 @@ struct RunListener {
   std::function<void(const EngineInfo&)> ready;  // before the first image
   std::function<void(const Written&)> written;
   std::function<void(const Step&)> step;  // after it
+  // Sees each product of a frame of a world, before `written` or `kept`.
+  std::function<void(const world::World&, const Frame&, const Product&)> seen;
   // Takes the products in place of files, in order. Frames need no outputs then, and have ground
   // truth as their setting `layers` says. The memory of an image that is left there is used again.
   std::function<void(Kept&)> kept;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "base/diagnostic.h"
@@ -12,12 +13,15 @@
 
 namespace panwright::server {
 
+// Runs work on the worker's thread, after what waits there. Called from any thread.
+using Post = std::function<void(std::function<void(const Job& job)> work)>;
+
 // Answers of all clients. All calls come from the worker's thread; none throws, but open().
 class Answerer {
  public:
   virtual ~Answerer() = default;
-  // False: failed, and reported.
-  virtual bool open() = 0;
+  // False: failed, and reported. post: until end(); its work may come after it, and throws nothing.
+  virtual bool open(const Post& post) = 0;
   virtual void begin(std::uint64_t client) = 0;
   virtual Reply answer(std::uint64_t client, std::span<const std::uint8_t> request,
                        const Job& job) = 0;

@@ -3,48 +3,51 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "base/result.h"
+#include "server/listen.h"
+#include "server/metrics.h"
+#include "server/packing.h"
 #include "server/stage.h"
 
 namespace panwright::server {
 
 // It has a thread of its own, which alone turns images into bytes, and only for browsers: those
-// that are slow miss images, and delay no client. Browsers can change nothing.
+// that are slow miss images, and delay no client.
 //
 // A message of the WebSocket at /live: uint32 bytes of the text, little-endian; the text, JSON;
-// then 3·width·height sRGB codes, row 0 the top row.
+// then 3·width·height sRGB codes, row 0 the top row. Where the page steers, a browser sends whole
+// requests of the PANGU protocol, a message each: GetViewpointByCamera and those that move the
+// session's camera, the Sun and joints. Any other message ends its connection.
 class WebPage {
  public:
+  // asked: called when requests wait, on the page's thread
   // Fails: E0201 for an address or a port that is not free.
-  static Result<std::unique_ptr<WebPage>> open(const std::string& address, std::uint16_t port,
-                                               DiagnosticLog& log);
+  // Expects: a port.
+  static Result<std::unique_ptr<WebPage>> open(const ListenOptions& listen,
+                                               const PageOptions& options,
+                                               std::function<void()> asked, DiagnosticLog& log);
   ~WebPage();
   WebPage(const WebPage&) = delete;
   WebPage& operator=(const WebPage&) = delete;
 
-  std::uint16_t port() const;
-  // Shows an image in place of the one before.
-  //
-  //   text  JSON of text_of()
-  void show(Drawing drawing, std::string text);
+  // Returns what shows images of a client in place of the one before. Expects: it is called on one
+  // thread, while the page lives.
+  ShownImage shown_of(std::uint64_t client);
+  // Returns the requests of browsers since the last call.
+  std::vector<Bytes> take_requests();
 
  private:
   struct Impl;
   explicit WebPage(std::unique_ptr<Impl> impl);
+  void show(Drawing drawing, std::string text);
   std::unique_ptr<Impl> impl_;
+  LatencyHistogram latency_;  // of images
 };
-
-// Numbers that a page has of an image.
-struct Shown {
-  std::uint64_t client = 0;
-  std::uint64_t images = 0;              // of all clients so far
-  double last = 0, median = 0, p99 = 0;  // seconds to answer
-};
-
-std::string text_of(const Shown& shown, const world::Camera& camera, const State& state);
 
 }  // namespace panwright::server

@@ -5,14 +5,10 @@ A WebSocket client of the standard library alone, written from RFC 6455, and hea
 """
 
 import atexit
-import base64
-import hashlib
-import json
 import math
 import os
 import re
 import socket
-import struct
 import subprocess
 import sys
 import tempfile
@@ -23,6 +19,7 @@ import urllib.request
 PROGRAM, SOURCE = map(os.path.abspath, sys.argv[1:3])
 sys.path.insert(0, os.path.join(SOURCE, "server", "clients"))
 from panwright_client import Client, read_ppm  # noqa: E402
+from web_sockets import message, opened  # noqa: E402
 
 WIDTH, HEIGHT = 320, 240  # messages of several pieces
 QUAT = (math.sqrt(0.5), -math.sqrt(0.5), 0, 0)
@@ -31,61 +28,6 @@ QUAT = (math.sqrt(0.5), -math.sqrt(0.5), 0, 0)
 def expect(condition, what):
     if not condition:
         raise SystemExit(f"page_test: {what}")
-
-
-def opened(port, path="/live", origin=None, host=None):
-    """A socket after the handshake, and what the server answered."""
-    connection = socket.create_connection(("127.0.0.1", port), 30)
-    key = base64.b64encode(b"sixteen bytes ok").decode()
-    lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}", "Upgrade: websocket", "Connection: Upgrade",
-             f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Protocol: panwright"]
-    if origin:
-        lines.append(f"Origin: {origin}")
-    connection.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
-    head = b""
-    while not head.endswith(b"\r\n\r\n"):
-        byte = connection.recv(1)
-        if not byte:
-            return None, head.decode()
-        head += byte
-    head = head.decode()
-    if " 101 " not in head:
-        return None, head
-    accept = base64.b64encode(hashlib.sha1((key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11").encode()).digest()).decode()
-    expect(accept in head, "the handshake has the right answer")
-    return connection, head
-
-
-def read_exactly(connection, count):
-    data = b""
-    while len(data) < count:
-        piece = connection.recv(min(1 << 20, count - len(data)))
-        expect(piece, "the connection stays open")
-        data += piece
-    return data
-
-
-def message(connection):
-    """The next binary message, of one frame or several: its JSON, and the bytes of its pixels."""
-    data = b""
-    while True:
-        first, second = read_exactly(connection, 2)
-        length = second & 127
-        expect(second < 128, "a server does not mask")
-        if length == 126:
-            length, = struct.unpack(">H", read_exactly(connection, 2))
-        elif length == 127:
-            length, = struct.unpack(">Q", read_exactly(connection, 8))
-        payload = read_exactly(connection, length)
-        code = first & 15
-        if code == 9:  # a ping, which lws sends to who is still
-            continue
-        expect(code == (2 if not data else 0), "the message is binary")
-        data += payload
-        if first & 128:
-            break
-    size, = struct.unpack_from("<I", data)
-    return json.loads(data[4:4 + size]), data[4 + size:]
 
 
 def newest(connection, images):
