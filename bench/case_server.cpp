@@ -1,15 +1,27 @@
-// The server over TCP: processor time of an image beyond that of `render --views -`, and look-ups a
-// second, beside the difference of the answers from the image.
+// The server over TCP and with shared memory: processor time of an image beyond that of `render
+// --views -`, and look-ups a second, beside the difference of the answers from the image.
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <netinet/in.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <ctime>
+#include <fstream>
 #include <future>
+#include <iterator>
+#include <optional>
 #include <thread>
 
 #include "bench/bench.h"
@@ -176,7 +188,195 @@ void run_server(Context& context) {
   context.add(row);
 }
 
-const bool kAdded = add_case({"server", "images and look-ups over TCP", run_server});
+// A program of ours, its standard input and output in our hands.
+class Process {
+ public:
+  Process(const std::filesystem::path& program, std::vector<std::string> words) {
+    std::array<int, 2> in{}, out{};
+    if (::pipe2(in.data(), O_CLOEXEC) != 0 || ::pipe2(out.data(), O_CLOEXEC) != 0) return;
+    words.insert(words.begin(), program.string());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, in[0], 0);
+    ::posix_spawn_file_actions_adddup2(&actions, out[1], 1);
+    good_ =
+        ::posix_spawn(&pid_, words[0].c_str(), &actions, nullptr, pointers.data(), environ) == 0;
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(in[0]);
+    ::close(out[1]);
+    to_ = in[1];
+    from_ = out[0];
+  }
+  ~Process() {
+    ::close(to_);
+    if (good_) {
+      ::kill(pid_, SIGTERM);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    ::close(from_);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  int to() const { return to_; }
+  int from() const { return from_; }
+  double processor_seconds() const {
+    clockid_t clock{};
+    timespec time{};
+    if (!good_ || ::clock_getcpuclockid(pid_, &clock) != 0) return 0;
+    (void)::clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+ private:
+  pid_t pid_ = 0;
+  int to_ = -1, from_ = -1;
+  bool good_ = false;
+};
+
+// A line out, or empty for none, and a line back; empty: there is none.
+std::string line_of(int to, int from, std::string line) {
+  if (!line.empty()) line += '\n';
+  if (::write(to, line.data(), line.size()) != static_cast<ssize_t>(line.size())) return {};
+  std::string out;
+  std::array<char, 4096> some;
+  while (out.empty() || out.back() != '\n') {
+    const ssize_t count = ::read(from, some.data(), some.size());
+    if (count <= 0) return {};
+    out.append(some.data(), static_cast<std::size_t>(count));
+  }
+  return out;
+}
+
+// What follows a key of an answer, up to a quote or a comma.
+std::string member_of(const std::string& answer, const std::string& key) {
+  const std::size_t at = answer.find("\"" + key + "\":");
+  if (at == answer.npos) return {};
+  const std::size_t begin = answer.find_first_not_of("\": ", at + key.size() + 2);
+  return answer.substr(begin, answer.find_first_of("\",}]", begin) - begin);
+}
+
+// Images that a server shares, by name: mapped once.
+class Mapped {
+ public:
+  ~Mapped() {
+    if (memory_ != nullptr) ::munmap(memory_, bytes_);
+  }
+  // Null: it is not there.
+  const char* at(const std::string& name, std::size_t offset) {
+    if (name != name_) {
+      if (memory_ != nullptr) ::munmap(memory_, bytes_);
+      memory_ = nullptr;
+      name_ = name;
+      const int file = ::shm_open(name.c_str(), O_RDONLY, 0);
+      struct stat info {};
+      if (file < 0 || ::fstat(file, &info) != 0) return nullptr;
+      bytes_ = static_cast<std::size_t>(info.st_size);
+      void* const mapped = ::mmap(nullptr, bytes_, PROT_READ, MAP_SHARED, file, 0);
+      ::close(file);
+      if (mapped == MAP_FAILED) return nullptr;
+      memory_ = mapped;
+    }
+    return memory_ == nullptr ? nullptr : static_cast<const char*>(memory_) + offset;
+  }
+
+ private:
+  std::string name_;
+  void* memory_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+int connected(const std::string& path) {
+  const int out = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  path.copy(to.sun_path, sizeof to.sun_path - 1);
+  (void)::connect(out, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  return out;
+}
+
+// Images by shared memory against files in memory, in turn.
+void run_shared(Context& context) {
+  const std::uint32_t side = context.quick() ? 64 : 1024;
+  const auto program = context.program("panwright");
+  const auto model = context.source("examples/servicer/servicer.pxn");
+  std::string folder = "/dev/shm/pw-bench-XXXXXX";
+  if (program.empty() || model.empty() || ::mkdtemp(folder.data()) == nullptr)
+    return context.note("no program, servicer or /dev/shm: the row of shared memory is missing");
+  const std::string file = folder + "/frame.npy", wire = folder + "/wire";
+  const std::string size = fmt::format("{0}x{0}", side);
+  const std::vector<std::string> common = {model.string(), "--size", size,    "--fov",     "40",
+                                           "--samples",    "1",      "--sun", "1 -0.7 0.6"};
+  const auto words = [&](const char* first, std::vector<std::string> more) {
+    more.insert(more.begin(), common.begin(), common.end());
+    more.insert(more.begin(), first);
+    return more;
+  };
+  std::vector<double> beyond;
+  double different = 0;
+  bool good = true;
+  {
+    Process views(program, words("render", {"--views", "-"}));
+    Process server(program, words("serve", {"--json-lines", "--socket", wire}));
+    good = !line_of(server.to(), server.from(), {}).empty();
+    const int socket = connected(wire);
+    Mapped mapped;
+    for (int k = -2; good && k < 2 * context.runs(); ++k) {
+      const std::string camera = fmt::format("{{\"camera\":[9,-9,{}],", 8 + 0.001 * k);
+      const double before_view = views.processor_seconds();
+      good = member_of(line_of(views.to(), views.from(), camera + "\"output\":\"" + file + "\"}"),
+                       "ok") == "true";
+      const double before = server.processor_seconds(), own = processor_seconds_of_all();
+      const double by_file = views.processor_seconds() - before_view;
+      const std::string answer = line_of(socket, socket, camera + "\"image\":\"shared\"}");
+      const std::string offset = member_of(answer, "offset");
+      // its own name, not that of the view
+      const std::size_t shared = answer.find("\"shared\":");
+      const char* const pixels =
+          offset.empty() || shared == answer.npos
+              ? nullptr
+              : mapped.at(member_of(answer.substr(shared), "name"), std::stoull(offset));
+      const double by_memory =
+          server.processor_seconds() - before + processor_seconds_of_all() - own;
+      good = good && pixels != nullptr;
+      if (!good) break;
+      if (k >= 0) beyond.push_back(1e3 * (by_memory - by_file));
+      std::ifstream in(file, std::ios::binary);
+      const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+      const std::size_t count = std::size_t{12} * side * side;
+      if (bytes.size() < count ||
+          std::memcmp(bytes.data() + bytes.size() - count, pixels, count) != 0)
+        ++different;
+    }
+    ::close(socket);
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  if (!good) return context.note("no OpenGL: the row of shared memory is missing");
+  context.add({.case_name = "server",
+               .setting = fmt::format("shared memory {}x{} beyond render --views - to /dev/shm, "
+                                      "servicer at 15 m",
+                                      side, side),
+               .speed = median_of(beyond),
+               .speed_unit = "ms of processors",
+               .error = different,
+               .error_unit = "images that differ",
+               .reference = "bytes of the files",
+               .runs = static_cast<int>(beyond.size()),
+               .must = 1,
+               .must_is_least = false,
+               .must_error = 0.5});
+}
+
+void run(Context& context) {
+  run_server(context);
+  run_shared(context);
+}
+
+const bool kAdded = add_case({"server", "images and look-ups over TCP and by shared memory", run});
 
 }  // namespace
 }  // namespace panwright::bench::case_server
