@@ -15,7 +15,8 @@ Vec3 weights(const std::int64_t (&node)[3], double at) {
 
 }  // namespace
 
-InverseAngles::InverseAngles(const world::Camera& camera) : camera_(camera) {
+InverseAngles::InverseAngles(const world::Camera& camera)
+    : camera_(camera), side_(Vec2(1) / camera.focal) {
   constexpr double kLong = 64;  // pixels
   middles_ = camera.distortion == nullptr && std::min(camera.focal.x, camera.focal.y) >= kLong;
 }
@@ -23,6 +24,7 @@ InverseAngles::InverseAngles(const world::Camera& camera) : camera_(camera) {
 void InverseAngles::begin(const std::int64_t (&first)[2], const std::int64_t (&last)[2]) {
   first_ = first[0];
   smooth_ = false;
+  series_ = middles_ && begin_series(first, last);
   if (middles_) return;
   constexpr std::int64_t kFew = 6;  // on a side: not worth it
   if (last[0] - first[0] < kFew || last[1] - first[1] < kFew) return;
@@ -45,32 +47,34 @@ void InverseAngles::begin(const std::int64_t (&first)[2], const std::int64_t (&l
     across_.push_back(weights(node_[0], static_cast<double>(column)));
 }
 
-InverseAngles::Middles InverseAngles::middles_of(std::int64_t first, std::int64_t y,
-                                                 std::size_t count) const {
-  const Vec2 side = Vec2(1) / camera_.focal;
-  const Vec2 squares = side * side / 24.0;
-  const double v = (static_cast<double>(y) + 0.5 - camera_.principal.y) * side.y;
+InverseAngles::Middles InverseAngles::middles_of(std::int64_t first, std::int64_t y) const {
+  const Vec2 squares = side_ * side_ / 24.0;
+  const double v = (static_cast<double>(y) + 0.5 - camera_.principal.y) * side_.y;
   Middles row;
-  row.first = (static_cast<double>(first) + 0.5 - camera_.principal.x) * side.x;
-  row.side = side.x;
+  row.first = (static_cast<double>(first) + 0.5 - camera_.principal.x) * side_.x;
+  row.side = side_.x;
   row.above = 1 + v * v;
   row.scale = camera_.focal.x * camera_.focal.y;
   row.across = 15 * squares.x;
   row.fixed = 15 * squares.y * v * v;
   row.both = 3 * (squares.x + squares.y);
-  constexpr double kShort = 0.02;  // of a line that a cubic follows within 2e-9
-  const auto steps = static_cast<double>(count - 1);
-  row.is_short = steps >= 2 && steps * side.x <= kShort;
-  if (!row.is_short) return row;
-  const double last = row.first + steps * side.x;
-  const double high = std::sqrt(row.above + last * last);
-  row.step = 1 / steps;
-  row.low = std::sqrt(row.above + row.first * row.first);
-  row.rise = steps * side.x * row.first / row.low;
-  const double end = steps * side.x * last / high;
-  row.second = 3 * (high - row.low) - 2 * row.rise - end;
-  row.third = 2 * (row.low - high) + row.rise + end;
   return row;
+}
+
+// False: the rectangle is too large.
+bool InverseAngles::begin_series(const std::int64_t (&first)[2], const std::int64_t (&last)[2]) {
+  constexpr double kReach = 0.012;  // from the middle: the term left out is within 3e-9
+  const Vec2 half = Vec2(last[0] - first[0] + 1, last[1] - first[1] + 1) * 0.5;
+  if (!(half.x * side_.x <= kReach && half.y * side_.y <= kReach)) return false;
+  const std::int64_t x = (first[0] + last[0]) / 2, y = (first[1] + last[1]) / 2;
+  const Middles row = middles_of(x, y);
+  value_at_ = row.at(0);
+  const double s = row.above + row.first * row.first;
+  per_square_ = 1 / s;
+  // as s changes, so do the second derivatives: those of a square pixel
+  const double square = side_.x * side_.y / 24;
+  rise_ = 1.5 + square * (15 * (s - 2) / s - 6) / s;
+  return true;
 }
 
 double InverseAngles::exact(std::int64_t x, std::int64_t y) const {

@@ -44,21 +44,17 @@ class PointDrawer {
               image::Image& image)
       : image_(image), psf_sigma_(psf_sigma), shares_(psf_sigma, 2 * points), angles_(camera) {}
 
-  // Begins to load the pixels of a point that add() comes to next: most of the time goes there.
-  void load(const Vec2& pixel) const {
-    constexpr std::int64_t kLine = 16;  // floats of a cache's line
+  // Says which point add() comes to after the next one. Meanwhile its pixels are loaded, a row with
+  // each row that is drawn: most of the time went into waiting for them.
+  void load_next(const Vec2& pixel) {
     const double reach = kReach * psf_sigma_;
     const auto at = [](double place, std::uint32_t side) {
       return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(side) - 1));
     };
-    const std::int64_t from = at(pixel.x - reach, image_.width);
-    const std::int64_t to = at(pixel.x + reach, image_.width);
-    const std::int64_t end = at(pixel.y + reach, image_.height);
-    for (std::int64_t y = at(pixel.y - reach, image_.height); y <= end; ++y) {
-      const float* row = image_.radiance.data() + 3 * y * static_cast<std::int64_t>(image_.width);
-      for (std::int64_t x = 3 * from; x < 3 * (to + 1) + kLine; x += kLine)
-        __builtin_prefetch(row + std::min(x, 3 * to + 2), 1);
-    }
+    next_ = {at(pixel.x - reach, image_.width), at(pixel.x + reach, image_.width),
+             at(pixel.y - reach, image_.height), at(pixel.y + reach, image_.height)};
+    const std::int64_t middle = at(pixel.y, image_.height) * std::int64_t{image_.width};
+    __builtin_prefetch(image_.coverage.data() + middle + at(pixel.x, image_.width));
   }
 
   void add(const Vec2& pixel, const Vec3& irradiance) {
@@ -78,6 +74,7 @@ class PointDrawer {
     angles_.begin(first, last);
     const double reach = kReach * psf_sigma_;
     for (std::int64_t y = first[1]; y <= last[1]; ++y) {
+      load_row();
       // what lies within the reach of the row
       const double off = std::max(std::fabs(static_cast<double>(y) + 0.5 - pixel.y) - 0.5, 0.0);
       const double half = std::sqrt(std::max(reach * reach - off * off, 0.0));
@@ -89,17 +86,30 @@ class PointDrawer {
       const float bands[] = {static_cast<float>(along.x), static_cast<float>(along.y),
                              static_cast<float>(along.z)};
       float* radiance = &image_.radiance[3 * static_cast<std::size_t>(y * width + from)];
-      angles_.for_row(from, y, static_cast<std::size_t>(to - from + 1),
-                      [&](std::size_t x, double inverse) {
-                        const auto share = static_cast<float>(shares[x] * inverse);
-                        for (const float band : bands) *radiance++ += std::min(band * share, kMost);
-                      });
+      angles_.for_row(
+          from, y, static_cast<std::size_t>(to - from + 1), [&](std::size_t x, auto inverse) {
+            const float share = static_cast<float>(shares[x]) * static_cast<float>(inverse);
+            for (const float band : bands) *radiance++ += std::min(band * share, kMost);
+          });
     }
   }
 
  private:
+  void load_row() {
+    constexpr std::int64_t kLine = 16;  // floats of a cache's line
+    if (next_.y > next_.end) return;
+    const float* row =
+        image_.radiance.data() + 3 * next_.y++ * static_cast<std::int64_t>(image_.width);
+    for (std::int64_t x = 3 * next_.from; x < 3 * (next_.to + 1) + kLine; x += kLine)
+      __builtin_prefetch(row + std::min(x, 3 * next_.to + 2), 1);
+  }
+
   image::Image& image_;
   double psf_sigma_;
+  // Columns and rows to be loaded.
+  struct {
+    std::int64_t from = 0, to = -1, y = 0, end = -1;
+  } next_;
   PixelShares shares_;
   InverseAngles angles_;
   Shares across_, down_;
@@ -202,7 +212,7 @@ void add_stars(std::span<const StarInView> stars, const world::Camera& camera, d
   PointDrawer drawer(camera, psf_sigma, stars.size(), image);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const StarInView* star = order[i];
-    if (i + 1 < order.size()) drawer.load(order[i + 1]->pixel);
+    if (i + 1 < order.size()) drawer.load_next(order[i + 1]->pixel);
     // where the centre is outside, the nearest pixel says what is in front of it
     const auto column = std::clamp(static_cast<std::int64_t>(std::floor(star->pixel.x)),
                                    std::int64_t{0}, width - 1);

@@ -47,7 +47,7 @@ void add_stars(const Sky& sky, const light::Stars& stars, const world::Camera& c
                double psf_sigma, image::Image& image);
 
 // Adds stars to an image of radiance: each by the Gaussian of `psf_sigma` pixels (0: none)
-// integrated over the pixels, within 6 sigma; behind the coverage of the pixel of its centre.
+// integrated over the pixels, within 5.5 sigma; behind the coverage of the pixel of its centre.
 //
 //   unit  irradiance of 1 in the image's unit, W/m² per band: 1, or the Sun's where radiance is
 //         per unit irradiance

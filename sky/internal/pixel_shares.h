@@ -7,7 +7,7 @@
 
 namespace panwright::sky {
 
-inline constexpr double kReach = 6;  // sigmas of a Gaussian: 2e-9 lie beyond
+inline constexpr double kReach = 5.5;  // sigmas of a Gaussian: 3e-7 lie beyond
 
 // Integrals of a Gaussian about a centre over pixels from `first` on.
 struct Shares {

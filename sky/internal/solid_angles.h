@@ -27,12 +27,23 @@ class InverseAngles {
   // for its stores took most of the time.
   template <class Use>
   void for_row(std::int64_t first, std::int64_t y, std::size_t count, const Use& use) const {
+    if (series_) {
+      const double v = side_.y * (static_cast<double>(y) + 0.5 - camera_.principal.y);
+      const double u = side_.x * (static_cast<double>(first) + 0.5 - camera_.principal.x);
+      const auto begin = static_cast<float>((1 + v * v + u * u) * per_square_ - 1);
+      const auto step = static_cast<float>(2 * u * side_.x * per_square_);
+      const auto bend = static_cast<float>(side_.x * side_.x * per_square_);
+      const auto value = static_cast<float>(value_at_), rise = static_cast<float>(rise_);
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto n = static_cast<float>(i);
+        const float more = begin + n * (step + n * bend);
+        use(i, value + value * (more * (rise + more * (0.375f - 0.0625f * more))));
+      }
+      return;
+    }
     if (middles_) {
-      const Middles row = middles_of(first, y, count);
-      if (row.is_short)
-        for (std::size_t i = 0; i < count; ++i) use(i, row.by_cubic(static_cast<double>(i)));
-      else
-        for (std::size_t i = 0; i < count; ++i) use(i, row.by_root(static_cast<double>(i)));
+      const Middles row = middles_of(first, y);
+      for (std::size_t i = 0; i < count; ++i) use(i, row.at(static_cast<double>(i)));
       return;
     }
     const Vec3 nodes = smooth_ ? row_of_nodes(y) : Vec3(0);
@@ -52,29 +63,25 @@ class InverseAngles {
     double first = 0, side = 0;  // u
     double above = 0;            // 1 + v²
     double scale = 0, across = 0, fixed = 0, both = 0;
-    bool is_short = false;
-    double step = 0, low = 0, rise = 0, second = 0, third = 0;  // Hermite's cubic of √s
 
-    double by_root(double i) const {
+    double at(double i) const {
       const double u = first + i * side;
-      return at(u, std::sqrt(above + u * u));
-    }
-    double by_cubic(double i) const {
-      const double t = i * step;
-      return at(first + i * side, low + t * (rise + t * (second + t * third)));
-    }
-    double at(double u, double root) const {
       const double s = above + u * u, square = s * s;
-      return scale * (square * s) * root / (square + across * (u * u) + fixed - both * s);
+      return scale * (square * s) * std::sqrt(s) / (square + across * (u * u) + fixed - both * s);
     }
   };
-  Middles middles_of(std::int64_t first, std::int64_t y, std::size_t count) const;
+  Middles middles_of(std::int64_t first, std::int64_t y) const;
+  bool begin_series(const std::int64_t (&first)[2], const std::int64_t (&last)[2]);
 
   double exact(std::int64_t x, std::int64_t y) const;
   Vec3 row_of_nodes(std::int64_t y) const;
 
   const world::Camera& camera_;
+  Vec2 side_;  // of a pixel
   bool middles_ = false;
+  // In a small rectangle: Taylor's series of 1/g in s about its middle.
+  bool series_ = false;
+  double value_at_ = 0, per_square_ = 0, rise_ = 0;
   std::int64_t first_ = 0;
   std::int64_t node_[2][3] = {};
   double value_[3][3] = {};
