@@ -65,7 +65,7 @@ std::optional<std::vector<std::byte>> FileCache::find(const Hash128& key) const 
   const fs::path path = folder_ / key.hex();
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
   if (file < 0) return std::nullopt;
-  const auto entry = [&]() -> std::optional<std::vector<std::byte>> {
+  auto entry = [&]() -> std::optional<std::vector<std::byte>> {
     struct stat status {};
     if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid())
       return std::nullopt;
@@ -83,7 +83,7 @@ std::optional<std::vector<std::byte>> FileCache::find(const Hash128& key) const 
     return out;
   }();
   ::close(file);
-  return entry;
+  return entry;  // moved: a constant would be copied
 }
 
 void FileCache::keep(const Hash128& key, std::span<const std::byte> entry) const {
