@@ -94,11 +94,7 @@ Vec3 radiance_along(const Sky& sky, const std::vector<ShineBody>& bodies, const 
   for (const ShineBody& body : bodies) {
     if (glm::dot(direction, body.direction) < body.cosine) continue;
     const Vec3 ray = sky.shape(body.index).unit_from_world * direction;
-    const double a = glm::dot(ray, ray), b = glm::dot(body.from, ray);
-    const double c = glm::dot(body.from, body.from) - 1;
-    const double square = b * b - a * c;
-    if (!(square >= 0) || !(b < 0)) continue;
-    const double way = c / (std::sqrt(square) - b);
+    const double way = way_to_sphere(body.from, ray);
     if (!(way < nearest)) continue;
     nearest = way;
     const light::Air* air = sky.air(body.index);

@@ -22,6 +22,16 @@ inline Vec3 perpendicular(const Vec3& axis) {
   return glm::normalize(glm::cross(axis, other));
 }
 
+// Returns how far a ray goes to the unit sphere, in its own length; below 0 from within, infinity
+// past it.
+inline double way_to_sphere(const Vec3& from, const Vec3& ray) {
+  const double a = glm::dot(ray, ray), b = glm::dot(from, ray);
+  const double c = glm::dot(from, from) - 1;
+  const double square = b * b - a * c;
+  if (!(square >= 0) || !(b < 0)) return INFINITY;
+  return c / (std::sqrt(square) - b);
+}
+
 // Returns whether another body stands before what is seen of one.
 //
 //   direction  unit; away: metres
@@ -29,10 +39,9 @@ inline bool is_hidden(const Sky& sky, std::size_t index, const Vec3& point, cons
                       double away) {
   for (std::size_t k = 0; k < sky.size(); ++k) {
     if (k == index) continue;
-    const Vec3 from = sky.shape(k).from(point), ray = sky.shape(k).unit_from_world * direction;
-    const double a = glm::dot(ray, ray), b = glm::dot(from, ray), c = glm::dot(from, from) - 1;
-    const double square = b * b - a * c;
-    if (square >= 0 && b < 0 && c > 0 && c / (std::sqrt(square) - b) < away) return true;
+    const Ellipsoid& other = sky.shape(k);
+    const double way = way_to_sphere(other.from(point), other.unit_from_world * direction);
+    if (way > 0 && way < away) return true;
   }
   return false;
 }
