@@ -242,6 +242,13 @@ bool is_within(const SurfelGrid& grid, std::size_t surfel, const glm::vec3& at) 
 
 }  // namespace
 
+float SurfelSides::packed() const {
+  const auto code = [](float share) {
+    return std::floor(std::clamp(255 * share, 0.0f, 255.0f) + 0.5f);
+  };
+  return code(low) + 256 * code(middle) + 65536 * code(high);
+}
+
 std::uint32_t SurfelGrid::slot_of(std::uint32_t xy, std::uint32_t zd) {
   std::uint32_t h = xy * 0x9E3779B1u ^ zd * 0x85EBCA77u;
   h = (h ^ h >> 15) * 0x2C1B3C6Du;

@@ -54,15 +54,28 @@ struct SurfelGrid {
   static std::uint32_t slot_of(std::uint32_t xy, std::uint32_t zd);
 };
 
+// Directions that the light of a surfel comes from, mean of the channels. The radiance of a
+// direction is that of its band, by its height above the surface, times von Mises' distribution of
+// azimuths.
+struct SurfelSides {
+  // The mean of directions along the surface, each of length 1.
+  glm::vec3 across{0};
+  // Shares of the irradiance in bands of the square of the sine of that height: below 1/16 (14.5
+  // degrees), below 1/4 (30 degrees), below 1/2 (45 degrees). The rest comes from above.
+  float low = 1 / 16.0f, middle = 3 / 16.0f, high = 1 / 4.0f;
+
+  // The shares, 8 bits each: what shaders read.
+  float packed() const;
+};
+
 // Light of the surfels of a target.
 struct SurfelLight {
   std::shared_ptr<const SurfelGrid> grid;  // null: no light
   Stamp stamp = 0;                         // of the irradiance
   // RGB, from all other surfaces; the last: inverse radius, 1/m
   std::vector<std::array<float, 4>> irradiance;
-  // Its directions, for lobes: π times the radiance of a direction d of the frame, mean of the
-  // channels, is about toward.w + toward.xyz·d. Empty: evenly from all of the upper half.
-  std::vector<std::array<float, 4>> toward;
+  // Its directions, for lobes. Empty: evenly from all of the upper half.
+  std::vector<SurfelSides> sides;
 };
 
 // A place of a surface.

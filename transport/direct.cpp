@@ -202,11 +202,12 @@ Sources direct_sources(const trace::Scene& scene, std::uint32_t target, const Su
   return sources;
 }
 
-void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const TransportLists& lists,
-                    std::span<const Glossy> others, Sources& to, const Job& job) {
+void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
+                    const TransportLists& lists, std::span<const Glossy> others, Sources& to,
+                    const Job& job) {
   const std::size_t count = to.sent.size();
   to.thrown.assign(count, glm::vec3(0));
-  to.thrown_from.assign(count, glm::vec3(0));
+  to.thrown_from.assign(count, {});
   const Mat3 own_from_world = glm::transpose(scene.targets()[target].frame.world_from);
   struct Other {
     glm::vec3 to_sun, irradiance;
@@ -222,7 +223,10 @@ void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const Trans
   const auto gather_some = [&](std::size_t chunk) {
     const std::size_t end = std::min(count, (chunk + 1) * kSurfelsAtOnce);
     for (std::size_t s = chunk * kSurfelsAtOnce; s < end; ++s) {
-      glm::vec3 sum(0), from(0);
+      glm::vec3 sum(0);
+      Directions from;
+      const float share = static_cast<float>(kPi) * lists.ray_share[s];
+      const glm::vec3 own_normal(set.surfels()[s].normal);
       for (std::uint32_t i = lists.first_glossy[s]; i < lists.first_glossy[s + 1]; ++i) {
         const TransportLists::Glossy& ray = lists.glossy[i];
         const Glossy& other = others[ray.slot];
@@ -236,11 +240,11 @@ void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const Trans
             lit * each[ray.slot].irradiance *
             other.surfaces[ray.surfel].reflectance->lobe(to_sun, back, normal);
         sum += radiance;
-        from -= (radiance.x + radiance.y + radiance.z) / 3 * (each[ray.slot].own_from * back);
+        from.add(share * (radiance.x + radiance.y + radiance.z) / 3,
+                 -(each[ray.slot].own_from * back), own_normal);
       }
-      const float share = static_cast<float>(kPi) * lists.ray_share[s];
       to.thrown[s] = share * sum;
-      to.thrown_from[s] = share * from;
+      to.thrown_from[s] = from;
     }
   };
   parallel_for((count + kSurfelsAtOnce - 1) / kSurfelsAtOnce, gather_some, job);

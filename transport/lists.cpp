@@ -149,19 +149,29 @@ namespace {
 
 float mean(const glm::vec3& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
 
-// A linear fit to the radiance of the upper half about a normal. By cosines, 1, both directions
-// across and z - 2/3 are orthogonal; their means of squares would give factors of 4 and 18, which
-// go too far for lobes as wide as a surfel's noise: half and a quarter of them fit best.
-//
-//   from  sum of irradiances times directions
-glm::vec4 fit_toward(float whole, const glm::vec3& from, const glm::vec3& normal) {
-  constexpr float kMean = 2 / 3.0f, kAcross = 2, kAlong = 4;
-  const float up = glm::dot(from, normal);
-  const float along = kAlong * (up - kMean * whole);
-  return {kAcross * (from - up * normal) + along * normal, whole - kMean * along};
+light::SurfelSides fitted(float whole, const Directions& sums) {
+  light::SurfelSides sides;
+  if (!(whole > 0)) return sides;
+  sides.across = sums.from / whole;
+  sides.low = sums.low / whole;
+  sides.middle = sums.middle / whole;
+  sides.high = sums.high / whole;
+  return sides;
 }
 
 }  // namespace
+
+void Directions::add(float irradiance, const glm::vec3& direction, const glm::vec3& normal) {
+  const float cosine = std::max(glm::dot(direction, normal), 0.0f);
+  const glm::vec3 along = direction - glm::dot(direction, normal) * normal;
+  from += irradiance / std::sqrt(std::max(glm::dot(along, along), 1e-6f)) * along;
+  if (cosine * cosine < 1 / 16.0f)
+    low += irradiance;
+  else if (cosine * cosine < 1 / 4.0f)
+    middle += irradiance;
+  else if (cosine * cosine < 1 / 2.0f)
+    high += irradiance;
+}
 
 std::vector<Arriving> interreflections(std::span<const TransportLists* const> lists,
                                        std::span<const Sources* const> sources,
@@ -211,7 +221,7 @@ std::vector<Arriving> interreflections(std::span<const TransportLists* const> li
   std::vector<Arriving> result(sources.size());
   for (std::size_t slot = 0; slot < sources.size(); ++slot) {
     const std::size_t count = sources[slot]->sent.size();
-    result[slot].toward.resize(count);
+    result[slot].sides.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       result[slot].irradiance.emplace_back(arriving[base[slot] + i]);
   }
@@ -221,15 +231,15 @@ std::vector<Arriving> interreflections(std::span<const TransportLists* const> li
         const auto [slot, begin, end] = chunks[c];
         const TransportLists& own = *lists[slot];
         for (std::size_t s = begin; s < end; ++s) {
-          glm::vec3 from(0);
+          const glm::vec3 normal(sets[slot]->surfels()[s].normal);
+          Directions from;
           if (!sources[slot]->thrown.empty()) from = sources[slot]->thrown_from[s];
           for (std::uint32_t e = own.first[s]; e < own.first[s + 1]; ++e) {
             const TransportLists::Entry& entry = own.entries[e];
-            from += entry.share * mean(next[base[entry.slot] + entry.surfel]) *
-                    unpacked(entry.direction);
+            from.add(entry.share * mean(next[base[entry.slot] + entry.surfel]),
+                     unpacked(entry.direction), normal);
           }
-          result[slot].toward[s] = fit_toward(mean(arriving[base[slot] + s]), from,
-                                              glm::vec3(sets[slot]->surfels()[s].normal));
+          result[slot].sides[s] = fitted(mean(arriving[base[slot] + s]), from);
         }
       },
       job);

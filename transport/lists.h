@@ -66,9 +66,15 @@ TransportLists transport_lists(const trace::Scene& scene, std::uint32_t target,
 // Light of a target's surfels by interreflections.
 struct Arriving {
   std::vector<Vec3> irradiance;
-  // Mean of the channels, and that of a fit to the radiance of directions d of its frame, times π:
-  // toward.w + toward.xyz·d.
-  std::vector<glm::vec4> toward;
+  std::vector<light::SurfelSides> sides;
+};
+
+// Sums of a surfel's light by where it comes from, mean of the channels.
+struct Directions {
+  glm::vec3 from{0};                    // irradiances times directions along the surface
+  float low = 0, middle = 0, high = 0;  // irradiances of bands of light::SurfelSides
+
+  void add(float irradiance, const glm::vec3& direction, const glm::vec3& normal);
 };
 
 // Reflectance and emission of a target's surfels.
@@ -80,7 +86,7 @@ struct Sources {
   // at each surfel; empty: none.
   std::vector<Vec3> glossy;
   std::vector<glm::vec3> thrown;
-  std::vector<glm::vec3> thrown_from;  // mean of the channels times directions, summed
+  std::vector<Directions> thrown_from;
 };
 
 // Returns what arrives at all surfels by interreflections, of all slots.

@@ -208,7 +208,7 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
     each.push_back(&sources[i]);
   }
   for (std::size_t i = 0; i < slots_.size(); ++i)
-    throw_sunlight(*scene_, slots_[i].target, *lists[i], glossy, sources[i], job);
+    throw_sunlight(*scene_, slots_[i].target, *sets[i], *lists[i], glossy, sources[i], job);
   const std::vector<Arriving> found = interreflections(lists, each, sets, options_.bounces, job);
   light_.assign(world.size(), {});
   for (std::size_t i = 0; i < slots_.size(); ++i) {
@@ -216,6 +216,7 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
     light.grid = slots_[i].shape->grid;
     light.stamp = next_stamp();
     const auto surfels = sets[i]->surfels();
+    light.sides = found[i].sides;
     slots_[i].sent.clear();
     for (std::size_t s = 0; s < surfels.size(); ++s) {
       const Vec3& irradiance = found[i].irradiance[s];
@@ -225,8 +226,6 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
                                 static_cast<float>((again.x + again.y + again.z) / 3)});
       const glm::vec3 rgb(irradiance);
       light.irradiance.push_back({rgb.x, rgb.y, rgb.z, static_cast<float>(1 / surfels[s].radius)});
-      const glm::vec4& toward = found[i].toward[s];
-      light.toward.push_back({toward.x, toward.y, toward.z, toward.w});
     }
   }
 }

@@ -25,9 +25,8 @@ std::vector<std::array<float, 4>> interleaved(const light::SurfelLight& light) {
     const auto& rgb = light.irradiance[i];
     texels.push_back(light.grid->surfels[i]);
     texels.push_back(rgb);
-    texels.push_back(light.toward.empty()
-                         ? std::array<float, 4>{0, 0, 0, (rgb[0] + rgb[1] + rgb[2]) / 3}
-                         : light.toward[i]);
+    const light::SurfelSides sides = light.sides.empty() ? light::SurfelSides{} : light.sides[i];
+    texels.push_back({sides.across.x, sides.across.y, sides.across.z, sides.packed()});
   }
   return texels;
 }

@@ -8,8 +8,10 @@ const int kMostLimits = 3;
 #if defined(COATED) || defined(LOBE_ANY)
 #define GLOSSY
 #endif
-// Of a fit's radiance to the mean one: it goes too far where light comes from one side.
-const float kMostRatio = 4.0;
+// Of a direction's radiance to the mean one, as of light from the lowest band alone.
+const float kMostRatio = 16.0;
+// Of all light, taken as even: shares of bands are those of a hundred rays. Fitted.
+const float kEven = 0.3;
 
 uint axis_direction(vec3 n) {
   vec3 a = abs(n);
@@ -49,7 +51,9 @@ uvec3 surfel_list(vec3 at, vec3 normal) {
 // Means over surfels near a place, by their weights.
 struct Near {
   vec3 irradiance;
-  vec4 toward;  // light::SurfelLight::toward, of GLOSSY
+  // Of GLOSSY, times the mean of the channels: light::SurfelSides' across and bands.
+  vec3 across, bands;
+  vec3 normal;
 };
 
 // Whether a place is on the side of all limits of a surfel.
@@ -69,7 +73,7 @@ vec4 quad_sum(vec4 value, vec2 aside) {
 }
 
 // Adds a surfel to sums over those near a place.
-void add_surfel(int surfel, vec3 at, vec3 normal, bool limited, inout vec4 sum, inout vec4 toward) {
+void add_surfel(int surfel, vec3 at, vec3 normal, bool limited, inout vec4 sum, inout Near near) {
   vec4 place = texelFetch(surfel_light, 3 * surfel);
   vec4 sent = texelFetch(surfel_light, 3 * surfel + 1);
   vec3 apart = place.xyz - at;
@@ -82,7 +86,12 @@ void add_surfel(int surfel, vec3 at, vec3 normal, bool limited, inout vec4 sum, 
   if (limited && !is_within(surfel, word, at)) weight = 0.0;
   sum += weight * vec4(sent.rgb, 1.0);
 #ifdef GLOSSY
-  toward += weight * texelFetch(surfel_light, 3 * surfel + 2);
+  vec4 sides = texelFetch(surfel_light, 3 * surfel + 2);
+  uint bands = uint(sides.w);
+  float mean = weight / 3.0 * (sent.r + sent.g + sent.b);
+  near.across += mean * sides.xyz;
+  near.bands += mean / 255.0 * vec3(float(bands & 255u), float(bands >> 8 & 255u), float(bands >> 16));
+  near.normal += weight * its_normal;
 #endif
 }
 
@@ -120,16 +129,20 @@ Near surfels_near(ivec2 sample_at) {
   uint stride = shared_by_four ? 4u : 1u;
   uint i = list.x + (shared_by_four ? uint(odd.x + 2 * odd.y) : 0u);
   vec4 sum = vec4(0.0);
-  vec4 toward = vec4(0.0);
-  for (; i < list.y; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, false, sum, toward);
-  for (; i < list.z; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, true, sum, toward);
+  Near near = Near(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+  for (; i < list.y; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, false, sum, near);
+  for (; i < list.z; i += stride) add_surfel(int(texelFetch(surfel_entries, int(i)).x), at, normal, true, sum, near);
   vec4 whole = quad_sum(sum, aside);
   if (shared_by_four) sum = whole;
   float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
-  Near near = Near(sum.rgb * scale, vec4(0.0));
+  near.irradiance = sum.rgb * scale;
 #ifdef GLOSSY
-  whole = quad_sum(toward, aside);
-  near.toward = (shared_by_four ? whole : toward) * scale;
+  vec3 across = quad_sum(vec4(near.across, 0.0), aside).xyz;
+  vec3 bands = quad_sum(vec4(near.bands, 0.0), aside).xyz;
+  vec3 facing = quad_sum(vec4(near.normal, 0.0), aside).xyz;
+  near.across = scale * (shared_by_four ? across : near.across);
+  near.bands = scale * (shared_by_four ? bands : near.bands);
+  near.normal = shared_by_four ? facing : near.normal;
 #endif
   return near;
 }
@@ -139,14 +152,41 @@ struct Arriving {
   float ratio;  // of the radiance that a mirror shows to the mean one
 };
 
+// Von Mises' distribution of azimuths, of that of a direction, relative to an even one.
+float side_ratio(vec3 across, vec3 seen, vec3 normal) {
+  // the concentration by the mean direction; few rays look more alike than they are
+  float most = min(length(across), 0.9);
+  float spread = most * (2.0 - most * most) / (1.0 - most * most);
+  vec3 along = seen - normal * (dot(normal, seen) / max(dot(normal, normal), 1e-30));
+  float aside = length(along);
+  // near the normal there is no azimuth
+  spread *= min(aside / 0.3, 1.0);
+  float cosine = dot(across, along) / max(length(across) * aside, 1e-30);
+  // cosh over Bessel's I0: Olivares et al. 2018
+  float square = spread * spread;
+  float bessel = sqrt(sqrt(1.0 + 0.25 * square)) * (1.0 + 0.43023 * square) / (1.0 + 0.24273 * square);
+  return 2.0 * exp(spread * (cosine - 1.0)) / (1.0 + exp(-2.0 * spread)) * bessel;
+}
+
 // mirrored: the direction that a mirror shows, frame of the sample
 Arriving indirect_arriving(ivec2 sample_at, vec3 mirrored) {
   Near near = surfels_near(sample_at);
   vec3 seen;
   for (int k = 0; k < 3; ++k) seen[k] = dot(indirect.from_sample[k].xyz, mirrored);
-  vec4 shown = vec4(seen * inversesqrt(max(dot(seen, seen), 1e-30)), 1.0);
+  seen *= inversesqrt(max(dot(seen, seen), 1e-30));
   float mean = (near.irradiance.r + near.irradiance.g + near.irradiance.b) / 3.0;
-  return Arriving(near.irradiance, mean > 0.0 ? clamp(dot(near.toward, shown) / mean, 0.0, kMostRatio) : 0.0);
+  if (!(mean > 0.0)) return Arriving(near.irradiance, 0.0);
+  float cosine = max(dot(near.normal, seen), 0.0);
+  float square = cosine * cosine / max(dot(near.normal, near.normal), 1e-30);
+  // radiances of bands, and linear between their middles
+  vec4 bands = vec4(16.0, 16.0 / 3.0, 4.0, 2.0) *
+               vec4(near.bands, max(mean - near.bands.x - near.bands.y - near.bands.z, 0.0)) / mean;
+  float shown = bands.x;
+  shown = mix(shown, bands.y, clamp((square - 1.0 / 32.0) * 8.0, 0.0, 1.0));
+  shown = mix(shown, bands.z, clamp((square - 5.0 / 32.0) * (32.0 / 7.0), 0.0, 1.0));
+  shown = mix(shown, bands.w, clamp((square - 0.375) * (8.0 / 3.0), 0.0, 1.0));
+  shown = mix(shown, 1.0, kEven);
+  return Arriving(near.irradiance, min(shown * side_ratio(near.across / mean, seen, near.normal), kMostRatio));
 }
 
 // What a surface sends of it to the viewer: as of a sky of even radiance.

@@ -107,6 +107,57 @@ TEST(Indirect, ShadersReadWhatTheLibraryReads) {
   }
 }
 
+// A glossy plate shows light by where it comes from: over all azimuths as much as if it came from
+// all of them, and by its band.
+TEST(Indirect, LobesShowTheSidesOfLight) {
+  DiagnosticLog log;
+  materials::Material gold;
+  gold.weights = {0, 1, 0};
+  gold.specular = Vec3(1);
+  gold.specular_brdf = materials::Ggx{0.1, 0.1};
+  gold.refract = Vec3(1.4);
+  gold.extinction = Vec3(7.5);
+  materials::fit(gold);
+  world::World world;
+  auto model =
+      std::make_shared<const pan::Model>(model_of(single(support::box({4, 4, 0.02}), gold)));
+  ASSERT_TRUE(world.add("target", model, log)) << to_text(log);
+  world.set_sun({.irradiance = Vec3(0)});
+  const auto shown = [&](const light::SurfelSides& sides, double height, double azimuth) {
+    auto light = *patterned();
+    for (auto& one : light[0].irradiance) one = {1, 1, 1, one[3]};
+    light[0].sides.assign(light[0].irradiance.size(), sides);
+    light[0].stamp = next_stamp();
+    const Vec3 from(std::cos(height) * std::cos(azimuth), std::cos(height) * std::sin(azimuth),
+                    std::sin(height));
+    View view = looking_from(3.0 * from, 5, 0.2, 16);
+    RenderOptions options;
+    options.indirect = std::make_shared<const std::vector<light::SurfelLight>>(std::move(light));
+    const image::Image image = drawn(world, view.camera, options);
+    return static_cast<double>(image.radiance[3 * (8 * 16 + 8)]);
+  };
+  for (const double degrees : {10.0, 24.0, 50.0, 80.0}) {
+    const double height = degrees * kDegree;
+    const double even = shown({}, height, 0.1);
+    // from all azimuths, and from about one
+    double sum = 0, most = 0;
+    for (int k = 0; k < 12; ++k) {
+      const double one = shown({.across = {0.8f, 0, 0}}, height, 2 * kPi * k / 12);
+      sum += one / 12;
+      most = std::max(most, one);
+      if (k == 6) {
+        EXPECT_EQ(one, most);  // a mirror shows the other side
+      }
+    }
+    EXPECT_NEAR(sum, even, 0.01 * even) << degrees;
+    EXPECT_GT(most, (degrees < 70 ? 2.5 : 1.2) * even) << degrees;
+    // from the lowest band alone: 16 times as bright there, and 0.3 of all light counts as even
+    const double low = shown({.low = 1, .middle = 0, .high = 0}, height, 0.1);
+    if (degrees < 11) EXPECT_NEAR(low, (0.3 + 0.7 * 16) * even, 0.05 * low);
+    if (degrees > 60) EXPECT_NEAR(low, 0.3 * even, 0.01 * even);
+  }
+}
+
 // Without light between surfaces, images are those of before, and become so again.
 TEST(Indirect, OffIsAsBefore) {
   const world::World world = night(support::box({4, 4, 0.02}), {});

@@ -58,6 +58,43 @@ TEST(TransportOracles, OpenFurnace) {
   for (std::size_t i = 0; i < room.size(); ++i) EXPECT_NEAR(light[i] + 1 - room.around(i), 1, 2e-4);
 }
 
+// Where light comes from, amid a wall around a floor and amid half of one: a wall as high as h
+// radii fills the square of the sine of heights up to h²/(1 + h²).
+TEST(TransportOracles, SidesOfLight) {
+  constexpr std::uint32_t kWalls = 32;
+  const double top = 1.0 / 8, height = std::sqrt(top / (1 - top));
+  for (const bool whole : {true, false}) {
+    std::vector<geometry::Mesh> meshes{sheet({-0.1, -0.1, 0}, {0.2, 0, 0}, {0, 0.2, 0})};
+    for (std::uint32_t k = 0; k < kWalls / (whole ? 1 : 2); ++k) {
+      const auto corner = [&](double turn) {
+        const double angle = kPi * (2 * turn / kWalls - 0.5);
+        return Vec3(std::cos(angle), std::sin(angle), 0);
+      };
+      meshes.push_back(sheet(corner(k), {0, 0, height}, corner(k + 1) - corner(k)));
+    }
+    const Solved yard(world_of(meshes, 0.5), {12000, 32});
+    const Arriving light = yard.arriving(
+        0.5, [&](std::size_t i) { return yard[i].position.z > 1e-3 ? 1 : 0; }, 1);
+    double irradiance = 0, low = 0, middle = 0, high = 0;
+    Vec3 across(0);
+    for (std::size_t i = 0; i < yard.size(); ++i) {
+      if (yard[i].normal.z < 0.99) continue;
+      const double e = light.irradiance[i].x;
+      irradiance += e;
+      low += e * double{light.sides[i].low};
+      middle += e * double{light.sides[i].middle};
+      high += e * double{light.sides[i].high};
+      across += e * Vec3(light.sides[i].across);
+    }
+    EXPECT_NEAR(low / irradiance, 0.5, 0.03);  // 0.017: surfels on the border of bands
+    EXPECT_NEAR(middle / irradiance, 0.5, 0.03);
+    EXPECT_EQ(high, 0);
+    EXPECT_NEAR(across.x / irradiance, whole ? 0 : 2 / kPi, 0.02);  // 0.008
+    EXPECT_NEAR(across.y / irradiance, 0, 0.02);
+    EXPECT_NEAR(across.z / irradiance, 0, 1e-3);
+  }
+}
+
 // Whatever lights the inside of a sphere, what walls send is the same everywhere.
 TEST(TransportOracles, SphereInside) {
   const geometry::Mesh mesh = ball(1, 32);

@@ -87,6 +87,12 @@ struct Solved {
   // sent: radiosity of a surfel without interreflections
   std::vector<double> light(double albedo, const std::function<double(std::size_t)>& sent,
                             unsigned bounces) const {
+    std::vector<double> result;
+    for (const Vec3& one : arriving(albedo, sent, bounces).irradiance) result.push_back(one.x);
+    return result;
+  }
+  Arriving arriving(double albedo, const std::function<double(std::size_t)>& sent,
+                    unsigned bounces) const {
     Sources sources;
     for (std::size_t i = 0; i < size(); ++i) {
       sources.albedo.emplace_back(albedo);
@@ -94,11 +100,8 @@ struct Solved {
     }
     const TransportLists* const all_lists[] = {&lists};
     const Sources* const all_sources[] = {&sources};
-    std::vector<double> result;
     const SurfelSet* const sets[] = {&*set};
-    const auto found = interreflections(all_lists, all_sources, sets, bounces, {});
-    for (const Vec3& one : found[0].irradiance) result.push_back(one.x);
-    return result;
+    return interreflections(all_lists, all_sources, sets, bounces, {})[0];
   }
   // The same as displays read it.
   light::SurfelLight shown(const std::vector<double>& irradiance) const {

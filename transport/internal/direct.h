@@ -47,7 +47,8 @@ struct Glossy {
 //
 //   others  by slot
 // Throws Cancelled. Cost: one lobe a ray that meets a glossy surfel.
-void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const TransportLists& lists,
-                    std::span<const Glossy> others, Sources& to, const Job& job);
+void throw_sunlight(const trace::Scene& scene, std::uint32_t target, const SurfelSet& set,
+                    const TransportLists& lists, std::span<const Glossy> others, Sources& to,
+                    const Job& job);
 
 }  // namespace panwright::transport
