@@ -24,6 +24,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/heap.h"
 #include "bench/bench.h"
 #include "server/server.h"
 #include "workspace/workspace.h"
@@ -112,6 +113,7 @@ double code_error(const Bytes& reply, const image::Image& image) {
 }
 
 void run_server(Context& context) {
+  share_heap();  // before threads of the server begin, as in its own process
   const std::uint32_t side = context.quick() ? 64 : 1024;
   const auto model = context.source("examples/servicer/servicer.pxn");
   if (model.empty()) return context.note("no servicer: the rows are missing");

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/clock.h"
+#include "base/heap.h"
 #include "base/parallel.h"
 #include "image/png.h"
 #include "image/srgb.h"
@@ -174,6 +175,7 @@ struct RenderThread::Resources {
 
 RenderThread::RenderThread(preview::ContextKind context, std::function<void()> notify)
     : context_(context), notify_(std::move(notify)) {
+  share_heap();
   thread_ = std::thread([this] { work(); });
 }
 

@@ -1,12 +1,10 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <array>
 #include <cstdint>
 
+#include "base/heap.h"
 #include "preview/gl/context_kinds.h"
 
 namespace panwright::preview {
@@ -41,15 +39,6 @@ OsmesaLibrary opened_osmesa() {
 const OsmesaLibrary& osmesa() {
   static const OsmesaLibrary instance = opened_osmesa();
   return instance;
-}
-
-// The context takes and frees tens of megabytes for each frame, which would go back to the system
-// and come as new pages each time: up to a tenth of a frame.
-void keep_freed_memory() {
-#ifdef M_TRIM_THRESHOLD
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // setting the one above would keep it at its least
-#endif
 }
 
 class OsmesaContext final : public Context {

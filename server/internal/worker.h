@@ -8,11 +8,16 @@
 #include <mutex>
 #include <thread>
 
+#include "base/heap.h"
+
 namespace panwright::server {
 
 class Worker {
  public:
-  Worker() : thread_([this] { run(); }) {}
+  Worker() {
+    share_heap();  // images are drawn on the thread
+    thread_ = std::thread([this] { run(); });
+  }
   // Drops what waits, and waits for the task under way.
   ~Worker() {
     {
