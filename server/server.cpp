@@ -130,6 +130,7 @@ class PanguAnswerer final : public Answerer {
 
   std::unique_ptr<Session> session_over(const Numbered& world, std::uint64_t number) {
     SessionOptions session = options_.session;
+    session.log = &log_;
     if (page_)
       session.shown = [this, world, show = page_->shown_of(number)](
                           Drawing&& drawing, const world::Camera& camera, const world::World& of,

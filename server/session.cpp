@@ -28,8 +28,11 @@ void check_reply(std::uint64_t count, std::uint64_t bytes_each, std::uint64_t mo
 Reply Session::answer(std::span<const std::uint8_t> request, const Job& job) {
   WireReader in(request);
   const auto kind = static_cast<Request>(in.word());
+  log_ = DiagnosticLog();
   try {
-    return answer_kind(kind, in, job);
+    Reply reply = answer_kind(kind, in, job);
+    name_damaged(reply);
+    return reply;
   } catch (const RequestError& error) {
     return {error_reply(error.code, error.text), Reply::Then::next, error.text};
   } catch (const Cancelled&) {
@@ -153,6 +156,21 @@ Reply Session::answer_kind(Request kind, WireReader& in, const Job& job) {
   check_reply(count, 1, options_.most_reply);
   return {
       WireWriter().word(reply::kEcho).word(count).bytes(in.bytes(count)).take(), Then::next, {}};
+}
+
+// Tiles that this request has met first.
+void Session::name_damaged(Reply& reply) {
+  stage_.report_damaged(log_);
+  for (const Diagnostic& entry : log_.entries()) {
+    if (entry.code != Code("W9615")) continue;
+    if (!reply.note.empty()) reply.note += "; ";
+    reply.note += entry.message;
+    if (options_.log == nullptr) continue;
+    const FileId file = entry.where.file;
+    options_.log->report_file(entry.code,
+                              file == kNoFile ? std::string() : log_.sources().file(file).name,
+                              entry.message, entry.hint);
+  }
 }
 
 const Lens* Session::lens_of(std::uint32_t camera) const {

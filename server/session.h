@@ -23,13 +23,14 @@ struct SessionOptions {
   WireImages images;
   std::uint64_t most_reply = std::uint64_t{64} << 20;  // bytes, of look-ups and echoes
   ShownImage shown;                                    // called after each image; empty: no page
+  DiagnosticLog* log = nullptr;                        // gets damaged tiles of terrain; null: none
 };
 
 struct Reply {
   enum class Then : std::uint8_t { next, close, quit };  // quit: of the server
   Bytes bytes;
   Then then = Then::next;
-  std::string note;     // of what was ignored; empty: nothing
+  std::string note;     // of what was ignored or left out; empty: nothing
   bool silent = false;  // there is no reply, and the session goes on
 };
 
@@ -71,11 +72,13 @@ class Session {
   Bytes range_image(double offset, double scale, const Job& job);
   Bytes camera_properties(std::uint32_t camera) const;
   const Lens* lens_of(std::uint32_t camera) const;
+  void name_damaged(Reply& reply);
   const State& state() const { return *state_; }
 
   Stage& stage_;
   std::shared_ptr<State> state_;
   SessionOptions options_;
+  DiagnosticLog log_;  // of the request being answered
 };
 
 // Error of a request, which answer() makes the reply.

@@ -38,15 +38,14 @@ WireWriter doubles_reply(std::span<const double> values, bool valid) {
 }  // namespace
 
 Bytes Session::image_at(const world::Camera& camera, const Lens* lens, const Job& job) {
-  DiagnosticLog log;
   const auto begin = std::chrono::steady_clock::now();
   const bool fog = state().fog.mode != FogMode::none;
   state_->image_time = state().time;
-  auto drawing = stage_.draw(state(), camera, lens, fog, log, job);
+  auto drawing = stage_.draw(state(), camera, lens, fog, log_, job);
   if (!drawing) {
     if (job.cancelled()) throw Cancelled();
-    throw RequestError{WireError::drawing, log.entries().empty() ? "the image cannot be drawn"
-                                                                 : log.entries()[0].message};
+    throw RequestError{WireError::drawing, log_.entries().empty() ? "the image cannot be drawn"
+                                                                  : log_.entries()[0].message};
   }
   add_sky_and_fog(state(), drawing->white, drawing->image, job);
   WireWriter out;
@@ -64,11 +63,10 @@ Bytes Session::image_of(std::uint32_t number, const Job& job) {
 Bytes Session::range_image(double offset, double scale, const Job& job) {
   const auto camera = stage_.camera_of(state(), state().camera);
   if (!camera) return empty_image();
-  DiagnosticLog log;
-  auto drawing = stage_.draw(state(), *camera, nullptr, true, log, job);
+  auto drawing = stage_.draw(state(), *camera, nullptr, true, log_, job);
   if (!drawing)
-    throw RequestError{WireError::drawing, log.entries().empty() ? "the image cannot be drawn"
-                                                                 : log.entries()[0].message};
+    throw RequestError{WireError::drawing, log_.entries().empty() ? "the image cannot be drawn"
+                                                                  : log_.entries()[0].message};
   std::vector<std::uint8_t> greys(drawing->image.pixels());
   for (std::size_t i = 0; i < greys.size(); ++i) {
     const double range = drawing->image.range[i];

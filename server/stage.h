@@ -77,6 +77,8 @@ class Stage {
 
   // Returns rays over the world of a state, until the next call. Throws Cancelled.
   trace::Scene& rays(const State& state, const Job& job);
+  // Reports damaged tiles of terrain that rays have met, once each: W9615.
+  void report_damaged(DiagnosticLog& log) const { rays_.report_damaged(log); }
 
  private:
   Stage(const StageOptions& options, world::World world)

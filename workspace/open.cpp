@@ -15,6 +15,7 @@
 #include "importers/other_formats.h"
 #include "importers/palette.h"
 #include "pxn/pxn.h"
+#include "terrain/shape.h"
 #include "terrain/tiles.h"
 #include "workspace/budget.h"
 #include "workspace/internal/kept_import.h"
@@ -237,6 +238,20 @@ bool is_cad(const std::filesystem::path& path) {
   return extension != ".pan" && extension != ".pxn" && is_gzip(path);
 }
 
+namespace {
+
+// The command that makes a pan file of a small body or an elevation file; empty: it is neither.
+std::string how_to_tile(const std::filesystem::path& path) {
+  constexpr std::string_view kElevations[] = {".lbl", ".img", ".cub", ".tif", ".tiff", ".hdr"};
+  const bool shape = terrain::is_shape(path);
+  if (!shape && std::ranges::find(kElevations, extension_of(path)) == std::end(kElevations))
+    return {};
+  return fmt::format("{}: panwright dem {} -o {}.pan", shape ? "a shape model" : "elevations",
+                     path.string(), path.stem().string());
+}
+
+}  // namespace
+
 void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log) {
   if (!require_file(path, log)) return;
   if (const auto other = importers::other_format_by_name(path.string()))
@@ -249,7 +264,8 @@ void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log
     log.report(Code("E0202"), {},
                fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
                            ".vrml, .glb, .gltf, .obj, .stl, .ply, .step, .urdf or .xml (MJCF)",
-                           in_quotes(path.string())));
+                           in_quotes(path.string())),
+               how_to_tile(path));
 }
 
 Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,

@@ -191,6 +191,40 @@ TEST_F(SessionTest, SurfacesOfTerrain) {
   EXPECT_THAT(floats(point, 0), testing::ElementsAre(20, 20, -7));
 }
 
+// A damaged tile is a void of look-ups, and named once, with the request that came to it.
+TEST_F(SessionTest, DamagedTilesAreNamed) {
+  constexpr int kPosts = 600;  // 3 x 3 tiles
+  const world::ModelPtr whole =
+      support::plane_model(kPosts, std::vector<float>(kPosts * kPosts, 2.0f));
+  std::vector<std::byte> bytes(whole->bytes().begin(), whole->bytes().end());
+  const auto tiles = terrain::Tiles::of(whole, log_);
+  ASSERT_TRUE(tiles && *tiles);
+  bytes[128 + (**tiles).records()[4].offset + 77] ^= std::byte{1};
+  const std::string ground = folder_ / "damaged.pan";
+  ASSERT_TRUE(write_file(ground, bytes, log_));
+  StageOptions options;
+  options.targets = {"ground=" + ground};
+  ASSERT_TRUE(workspace::read_setting(SettingId::sun, "0 0 1", options.defaults, log_));
+  auto stage = Stage::open(options, log_, {});
+  ASSERT_TRUE(stage) << to_text(log_);
+  stage_ = *std::move(stage);
+  DiagnosticLog told;
+  SessionOptions session;
+  session.log = &told;
+  session_ =
+      std::make_unique<Session>(*stage_, std::make_shared<State>(stage_->initial()), session);
+  // the tile of columns and rows 256 to 512: x from -43.5 to 212.5, y from -212.5 to 43.5
+  EXPECT_EQ(elevation(-100, 100), 2);
+  EXPECT_EQ(note_, "");
+  EXPECT_TRUE(std::isnan(elevation(50, -50)));
+  EXPECT_THAT(note_, testing::HasSubstr("the tile of level 0, column 1, row 1 of chart 0"));
+  EXPECT_TRUE(std::isnan(elevation(60, -60)));
+  EXPECT_EQ(note_, "");
+  ASSERT_EQ(told.entries().size(), 1u) << to_text(told);
+  EXPECT_EQ(told.entries()[0].code, Code("W9615"));
+  EXPECT_THAT(to_text(told), testing::HasSubstr("damaged.pan"));
+}
+
 TEST_F(SessionTest, ObjectsAndJointsMove) {
   const Bytes joints = ask(WireWriter().word(18).word(0), reply::kJointList);
   WireReader in(joints);

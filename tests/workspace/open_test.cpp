@@ -268,6 +268,24 @@ TEST(ShapeScene, AFileOfASmallBody) {
   EXPECT_TRUE(written({"dem", tab, "--unit", "km"}, folder / "again.pan") == pan);
 }
 
+// What has a command of its own is refused with it.
+TEST(Open, FilesOfTheGroundAreToldTheirCommand) {
+  const TemporaryFolder folder;
+  const std::string tab = folder.write("body.tab", "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string map = folder.write("map.lbl", "PDS_VERSION_ID = PDS3\n");
+  const std::string text = folder.write("notes.txt", "nothing\n");
+  for (const auto& [path, hint] :
+       {std::pair(tab, "a shape model: panwright dem " + tab + " -o body.pan"),
+        std::pair(map, "elevations: panwright dem " + map + " -o map.pan"),
+        std::pair(text, std::string())}) {
+    DiagnosticLog log;
+    EXPECT_FALSE(open(path, {}, log));
+    ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
+    EXPECT_EQ(log.entries()[0].code, Code("E0202"));
+    EXPECT_EQ(log.entries()[0].hint, hint);
+  }
+}
+
 TEST(IsCad, GoesByTheExtension) {
   for (const char* name : {"a.wrl", "b.WRL.gz", "c.glb", "d.gltf", "e.obj", "f.STL", "g.ply",
                            "h.step", "i.stp", "j.wrz", "k.vrml"})
