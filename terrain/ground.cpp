@@ -106,6 +106,10 @@ SmoothGround Ground::smooth(const GroundPoint& point) const {
   return state_->charts[point.chart].smooth(point);
 }
 
+GroundRelief Ground::relief(const GroundPoint& point) const {
+  return state_->charts[point.chart].relief(point);
+}
+
 GroundLevels Ground::levels(const Vec3& observer, double angle) const {
   GroundLevels out;
   const auto records = tiles().records();

@@ -36,6 +36,16 @@ struct SmoothGround {
   double rise = 0;  // metres, at most, of the smooth ground over the triangle; 0: it lies below
 };
 
+// Slopes of level 0 about a point of coarser triangles, which these leave out: over two by two of
+// their cells.
+struct GroundRelief {
+  Vec3 right{0}, down{0}, up{0};  // unit, body-fixed: along the map, and vertical; 0: none
+  double p = 0, q = 0;            // means, to the right and down
+  double pp = 0, qq = 0, pq = 0;  // covariance
+
+  explicit operator bool() const { return up != Vec3(0); }
+};
+
 // Point of the ground that a ray or a point is nearest to.
 struct GroundHit {
   double distance = 0;  // metres, from the origin of the ray, or the point
@@ -74,6 +84,12 @@ class Ground {
   // Smooth ground at a point that rays, closest() or at() gave; its normals are continuous within a
   // chart and a level.
   SmoothGround smooth(const GroundPoint& point) const;
+
+  // Relief that the triangle of a point leaves out; none at level 0, and of files that were written
+  // before there were blocks of slopes from level 3 on.
+  //
+  // note: the slopes of the smooth ground of level 0
+  GroundRelief relief(const GroundPoint& point) const;
 
   // Levels for rays from an observer: of each tile the coarsest whose triangles lie within an angle
   // of those of level 0 for the observer (radians), and whose posts are no further apart.

@@ -25,6 +25,14 @@ std::uint64_t post_bytes(TileForm form) {
   return form == TileForm::codes ? (2 * kPosts + 3) / 4 * 4 : 4 * kPosts;
 }
 
+// Bytes of a tile before its slopes, and of these.
+std::uint64_t slopes_at(TileForm form) { return post_bytes(form) + kMipBytes; }
+std::uint64_t slope_bytes(std::uint32_t level, std::uint32_t version) {
+  constexpr std::uint64_t kBytes =
+      sizeof(float) + std::uint64_t{kSlopeBlocks} * kSlopeBlocks * sizeof(SlopeBlock);
+  return version >= 2 && level >= kSlopeLevel ? kBytes : 0;
+}
+
 std::uint64_t tile_total(const ChartRecord& chart) {
   std::uint64_t sum = 0;
   for (std::uint32_t level = 0; level < chart.levels; ++level)
@@ -58,11 +66,12 @@ std::optional<std::string> problem_of(const ChartRecord& chart, std::uint64_t fi
 
 // What is wrong with a tile, if anything. end: bytes of all tiles.
 std::optional<std::string> problem_of(const TileRecord& tile, const ChartRecord& chart,
-                                      std::uint64_t end) {
+                                      std::uint32_t version, std::uint64_t end) {
   const auto form = static_cast<TileForm>(tile.form);
   if (tile.form > std::uint32_t(TileForm::floats) || (form == TileForm::codes && !(chart.step > 0)))
     return fmt::format("has the form {}", tile.form);
-  const std::uint64_t length = form == TileForm::nothing ? 0 : post_bytes(form) + kMipBytes;
+  const std::uint64_t length =
+      form == TileForm::nothing ? 0 : slopes_at(form) + slope_bytes(tile.level, version);
   if (tile.length != length || tile.offset % 64 != 0 || tile.offset > end ||
       length > end - tile.offset)
     return fmt::format("has {} bytes at {} of {}", tile.length, tile.offset, end);
@@ -128,9 +137,10 @@ Result<std::optional<Tiles>> Tiles::of(std::shared_ptr<const pan::Model> model,
   const std::uint64_t tail_at = out.bytes_.size() - sizeof tail;
   std::memcpy(&tail, out.bytes_.data() + tail_at, sizeof tail);
   if (std::memcmp(tail.magic, kMagic, sizeof kMagic) != 0) return refuse("its tail is damaged");
-  if (tail.version != kTilesVersion)
+  if (tail.version == 0 || tail.version > kTilesVersion)
     return refuse(
-        fmt::format("its terrain has version {}, expected {}", tail.version, kTilesVersion));
+        fmt::format("its terrain has version {}, expected 1 to {}", tail.version, kTilesVersion));
+  out.version_ = tail.version;
   if (tail.chart_count == 0 || tail.chart_count > kMostCharts || tail.charts_offset % 64 != 0 ||
       tail.tile_count > tail_at / sizeof(TileRecord) || tail.charts_offset > tail_at ||
       tail.tiles_offset != tail.charts_offset + tail.chart_count * sizeof(ChartRecord) ||
@@ -155,7 +165,7 @@ Result<std::optional<Tiles>> Tiles::of(std::shared_ptr<const pan::Model> model,
       const TileRecord& tile = out.records_[next + t];
       const auto wrong = tile.level != level || tile.column != column || tile.row != row
                              ? std::optional<std::string>("is out of order")
-                             : problem_of(tile, chart, tail.charts_offset);
+                             : problem_of(tile, chart, tail.version, tail.charts_offset);
       if (wrong) return refuse(fmt::format("tile {} of chart {} {}", t, c, *wrong));
       if (++column < level_side(chart.width, level).tiles) continue;
       column = 0;
@@ -206,6 +216,12 @@ std::optional<TileView> Tiles::view(std::uint32_t tile) const {
     out.floats = {reinterpret_cast<const float*>(bytes.data()), kPosts};
   out.mips = {reinterpret_cast<const std::uint16_t*>(bytes.data() + post_bytes(form)),
               std::size_t{kMipBlocks} * kMipBlocks};
+  if (slope_bytes(record.level, version_) == 0) return out;
+  float unit = 0;
+  std::memcpy(&unit, bytes.data() + slopes_at(form), sizeof unit);
+  out.slope_unit = double(unit);
+  out.slopes = {reinterpret_cast<const SlopeBlock*>(bytes.data() + slopes_at(form) + sizeof unit),
+                std::size_t{kSlopeBlocks} * kSlopeBlocks};
   return out;
 }
 

@@ -26,9 +26,12 @@ namespace panwright::terrain {
 inline constexpr std::uint32_t kTilesSection = 31;  // kind of the section in the pan file
 inline constexpr std::uint32_t kTileCells = 256;    // on a side of a tile
 inline constexpr std::uint32_t kTilePosts = 257;
-inline constexpr std::uint32_t kMipBlocks = 32;  // on a side of a tile, of 8 cells
-inline constexpr std::uint32_t kTilesVersion = 1;
+inline constexpr std::uint32_t kMipBlocks = 32;    // on a side of a tile, of 8 cells
+inline constexpr std::uint32_t kTilesVersion = 2;  // 1: without blocks of slopes
 inline constexpr std::uint16_t kVoidCode = 0xffff;
+inline constexpr std::uint32_t kSlopeLevel = 3;     // the first whose tiles have slopes
+inline constexpr std::uint32_t kSlopeBlocks = 128;  // on a side of a tile, of 2 cells
+inline constexpr std::int16_t kNoSlope = -32768;
 
 enum class TileForm : std::uint32_t {
   nothing,  // no post has a height; no bytes
@@ -79,6 +82,14 @@ struct TileRecord {
 };
 static_assert(sizeof(TileRecord) == 96);
 
+// Moments of the slopes of level 0 over 2 x 2 cells of a tile, in parts of the tile's unit.
+struct SlopeBlock {
+  std::int16_t p, q;           // means / 32767, to the right and down the map; p kNoSlope: none
+  std::uint16_t across, down;  // standard deviations / 65535
+  std::int16_t together;       // correlation / 32767
+};
+static_assert(sizeof(SlopeBlock) == 10);
+
 struct TilesTail {
   char magic[8];  // "PWTERRA\0"
   std::uint32_t version, chart_count;
@@ -109,6 +120,8 @@ struct TileView {
   std::span<const std::uint16_t> codes;  // kTilePosts², or empty
   std::span<const float> floats;         // kTilePosts², or empty
   std::span<const std::uint16_t> mips;   // kMipBlocks²: greatest height of 8 x 8 cells
+  std::span<const SlopeBlock> slopes;    // kSlopeBlocks², from kSlopeLevel on, or empty
+  double slope_unit = 0;
   double step = 0;
 
   // Metres over the sphere; NaN where void. Expects: column, row < kTilePosts.
@@ -156,6 +169,7 @@ class Tiles {
 
  private:
   Tiles() = default;
+  std::uint32_t version_ = kTilesVersion;
   static constexpr std::uint8_t kUnknown = 0, kGood = 1, kDamaged = 2, kReported = 3;
   bool check_padding(DiagnosticLog& log) const;
   std::shared_ptr<const pan::Model> model_;

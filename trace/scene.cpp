@@ -146,6 +146,16 @@ terrain::SmoothGround Target::smooth_ground(const Hit& hit) const {
   return ground_->smooth(point);
 }
 
+terrain::GroundRelief Target::ground_relief(const Hit& hit) const {
+  terrain::GroundPoint point;
+  point.position = hit.position;
+  point.chart = hit.chart;
+  point.level = hit.level;
+  point.column = hit.column;
+  point.row = hit.row;
+  return ground_->relief(point);
+}
+
 Vec3 Target::normal(const Hit& hit, bool flat) const {
   if (hit.part == Hit::kGround) {
     const Vec3 normal = flat ? hit.normal : smooth_ground(hit).normal;

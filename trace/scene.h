@@ -102,6 +102,7 @@ class Target {
   const terrain::Ground* ground() const { return ground_; }  // null: none, or hidden
   // Expects: a hit on its terrain.
   terrain::SmoothGround smooth_ground(const Hit& hit) const;
+  terrain::GroundRelief ground_relief(const Hit& hit) const;
   // As Surface::normal; flat: by the triangles' own normals.
   Vec3 normal(const Hit& hit, bool flat) const;
   Surface surface(const Hit& hit) const;

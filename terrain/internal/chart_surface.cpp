@@ -384,6 +384,77 @@ SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
   return {normal, rise > 0 ? rise : 0};
 }
 
+SlopeSums ChartSurface::fine_slopes(const GroundPoint& point) const {
+  constexpr std::uint32_t kMost = (1u << kSlopeLevel) + 3;
+  float heights[kMost * kMost];
+  const std::uint32_t side = 2u << point.level;
+  const std::uint32_t left = point.column / 2 * side, top = point.row / 2 * side;
+  const std::uint32_t right = std::min(left + side, record_->width - 1),
+                      bottom = std::min(top + side, record_->height - 1);
+  // with a post more on each side, for the slopes of those at the border
+  const std::uint32_t x0 = left > 0 ? left - 1 : 0, y0 = top > 0 ? top - 1 : 0;
+  const std::uint32_t x1 = std::min(right + 1, record_->width - 1),
+                      y1 = std::min(bottom + 1, record_->height - 1);
+  const std::uint32_t across = level_side(record_->width, 0).tiles,
+                      down = level_side(record_->height, 0).tiles;
+  std::optional<TileView> view;
+  std::uint32_t held = std::numeric_limits<std::uint32_t>::max();
+  float* out = heights;
+  for (std::uint32_t y = y0; y <= y1; ++y)
+    for (std::uint32_t x = x0; x <= x1; ++x) {
+      const std::uint32_t tx = std::min(x / kTileCells, across - 1),
+                          ty = std::min(y / kTileCells, down - 1);
+      const std::uint32_t tile = first_[0] + ty * across + tx;
+      if (tile != held) view = tiles_->view(held = tile);
+      *out++ = view ? static_cast<float>(view->height(x - tx * kTileCells, y - ty * kTileCells))
+                    : std::numeric_limits<float>::quiet_NaN();
+    }
+  const Vec2 size = map_.spacing(0.5 * (left + right) + 0.5, 0.5 * (top + bottom) + 0.5);
+  return slopes_within(heights, x1 - x0 + 1, y1 - y0 + 1,
+                       {left - x0, top - y0, right - left, bottom - top}, Vec2(1) / size);
+}
+
+GroundRelief ChartSurface::relief(const GroundPoint& point) const {
+  GroundRelief out;
+  if (point.level == 0) return out;
+  SlopeMoments moments;
+  if (point.level < kSlopeLevel) {
+    const SlopeSums sums = fine_slopes(point);
+    if (!(sums.cells > 0)) return out;
+    moments = moments_of(sums);
+  } else {
+    const std::uint32_t x = point.column / kTileCells, y = point.row / kTileCells;
+    const auto view =
+        tiles_->view(first_[point.level] + y * level_side(record_->width, point.level).tiles + x);
+    if (!view || view->slopes.empty()) return out;
+    const std::uint32_t bx = point.column % kTileCells / 2, by = point.row % kTileCells / 2;
+    const SlopeBlock& block = view->slopes[by * kSlopeBlocks + bx];
+    if (block.p == kNoSlope) return out;
+    moments = moments_of(block, view->slope_unit);
+  }
+  const std::uint32_t w = record_->width, h = record_->height;
+  const PostIndex here{std::min(point.column << point.level, w - 1),
+                       std::min(point.row << point.level, h - 1)};
+  // the posts of the cell, of level 0
+  const PostIndex there{std::min((point.column + 1) << point.level, w - 1),
+                        std::min((point.row + 1) << point.level, h - 1)};
+  const Vec3 right = post({there.column, here.row}, 0) - post(here, 0);
+  const Vec3 up = is_plane() ? Vec3(0, 0, 1) : glm::normalize(point.position);
+  const Vec3 across = right - glm::dot(right, up) * up;
+  const double length = std::sqrt(glm::dot(across, across));
+  if (!(length > 0)) return out;  // at a pole
+  out.up = up;
+  out.right = across / length;
+  // rows go down the map: right, down and up are left-handed
+  out.down = glm::cross(out.right, up);
+  out.p = moments.p;
+  out.q = moments.q;
+  out.pp = moments.pp;
+  out.qq = moments.qq;
+  out.pq = moments.pq;
+  return out;
+}
+
 LatLon ChartSurface::place_of(const Vec3& p) const {
   if (is_plane()) return {p.y, p.x};
   return {det::atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y)) / kDegree,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "terrain/ground.h"
+#include "terrain/internal/slope_blocks.h"
 
 namespace panwright::terrain::internal {
 
@@ -72,6 +73,7 @@ class ChartSurface {
   // Sets the nearest accepted triangle of level 0.
   void approach(GroundApproach& walk, TreeCache& trees) const;
   SmoothGround smooth(const GroundPoint& point) const;
+  GroundRelief relief(const GroundPoint& point) const;
   GroundPoint point_of(const TriangleHit& hit, const Vec3& position, bool slope) const;
   // Metres between an observer and the ground of a tile, at least; and between its posts, at most.
   double distance_to(std::uint32_t tile, const Vec3& observer) const;
@@ -100,6 +102,8 @@ class ChartSurface {
   // Posts of a level in space, NaN where void or beyond the map; the tiles that they lie in are
   // kept.
   class LevelPosts;
+  // Sums of slopes of level 0 over two by two cells of a level below kSlopeLevel.
+  SlopeSums fine_slopes(const GroundPoint& point) const;
   std::optional<TileView> tile_of(std::uint32_t column, std::uint32_t row) const;
 
   const Tiles* tiles_;

@@ -30,24 +30,38 @@ void set_slopes(const float* posts, std::size_t pitch, std::uint32_t nx, std::ui
 // Sums of columns of cells.
 struct ColumnSums {
   std::array<float, kMostColumns> cells, p, q, pp, qq, pq;
-  void clear() {
-    for (auto* each : {&cells, &p, &q, &pp, &qq, &pq}) each->fill(0);
+  void clear(std::uint32_t columns) {
+    for (auto* each : {&cells, &p, &q, &pp, &qq, &pq}) std::fill_n(each->begin(), columns, 0.0f);
+  }
+  SlopeSums sum(std::uint32_t from, std::uint32_t to, const Vec2& per_post) const {
+    SlopeSums out;
+    for (std::uint32_t x = from; x < to; ++x) out.add({cells[x], p[x], q[x], pp[x], qq[x], pq[x]});
+    const auto u = static_cast<float>(per_post.x), v = static_cast<float>(per_post.y);
+    out.p *= u;
+    out.q *= v;
+    out.pp *= u * u;
+    out.qq *= v * v;
+    out.pq *= u * v;
+    return out;
   }
 };
 
 // One row of cells: the means of what is linear between corners, and of its products.
-void add_row(const PostSlopes& above, const PostSlopes& below, std::uint32_t cells,
-             ColumnSums& out) {
+void add_row(const PostSlopes& above, const PostSlopes& below, std::uint32_t left,
+             std::uint32_t cells, ColumnSums& out) {
+  const float *p0 = above.p.data() + left, *p1 = below.p.data() + left, *q0 = above.q.data() + left,
+              *q1 = below.q.data() + left;
   for (std::uint32_t x = 0; x < cells; ++x) {
-    const float a = above.p[x], b = above.p[x + 1], c = below.p[x], d = below.p[x + 1];
-    const float e = above.q[x], f = above.q[x + 1], g = below.q[x], h = below.q[x + 1];
+    const float a = p0[x], b = p0[x + 1], c = p1[x], d = p1[x + 1];
+    const float e = q0[x], f = q0[x + 1], g = q1[x], h = q1[x + 1];
     float p = 0.25f * ((a + b) + (c + d)), q = 0.25f * ((e + f) + (g + h));
     const float px = 0.5f * ((b + d) - (a + c)), py = 0.5f * ((c + d) - (a + b));
     const float qx = 0.5f * ((f + h) - (e + g)), qy = 0.5f * ((g + h) - (e + f));
+    const float pxy = (a + d) - (b + c), qxy = (e + h) - (f + g);
     constexpr float kTwelfth = 1.0f / 12;
-    float pp = p * p + kTwelfth * (px * px + py * py);
-    float qq = q * q + kTwelfth * (qx * qx + qy * qy);
-    float pq = p * q + kTwelfth * (px * qx + py * qy);
+    float pp = p * p + kTwelfth * (px * px + py * py + kTwelfth * pxy * pxy);
+    float qq = q * q + kTwelfth * (qx * qx + qy * qy + kTwelfth * qxy * qxy);
+    float pq = p * q + kTwelfth * (px * qx + py * qy + kTwelfth * pxy * qxy);
     // false for NaN
     const bool whole = pp + qq < 1e12f;
     p = whole ? p : 0;
@@ -81,24 +95,29 @@ void add_slopes(const float* posts, std::size_t pitch, std::uint32_t nx, std::ui
   set_slopes(posts, pitch, nx, ny, 0, rows[0]);
   std::size_t place = 0;
   for (std::uint32_t top = 0; top + 1 < ny; top += kBlockPosts, out += out_pitch) {
-    sums.clear();
+    sums.clear(nx - 1);
     for (std::uint32_t y = top; y < std::min(top + kBlockPosts, ny - 1); ++y) {
       set_slopes(posts, pitch, nx, ny, y + 1, rows[(y + 1) % 2]);
-      add_row(rows[y % 2], rows[(y + 1) % 2], nx - 1, sums);
+      add_row(rows[y % 2], rows[(y + 1) % 2], 0, nx - 1, sums);
     }
-    for (std::uint32_t left = 0; left + 1 < nx; left += kBlockPosts, ++place) {
-      SlopeSums block;
-      for (std::uint32_t x = left; x < std::min(left + kBlockPosts, nx - 1); ++x)
-        block.add({sums.cells[x], sums.p[x], sums.q[x], sums.pp[x], sums.qq[x], sums.pq[x]});
-      const auto u = static_cast<float>(per_post[place].x), v = static_cast<float>(per_post[place].y);
-      block.p *= u;
-      block.q *= v;
-      block.pp *= u * u;
-      block.qq *= v * v;
-      block.pq *= u * v;
-      out[left / kBlockPosts].add(block);
-    }
+    for (std::uint32_t left = 0; left + 1 < nx; left += kBlockPosts, ++place)
+      out[left / kBlockPosts].add(
+          sums.sum(left, std::min(left + kBlockPosts, nx - 1), per_post[place]));
   }
+}
+
+SlopeSums slopes_within(const float* posts, std::uint32_t nx, std::uint32_t ny,
+                        const CellRange& cells, const Vec2& per_post) {
+  PostSlopes rows[2];
+  ColumnSums sums;
+  sums.clear(cells.columns);
+  const std::uint32_t top = cells.top, bottom = cells.top + cells.rows;
+  set_slopes(posts, nx, nx, ny, top, rows[top % 2]);
+  for (std::uint32_t y = top; y < bottom; ++y) {
+    set_slopes(posts, nx, nx, ny, y + 1, rows[(y + 1) % 2]);
+    add_row(rows[y % 2], rows[(y + 1) % 2], cells.left, cells.columns, sums);
+  }
+  return sums.sum(0, cells.columns, per_post);
 }
 
 SlopeMoments moments_of(const SlopeSums& sums) {

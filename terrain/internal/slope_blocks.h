@@ -38,10 +38,18 @@ constexpr std::uint32_t slope_blocks(std::uint32_t level) {
 // are those of the posts beside them within the rectangle, and within a cell between its corners'.
 //
 //   posts  ny rows of nx, `pitch` apart
-//   per_x, per_y  by block, from the left, then down: 1 / metres between posts
+//   per_post  by block, from the left, then down: 1 / metres between posts
 //   out    ceil((nx - 1) / 16) · ceil((ny - 1) / 16), rows `out_pitch` apart: are added to
 void add_slopes(const float* posts, std::size_t pitch, std::uint32_t nx, std::uint32_t ny,
                 std::span<const Vec2> per_post, SlopeSums* out, std::size_t out_pitch);
+
+// Cells of a rectangle of posts.
+struct CellRange {
+  std::uint32_t left, top, columns, rows;
+};
+// The same of some cells of few posts, nx · ny of them, at most kTilePosts a row.
+SlopeSums slopes_within(const float* posts, std::uint32_t nx, std::uint32_t ny,
+                        const CellRange& cells, const Vec2& per_post);
 
 // Bytes of kSlopeBlocks² blocks: their unit, then the blocks.
 void append_slopes(std::span<const SlopeSums> blocks, std::vector<std::byte>& bytes);

@@ -177,6 +177,7 @@ void TileLevels::make(std::uint32_t k, std::uint32_t column, Made& made) {
   for (std::uint32_t y = 0; y < block.ny; ++y)
     for (std::uint32_t x = 0; x < block.nx; ++x) block.voids += std::isnan(block.at(x, y));
   if (k == 0) survey(block, column, tile);
+  if (k == 0 && levels_.size() > kSlopeLevel) survey_slopes(block, column, tile);
 
   TileRecord& record = made.record;
   record.level = k;
@@ -198,6 +199,9 @@ void TileLevels::make(std::uint32_t k, std::uint32_t column, Made& made) {
   if (block.voids == block.nx * block.ny) return;
   encode(block.posts, block.pitch, block.nx, block.ny, chart_.step, record, made.bytes);
   append_mips(tile, made.bytes);
+  if (k < kSlopeLevel) return;
+  tile.blocks.resize(std::size_t{kSlopeBlocks} * kSlopeBlocks);
+  append_slopes(tile.blocks, made.bytes);
 }
 
 // Extremes, greatest heights of blocks, and slopes of a tile of level 0.
@@ -233,6 +237,21 @@ void TileLevels::survey(const Block& block, std::uint32_t column, Gathered& tile
           ++tile.cells;
         }
     }
+}
+
+void TileLevels::survey_slopes(const Block& block, std::uint32_t column, Gathered& tile) const {
+  if (block.voids == block.nx * block.ny) return;
+  const std::size_t side = slope_blocks(0);
+  tile.blocks.resize(side * side);
+  std::vector<Vec2> per_post;
+  for (std::uint32_t y = 0; y + 1 < block.ny; y += kBlockPosts)
+    for (std::uint32_t x = 0; x + 1 < block.nx; x += kBlockPosts) {
+      const double middle = 0.5 * kBlockPosts + 0.5;
+      const Vec2 size =
+          map_.spacing(column * double(kTileCells) + x + middle, block.y0 + y + middle);
+      per_post.emplace_back(1 / size.x, 1 / size.y);
+    }
+  add_slopes(block.posts, block.pitch, block.nx, block.ny, per_post, tile.blocks.data(), side);
 }
 
 // The largest distance of the block's posts from the triangles of the level `distance` above.
@@ -311,6 +330,20 @@ void TileLevels::fold(std::uint32_t k, std::uint32_t column, const Made& made) {
       float& out = parent.mips[(y0 + y / 2) * kMipBlocks + x0 + x / 2];
       out = std::max(out, tile.mips[y * kMipBlocks + x]);
     }
+  fold_slopes(k, column, parent);
+}
+
+// Blocks of a tile into a quarter of those of its parent, whose own are as large or twice as wide.
+void TileLevels::fold_slopes(std::uint32_t k, std::uint32_t column, Gathered& parent) const {
+  const std::vector<SlopeSums>& blocks = levels_[k].tiles[column].blocks;
+  if (blocks.empty()) return;
+  const std::size_t side = slope_blocks(k), wide = slope_blocks(k + 1);
+  const std::size_t shrink = 2 * side / wide;
+  parent.blocks.resize(wide * wide);
+  const std::size_t x0 = (column & 1) * wide / 2, y0 = (levels_[k].tile_row & 1) * wide / 2;
+  for (std::size_t y = 0; y < side; ++y)
+    for (std::size_t x = 0; x < side; ++x)
+      parent.blocks[(y0 + y / shrink) * wide + x0 + x / shrink].add(blocks[y * side + x]);
 }
 
 }  // namespace panwright::terrain::internal

@@ -11,6 +11,7 @@
 
 #include "base/job.h"
 #include "terrain/dem.h"
+#include "terrain/internal/slope_blocks.h"
 #include "terrain/tiles.h"
 
 namespace panwright::terrain::internal {
@@ -24,6 +25,7 @@ struct Gathered {
   double cells = 0;  // number of cells in the sums of slopes
   std::uint32_t void_kinds = 0;
   std::array<float, kMipBlocks * kMipBlocks> mips;
+  std::vector<SlopeSums> blocks;  // slope_blocks(level)², or empty
   Gathered() { mips.fill(-std::numeric_limits<float>::infinity()); }
 };
 
@@ -60,9 +62,11 @@ class TileLevels {
   bool flush(std::uint32_t level, const Job& job, const TileReceiver& to);
   void make(std::uint32_t level, std::uint32_t column, Made& made);
   void survey(const Block& block, std::uint32_t column, Gathered& tile) const;
+  void survey_slopes(const Block& block, std::uint32_t column, Gathered& tile) const;
   float error_above(const Block& block, std::uint32_t level, std::uint32_t distance) const;
   float sag(std::uint32_t level, std::uint32_t column, std::uint32_t row, float high) const;
   void fold(std::uint32_t level, std::uint32_t column, const Made& made);
+  void fold_slopes(std::uint32_t level, std::uint32_t column, Gathered& parent) const;
 
   const ChartRecord& chart_;
   std::vector<TileRecord>& records_;

@@ -18,8 +18,10 @@ namespace {
 
 using support::TemporaryFolder;
 using testing_support::bytes_of;
-
-constexpr double kRadius = 50000;  // a small sphere, so that curvature matters
+using testing_support::Kind;
+using testing_support::kRadius;
+using testing_support::label_of;
+using testing_support::place_of;
 
 struct Made {
   std::uint32_t width, height;
@@ -28,52 +30,6 @@ struct Made {
   std::vector<std::array<Vec3, 3>> triangles;
   std::vector<Vec3> points;
 };
-
-enum class Kind { plane, cylindrical, polar };
-
-// A place of a post by formulas of this test: Snyder's for a sphere.
-Vec3 place_of(Kind kind, std::uint32_t x, std::uint32_t y, double z, std::uint32_t width,
-              std::uint32_t height) {
-  if (kind == Kind::plane) return {10.0 * x + 5, -10.0 * y - 5, z};
-  double latitude = 0, longitude = 0;
-  if (kind == Kind::cylindrical) {
-    // 0.1 degrees a pixel, the middle of the map at 0, 0
-    longitude = (x + 0.5 - width / 2.0) * 0.1 * kPi / 180;
-    latitude = (height / 2.0 - y - 0.5) * 0.1 * kPi / 180;
-  } else {
-    // 100 m a pixel about the south pole, true there
-    const double mx = (x + 0.5 - width / 2.0) * 100, my = (height / 2.0 - y - 0.5) * 100;
-    const double rho = std::hypot(mx, my);
-    latitude = 2 * std::atan(rho / (2 * kRadius)) - kPi / 2;
-    longitude = std::atan2(mx, my);
-  }
-  const double r = kRadius + z;
-  return {r * std::cos(latitude) * std::cos(longitude),
-          r * std::cos(latitude) * std::sin(longitude), r * std::sin(latitude)};
-}
-
-std::string label_of(Kind kind, std::uint32_t width, std::uint32_t height) {
-  const std::string size = "ENVI\nsamples = " + std::to_string(width) +
-                           "\nlines = " + std::to_string(height) +
-                           "\nbands = 1\ndata type = 4\nbyte order = 0\n";
-  if (kind == Kind::plane) return size + "map info = {Local, 1, 1, 0, 0, 10, 10}\n";
-  std::string text = "PDS_VERSION_ID = PDS3\nRECORD_TYPE = FIXED_LENGTH\nRECORD_BYTES = " +
-                     std::to_string(4 * width) + "\nFILE_RECORDS = " + std::to_string(height) +
-                     "\n^IMAGE = \"a.img\"\nOBJECT = IMAGE\n LINES = " + std::to_string(height) +
-                     "\n LINE_SAMPLES = " + std::to_string(width) +
-                     "\n SAMPLE_TYPE = PC_REAL\n SAMPLE_BITS = 32\n UNIT = METER\nEND_OBJECT = "
-                     "IMAGE\nOBJECT = IMAGE_MAP_PROJECTION\n A_AXIS_RADIUS = 50 <km>\n "
-                     "POSITIVE_LONGITUDE_DIRECTION = EAST\n CENTER_LONGITUDE = 0\n "
-                     "LINE_PROJECTION_OFFSET = " +
-                     std::to_string((height - 1) / 2.0) +
-                     "\n SAMPLE_PROJECTION_OFFSET = " + std::to_string((width - 1) / 2.0) + "\n";
-  text += kind == Kind::cylindrical
-              ? " MAP_PROJECTION_TYPE = \"SIMPLE CYLINDRICAL\"\n CENTER_LATITUDE = 0\n "
-                "MAP_RESOLUTION = 10 <pix/deg>\n"
-              : " MAP_PROJECTION_TYPE = \"POLAR STEREOGRAPHIC\"\n CENTER_LATITUDE = -90\n "
-                "MAP_SCALE = 100 <m/pix>\n";
-  return text + "END_OBJECT = IMAGE_MAP_PROJECTION\nEND\n";
-}
 
 double hill(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   const std::uint32_t noise = ((x * 73856093u) ^ (y * 19349663u) ^ seed) * 2654435761u;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/math.h"
+
 namespace panwright::terrain::testing_support {
 
 // Bytes of a number in either byte order.
@@ -26,5 +28,15 @@ extern const std::string kMoonMap;
 // A binary DSK with one segment of type 2: vertices in km, plates from 1.
 std::string dsk_file(const std::vector<std::array<double, 3>>& vertices,
                      const std::vector<std::array<std::int32_t, 3>>& plates, bool big);
+
+// Maps of posts, of a small sphere, so that curvature matters.
+constexpr double kRadius = 50000;
+enum class Kind { plane, cylindrical, polar };
+
+// A place of a post by formulas of these tests: Snyder's for a sphere.
+Vec3 place_of(Kind kind, std::uint32_t x, std::uint32_t y, double z, std::uint32_t width,
+              std::uint32_t height);
+// ENVI of a plane, whose posts are 10 m apart, else PDS3, of floats in a.dat or a.img.
+std::string label_of(Kind kind, std::uint32_t width, std::uint32_t height);
 
 }  // namespace panwright::terrain::testing_support

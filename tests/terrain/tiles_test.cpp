@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "terrain/tile_writer.h"
 #include "tests/support/process.h"
 #include "tests/terrain/made_files.h"
@@ -360,6 +361,46 @@ TEST(Tiles, PaddingIsChecked) {
   EXPECT_FALSE(tiles->check(log));
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].code, Code("E9611"));
+}
+
+// Version 1 had no blocks of slopes.
+TEST(Tiles, OfVersionOne) {
+  const TemporaryFolder folder;
+  const Written out = write(made_field(1100, 40), {}, folder);
+  ASSERT_TRUE(out.tiles) << out.said;
+  const auto last = static_cast<std::uint32_t>(out.tiles->records().size() - 1);
+  ASSERT_EQ(out.tiles->records()[last].level, kSlopeLevel);
+  ASSERT_EQ(out.tiles->view(last)->slopes.size(), std::size_t{kSlopeBlocks} * kSlopeBlocks);
+  std::string bytes = text_of(out.file);
+  const pan::layout::DirectoryEntry& entry = out.tiles->model().directory().front();
+  char* section = bytes.data() + entry.offset;
+  TilesTail tail;
+  char* const end = section + entry.raw_length - sizeof tail;
+  std::memcpy(&tail, end, sizeof tail);
+  const auto bytes_at = [](const char* at, std::size_t count) {
+    return std::as_bytes(std::span(at, count));
+  };
+  TileRecord record;
+  char* const place = section + tail.tiles_offset + last * sizeof record;
+  std::memcpy(&record, place, sizeof record);
+  record.length -= static_cast<std::uint32_t>(4 + kSlopeBlocks * kSlopeBlocks * sizeof(SlopeBlock));
+  record.hash = hash64(bytes_at(section + record.offset, record.length));
+  std::memcpy(place, &record, sizeof record);
+  for (const std::uint32_t version : {1u, 3u}) {
+    tail.version = version;
+    Hasher hasher;
+    hasher.update(bytes_at(section + tail.charts_offset,
+                           static_cast<std::size_t>(end - section) - tail.charts_offset));
+    hasher.update(std::as_bytes(std::span(&tail, 1)).first(offsetof(TilesTail, hash)));
+    tail.hash = hasher.digest64();
+    std::memcpy(end, &tail, sizeof tail);
+    DiagnosticLog log;
+    const auto tiles = Tiles::open(folder.write("old.pan", bytes), log);
+    ASSERT_EQ(bool(tiles), version == 1) << to_text(log);
+    if (!tiles) continue;
+    ASSERT_TRUE(tiles->view(last));
+    EXPECT_TRUE(tiles->view(last)->slopes.empty());
+  }
 }
 
 // Any byte of the lists and the tail may be wrong: the file is refused, or read as it was.

@@ -47,6 +47,21 @@ struct Lit {
   }
 };
 
+// BRDF times the cosine of incidence, the mean of facets.
+Vec3 reflected(const Point& point, const Vec3& to_light, const Vec3& to_viewer) {
+  const auto of = [&](const Vec3& normal) {
+    const double cosine = glm::dot(normal, to_light);
+    if (!(cosine > 0)) return Vec3(0);
+    return cosine *
+           point.surface().scattering.brdf(to_light, to_viewer, normal, point.tangent, point.tint);
+  };
+  if (!point.facets) return of(point.normal);
+  Vec3 sum(0);
+  for (std::size_t k = 0; k < point.facets->count; ++k)
+    sum += point.facets->weights[k] * of(point.facets->normals[k]);
+  return sum;
+}
+
 // The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
 // sees it; none elsewhere
 Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
@@ -55,12 +70,8 @@ Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
   const Point& point = lit.point;
   const Vec2 place = places ? places->sample(u) : Vec2(0);
   const Sun::Sample light = places ? sun.at(place) : sun.sample(u);
-  const double cosine = glm::dot(point.normal, light.to_light);
-  if (!(cosine > 0)) return Vec3(0);
   const Scatter& surface = point.surface();
-  Vec3 result =
-      surface.scattering.brdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint) *
-      cosine * light.irradiance;
+  Vec3 result = reflected(point, light.to_light, to_viewer) * light.irradiance;
   if (is_black(result)) return Vec3(0);
   if (places) {
     const double density = places->pdf(place);

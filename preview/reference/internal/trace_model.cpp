@@ -228,6 +228,9 @@ Point TraceModel::ground_point(const trace::Target& target, const trace::Hit& hi
     // at outlines it may face away from the viewer, whom the triangle faces
     if (glm::dot(ground.normal, hit.direction) < 0) smooth = ground;
   }
+  if (!flat && hit.front && hit.level > 0)
+    if (const terrain::GroundRelief relief = target.ground_relief(hit))
+      result.facets = facets_of(relief, -hit.direction);
   result.normal = hit.front ? smooth.normal : -smooth.normal;
   // far past the rounding of a body's radius
   const double offset = 1e-4 + 1e-9 * glm::length(hit.position) + smooth.rise;

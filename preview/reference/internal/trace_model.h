@@ -11,6 +11,7 @@
 
 #include "base/job.h"
 #include "pan/model.h"
+#include "preview/reference/internal/facets.h"
 #include "preview/reference/internal/scatter.h"
 #include "preview/reference/internal/tangents.h"
 #include "trace/model.h"
@@ -26,8 +27,9 @@ struct Point {
                     // 0: none
   Vec3 tint{1};     // multiplies the diffuse colour
   const Scatter* scatter = nullptr;
-  std::optional<Scatter> own;  // with maps of roughness and reflectance: replaces scatter
-  Vec3 emitted{0};             // radiance for an irradiance of 1
+  std::optional<Facets> facets;  // relief of terrain that its triangles leave out
+  std::optional<Scatter> own;    // with maps of roughness and reflectance: replaces scatter
+  Vec3 emitted{0};               // radiance for an irradiance of 1
 
   const Scatter& surface() const { return own ? *own : *scatter; }
 };
