@@ -84,35 +84,45 @@ void TileTree::build() {
       boxes.low[k].fill(kFar);
       boxes.high[k].fill(-kFar);
     }
-  // boxes of leaves are those of their posts, which neighbours share
-  std::vector<std::array<float, 3>> rows((kLeafCells + 1) * std::size_t{kTilePosts});
+  // boxes of leaves are those of their posts, which neighbours share: of rows, then of columns
+  using Axes = std::array<std::array<float, kTilePosts>, 3>;
+  std::vector<Axes> rows(kLeafCells + 1);
   const auto fill = [&](std::uint32_t j) {
-    auto* row = &rows[j % (kLeafCells + 1) * kTilePosts];
+    Axes& row = rows[j % (kLeafCells + 1)];
     for (std::uint32_t i = 0; i <= nx_; ++i) {
       const double h = view_.height(i, j);
       Vec3 p = surface_->post(level_, x0_ + i, y0_ + j, h);
       if (!points_.empty()) points_[j * kTilePosts + i] = p;
       p = axes_ * (p - centre_);
       radius_ = std::max(radius_, std::isnan(h) ? 0 : glm::dot(p, p));
-      for (std::size_t k = 0; k < 3; ++k) row[i][k] = static_cast<float>(p[static_cast<int>(k)]);
+      for (std::size_t k = 0; k < 3; ++k) row[k][i] = static_cast<float>(p[static_cast<int>(k)]);
     }
   };
   fill(0);
+  Axes low, high;
   for (std::uint32_t y = 0; y < ny_; y += kLeafCells) {
     const std::uint32_t y1 = std::min(y + kLeafCells, ny_);
     for (std::uint32_t j = y + 1; j <= y1; ++j) fill(j);
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k].fill(kFar);
+      high[k].fill(-kFar);
+      for (std::uint32_t j = y; j <= y1; ++j) {
+        const auto& row = rows[j % (kLeafCells + 1)][k];
+        for (std::uint32_t i = 0; i <= nx_; ++i) {
+          // note: comparisons with NaN are false: voids are in no box
+          low[k][i] = row[i] < low[k][i] ? row[i] : low[k][i];
+          high[k][i] = row[i] > high[k][i] ? row[i] : high[k][i];
+        }
+      }
+    }
     for (std::uint32_t x = 0; x < nx_; x += kLeafCells) {
       const std::uint32_t code = spread(x / kLeafCells) | spread(y / kLeafCells) << 1;
       Boxes& boxes = nodes_[first_of(kDepths - 1) + (code >> 2)];
-      for (std::uint32_t j = y; j <= y1; ++j)
-        for (std::uint32_t i = x; i <= std::min(x + kLeafCells, nx_); ++i)
-          for (std::size_t k = 0; k < 3; ++k) {
-            // note: comparisons with NaN are false: voids are in no box
-            const float v = rows[j % (kLeafCells + 1) * kTilePosts + i][k];
-            float &low = boxes.low[k][code & 3], &high = boxes.high[k][code & 3];
-            if (v < low) low = v;
-            if (v > high) high = v;
-          }
+      const std::uint32_t x1 = std::min(x + kLeafCells, nx_);
+      for (std::size_t k = 0; k < 3; ++k) {
+        boxes.low[k][code & 3] = *std::min_element(&low[k][x], &low[k][x1] + 1);
+        boxes.high[k][code & 3] = *std::max_element(&high[k][x], &high[k][x1] + 1);
+      }
     }
   }
   radius_ = std::sqrt(radius_);
