@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "bench/bench.h"
+#include "bench/relief.h"
 #include "terrain/ground.h"
 #include "terrain/tile_writer.h"
 
@@ -21,32 +22,6 @@ namespace panwright::bench::case_terrain_rays {
 namespace {
 
 constexpr double kMoon = 1737400;
-
-double hashed(std::int64_t x, std::int64_t y, std::uint32_t octave) {
-  std::uint64_t z = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^
-                    static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full ^ octave;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return double((z ^ (z >> 31)) >> 11) / 9007199254740992.0 - 0.5;
-}
-
-// Value noise in octaves from `longest` posts on, halved; its Hurst exponent is 0.8.
-double rough(double x, double y, double longest) {
-  double sum = 0, size = longest;
-  for (std::uint32_t octave = 0; size >= 1; ++octave, size /= 2) {
-    const double u = x / size, v = y / size;
-    const double i = std::floor(u), j = std::floor(v);
-    const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
-    const double a = smooth(u - i), b = smooth(v - j);
-    const auto p = [&](int k, int l) {
-      return hashed(std::int64_t(i) + k, std::int64_t(j) + l, octave);
-    };
-    const double top = p(0, 0) + a * (p(1, 0) - p(0, 0)),
-                 bottom = p(0, 1) + a * (p(1, 1) - p(0, 1));
-    sum += std::pow(size, 0.8) * (top + b * (bottom - top));
-  }
-  return sum;
-}
 
 struct Site {
   const char* name;
