@@ -12,8 +12,9 @@
 
 #include "base/file.h"
 #include "base/program.h"
-#include "image/decode.h"
+#include "image/internal/image_codecs.h"
 #include "image/png.h"
+#include "image/shown.h"
 #include "image/srgb.h"
 
 namespace panwright::image {
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
 constexpr std::uint64_t kMostPixelBytes = 2ull << 30;
 
 void append_number(std::uint64_t value, std::size_t bytes, std::string& out) {
@@ -59,14 +59,11 @@ struct PngParts {
   std::string rows;    // compressed
 };
 
-std::optional<PngParts> parts_of(const fs::path& path, DiagnosticLog& log) {
-  const auto file = MappedFile::open(path, log);
-  if (!file) return std::nullopt;
-  const std::string_view bytes(reinterpret_cast<const char*>(file->bytes().data()),
-                               file->bytes().size());
+// path: for a problem.
+std::optional<PngParts> parts_of(std::string_view bytes, const fs::path& path, DiagnosticLog& log) {
   PngParts out;
-  std::size_t at = kSignature.size();
-  while (bytes.starts_with(kSignature) && at + 12 <= bytes.size()) {
+  std::size_t at = kPngSignature.size();
+  while (bytes.starts_with(kPngSignature) && at + 12 <= bytes.size()) {
     const std::size_t length = number_at(bytes.substr(at));
     const std::string_view name = bytes.substr(at + 4, 4);
     if (length > bytes.size() - at - 12) break;
@@ -79,6 +76,17 @@ std::optional<PngParts> parts_of(const fs::path& path, DiagnosticLog& log) {
   }
   log.report_file(Code("E0102"), path.string(), "the file is not a whole PNG");
   return std::nullopt;
+}
+
+// The parts of a frame, of numbers as people look at them.
+std::optional<PngParts> shown_parts_of(const fs::path& path, DiagnosticLog& log) {
+  const auto file = MappedFile::open(path, log);
+  if (!file) return std::nullopt;
+  const auto shown = shown_png(file->bytes(), path, log);
+  if (!shown) return std::nullopt;
+  if (!shown->empty()) return parts_of(*shown, path, log);
+  return parts_of({reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()}, path,
+                  log);
 }
 
 bool is_cancelled(const Job& job, DiagnosticLog& log) {
@@ -108,6 +116,24 @@ std::vector<std::uint8_t> reduced(const DecodedImage& image, std::uint32_t times
 
 }  // namespace
 
+Result<std::string> shown_png(std::span<const std::byte> bytes, const fs::path& path,
+                              DiagnosticLog& log) {
+  if (bits_of_numbers(bytes) == 0) return std::string();
+  DecodedImage image;
+  const ImageProblem problem = decode_shown(bytes, kMostPixelBytes, image);
+  if (problem.code) {
+    log.report_file(Code("E0102"), path.string(), problem.message);
+    return failed;
+  }
+  std::vector<std::uint8_t> grey;
+  grey.reserve(image.rgba.size() / 4);
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) grey.push_back(image.rgba[i]);
+  PngOptions options;
+  options.channels = 1;
+  options.says_srgb = true;
+  return png_file(image.width, image.height, grey, options);
+}
+
 bool encode_video(const fs::path& ffmpeg, const std::string& pattern, double rate,
                   const fs::path& output, const Job& job) {
   // most players need even widths and heights
@@ -125,7 +151,7 @@ bool write_animation(const fs::path& path, std::span<const fs::path> images, std
   std::uint32_t sequence = 0;
   for (std::size_t k = 0; k < images.size(); ++k) {
     if (is_cancelled(job, log)) return false;
-    const auto image = parts_of(images[k], log);
+    const auto image = shown_parts_of(images[k], log);
     if (!image) return false;
     if (k == 0) {
       header = image->header;
@@ -133,7 +159,7 @@ bool write_animation(const fs::path& path, std::span<const fs::path> images, std
       append_number(images.size(), 4, control);
       append_number(0, 4, control);  // plays without end
       bool good =
-          file->write(as_bytes(kSignature), log) && write_chunk(*file, "IHDR", {header}, log);
+          file->write(as_bytes(kPngSignature), log) && write_chunk(*file, "IHDR", {header}, log);
       if (image->srgb) good = good && write_chunk(*file, "sRGB", {std::string_view("\0", 1)}, log);
       if (!good || !write_chunk(*file, "acTL", {control}, log)) return false;
     }
@@ -172,7 +198,7 @@ bool write_sheet(const fs::path& path, std::span<const fs::path> images, std::si
     const auto file = MappedFile::open(name, log);
     if (!file) return false;
     DecodedImage image;
-    const ImageProblem problem = decode_image(file->bytes(), kMostPixelBytes, image);
+    const ImageProblem problem = decode_shown(file->bytes(), kMostPixelBytes, image);
     if (problem.code) {
       log.report_file(Code("E0102"), name.string(), problem.message);
       return false;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <system_error>
 
+#include "base/file.h"
 #include "base/program.h"
 #include "base/text.h"
 #include "image/video.h"
@@ -22,6 +23,18 @@ constexpr std::uint16_t kRate = 25;          // images a second
 
 std::string extension_of(const std::string& file) { return fs::path(file).extension().string(); }
 
+// A frame for ffmpeg: the file itself, or one for people beside it where it holds numbers.
+bool place_frame(const fs::path& frame, const fs::path& name, std::error_code& error,
+                 DiagnosticLog& log) {
+  const auto file = MappedFile::open(frame, log);
+  if (!file) return false;
+  const auto shown = image::shown_png(file->bytes(), frame, log);
+  if (!shown) return false;
+  if (!shown->empty()) return write_file(name, as_bytes(*shown), log);
+  fs::create_symlink(fs::absolute(frame), name, error);
+  return !error;
+}
+
 bool encode(const std::string& output, std::span<const fs::path> frames, const fs::path& folder,
             DiagnosticLog& log, const Job& job) {
   const fs::path names = fs::absolute(folder) / ".video";
@@ -29,10 +42,11 @@ bool encode(const std::string& output, std::span<const fs::path> frames, const f
   std::error_code error;
   fs::remove_all(names, error);
   fs::create_directories(names, error);
-  for (std::size_t k = 0; k < frames.size() && !error; ++k)
-    fs::create_symlink(fs::absolute(frames[k]), names / fmt::format("{:08}.png", k), error);
-  bool good =
-      !error && image::encode_video(find_program("ffmpeg"), names / "%08d.png", kRate, made, job);
+  bool good = !error;
+  for (std::size_t k = 0; k < frames.size() && good && !job.cancelled(); ++k)
+    good = place_frame(frames[k], names / fmt::format("{:08}.png", k), error, log);
+  const bool placed = good;
+  good = good && image::encode_video(find_program("ffmpeg"), names / "%08d.png", kRate, made, job);
   if (good) {
     fs::copy_file(made, output, fs::copy_options::overwrite_existing, error);
     good = !error;
@@ -41,7 +55,7 @@ bool encode(const std::string& output, std::span<const fs::path> frames, const f
   fs::remove_all(names, ignored);
   if (job.cancelled())
     report_cancelled(log);
-  else if (!good)
+  else if (!good && (placed || error))
     log.report_file(Code("E0103"), output,
                     error ? "the video cannot be written: " + error.message()
                           : "ffmpeg could not join the frames",

@@ -4,10 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "image/decode.h"
 
 namespace panwright::image {
+
+inline constexpr std::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
+inline constexpr std::size_t kPngHeaderEnd = 33;  // signature and IHDR chunk
 
 // Number of four bytes, the largest first, as in PNG. Expects: at + 4 <= size.
 inline std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
@@ -36,6 +40,11 @@ ImageProblem check_row_size(std::uint64_t width, std::uint64_t height);
 // Expects: the bytes begin with the signature of PNG.
 ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                         DecodedImage& out, RowReceiver* rows = nullptr);
+
+// Decodes a grey PNG of 8 or 16 bits, without interlacing, whose pixels are numbers: into grey of
+// codes[number]; larger numbers have the last code. Problems: as decode_png(). Expects: codes.
+ImageProblem decode_numbers_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                                std::span<const std::uint8_t> codes, DecodedImage& out);
 
 // Decodes a JPEG file with libjpeg-turbo: baseline, progressive and arithmetic coding, grey, YCbCr,
 // RGB, CMYK and YCCK of 8 bits. The inverse DCT is the accurate integer one ("islow") and chroma

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <string_view>
+#include <vector>
 
 #include "image/internal/image_reader.h"
 
@@ -14,17 +15,17 @@ namespace {
 
 // deflate makes at most so many bytes of one
 constexpr std::uint64_t kDeflateRatio = 1032;
-constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR chunk
 
 class PngReader : private ImageReader {
  public:
+  // codes: of numbers, as decode_numbers_png(); empty: pixels are codes themselves
   PngReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out,
-            RowReceiver* rows)
-      : ImageReader("PNG", bytes, max_bytes, out, rows) {}
+            RowReceiver* rows, std::span<const std::uint8_t> codes = {})
+      : ImageReader("PNG", bytes, max_bytes, out, rows), codes_(codes) {}
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   ImageProblem run() {
-    if (bytes_.size() < kHeaderEnd) return cut_short();
+    if (bytes_.size() < kPngHeaderEnd) return cut_short();
     // libpng would refuse these too, with less to say
     const std::uint64_t width = big_endian(bytes_, 16);
     const std::uint64_t height = big_endian(bytes_, 20);
@@ -36,6 +37,7 @@ class PngReader : private ImageReader {
     if (row_bytes_ * height > kDeflateRatio * bytes_.size())
       return {Code("E3001"), fmt::format("the PNG is too short for {} x {} pixels", width, height)};
     if (const ImageProblem problem = make_room(width, height); problem.code) return problem;
+    if (!codes_.empty()) numbers_.resize(row_bytes_);
     if (!guarded([this] { read_rows(); })) return problem_found();
     return {};
   }
@@ -76,6 +78,7 @@ class PngReader : private ImageReader {
   void read_header() {
     png_read_info(png_, info_);
     row_bytes_ = png_get_rowbytes(png_, info_);
+    if (!codes_.empty()) return;
     png_set_expand(png_);
     png_set_strip_16(png_);
     png_set_gray_to_rgb(png_);
@@ -85,6 +88,7 @@ class PngReader : private ImageReader {
   }
 
   void read_rows() {
+    if (!codes_.empty()) return read_numbers();
     if (png_get_rowbytes(png_, info_) != std::size_t{4} * out_.width)
       png_error(png_, "unexpected length of rows");
     for (int pass = 0; pass < passes_; ++pass)
@@ -92,6 +96,25 @@ class PngReader : private ImageReader {
         png_read_row(png_, row(y), nullptr);
         finish_row();
       }
+    png_read_end(png_, nullptr);
+  }
+
+  void read_numbers() {
+    const std::size_t bytes = row_bytes_ / out_.width;
+    if (row_bytes_ != bytes * out_.width || bytes < 1 || bytes > 2)
+      png_error(png_, "unexpected length of rows");
+    for (std::size_t y = 0; y < out_.height; ++y) {
+      png_read_row(png_, numbers_.data(), nullptr);
+      std::uint8_t* rgba = row(y);
+      for (std::size_t x = 0; x < out_.width; ++x) {
+        std::size_t number = numbers_[bytes * x];
+        if (bytes == 2) number = number << 8 | numbers_[2 * x + 1];
+        const std::uint8_t code = codes_[std::min(number, codes_.size() - 1)];
+        for (std::size_t k = 0; k < 3; ++k) rgba[4 * x + k] = code;
+        rgba[4 * x + 3] = 255;
+      }
+      finish_row();
+    }
     png_read_end(png_, nullptr);
   }
 
@@ -106,6 +129,8 @@ class PngReader : private ImageReader {
   png_infop info_ = nullptr;
   std::size_t row_bytes_ = 0;  // of a row in the file
   int passes_ = 1;
+  std::span<const std::uint8_t> codes_;
+  std::vector<std::uint8_t> numbers_;  // a row of the file
   std::array<char, 128> message_{};
 };
 
@@ -114,6 +139,11 @@ class PngReader : private ImageReader {
 ImageProblem decode_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                         DecodedImage& out, RowReceiver* rows) {
   return PngReader(bytes, max_bytes, out, rows).run();
+}
+
+ImageProblem decode_numbers_png(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                                std::span<const std::uint8_t> codes, DecodedImage& out) {
+  return PngReader(bytes, max_bytes, out, nullptr, codes).run();
 }
 
 }  // namespace panwright::image

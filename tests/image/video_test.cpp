@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "image/decode.h"
 #include "image/png.h"
+#include "image/shown.h"
 #include "image/srgb.h"
 #include "tests/support/process.h"
 
@@ -172,6 +173,48 @@ TEST_F(Videos, SheetHasMeansOfBlocks) {
           ASSERT_EQ(sheet.rgba[4 * at + c], srgb_code(sum / count)) << k << ' ' << x << ' ' << y;
         }
   }
+}
+
+// Numbers of a detector, each pixel one of a ramp over all of them.
+Pixels ramp(unsigned bits) {
+  Pixels out;
+  for (unsigned i = 0; i < kWidth * kHeight; ++i) {
+    const unsigned number = ((1u << bits) - 1) * i / (kWidth * kHeight - 1);
+    if (bits > 8) out.push_back(static_cast<std::uint8_t>(number >> 8));
+    out.push_back(static_cast<std::uint8_t>(number));
+  }
+  return out;
+}
+
+// In sheets and animations they are light from black to white, whatever their bits are.
+TEST_F(Videos, NumbersAreShownAsLight) {
+  for (const unsigned bits : {8u, 10u, 12u, 16u}) {
+    PngOptions options;
+    options.channels = 1;
+    options.bytes = bits > 8 ? 2 : 1;
+    options.bits = bits;
+    const fs::path file =
+        folder_.write("numbers.png", png_file(kWidth, kHeight, ramp(bits), options));
+    DiagnosticLog log;
+    const std::string sheet = folder_ / "sheet.png", animation = folder_ / "animation.png";
+    ASSERT_TRUE(write_sheet(sheet, {&file, 1}, 1, kWidth, log, {})) << to_text(log);
+    ASSERT_TRUE(write_animation(animation, {&file, 1}, 25, log, {})) << to_text(log);
+    for (const std::string& path : {sheet, animation}) {
+      DecodedImage shown;
+      ASSERT_FALSE(decode_image(as_bytes(support::contents(path)), 1 << 20, shown).code);
+      const unsigned most = (1u << bits) - 1;
+      for (unsigned i = 0; i < kWidth * kHeight; ++i) {
+        const unsigned number = most * i / (kWidth * kHeight - 1);
+        ASSERT_EQ(shown.rgba[4 * i], srgb_code(static_cast<double>(number) / most))
+            << bits << ' ' << i;
+      }
+    }
+  }
+  // a grey PNG of others has codes, and so have colours
+  PngOptions grey;
+  grey.channels = 1;
+  EXPECT_EQ(bits_of_numbers(as_bytes(png_file(kWidth, kHeight, ramp(8), grey))), 0u);
+  EXPECT_EQ(bits_of_numbers(as_bytes(support::contents(paths_[0]))), 0u);
 }
 
 }  // namespace
