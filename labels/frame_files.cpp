@@ -82,6 +82,7 @@ std::string text_of(const FrameLabels& frame, bool any_mask) {
             {"time", frame.time},
             {"camera", json_of(frame.camera)},
             {"sun_in_camera", numbers(frame.sun_in_camera)}};
+  if (frame.pixel_um) json["camera"]["pixel_um"] = numbers(*frame.pixel_um);
   const auto file = [&](bool there, std::string_view extension) {
     return there ? Json(frame.name + std::string(extension)) : Json();
   };

@@ -76,8 +76,9 @@ struct FrameLabels {
   std::uint64_t number = 0;  // of the frame, from 0
   double time = 0;           // seconds, of the sequence
   world::Camera camera;
-  Vec3 sun_in_camera{0};      // unit, to the Sun, camera axes
-  std::vector<Thing> things;  // targets in the world's order, each followed by its parts
+  std::optional<Vec2> pixel_um;  // sides of a pixel of its detector, µm; none: not known
+  Vec3 sun_in_camera{0};         // unit, to the Sun, camera axes
+  std::vector<Thing> things;     // targets in the world's order, each followed by its parts
   std::optional<Flow> forward, backward;  // to the next and the previous frame
 };
 

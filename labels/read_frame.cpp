@@ -204,6 +204,11 @@ class FrameReader {
     out.number = whole(at("number"), "number", 0, ~0ull);
     out.time = number(at("time"), "time");
     out.camera = camera(at("camera"));
+    if (at("camera").contains("pixel_um")) {
+      out.pixel_um = vec2(at("camera")["pixel_um"], "camera.pixel_um");
+      if (!(out.pixel_um->x > 0 && out.pixel_um->y > 0))
+        fail("camera.pixel_um", "positive numbers");
+    }
     out.sun_in_camera = vec3(at("sun_in_camera"), "sun_in_camera");
     const JsonTree& things = at("things");
     if (!things.is_array()) fail("things", "a list");

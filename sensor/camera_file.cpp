@@ -20,6 +20,7 @@ using Numbers = std::vector<double>;
 
 // From the centre of a pixel, where the others count from, to its corner.
 constexpr double kHalf = 0.5;
+constexpr double kUmPerM = 1e6;
 
 // Members of a camera's table. OpenCV and ROS put numbers into the member "data" of a matrix.
 class TableReader : public ConfigTable {
@@ -212,6 +213,11 @@ void read_speed(TableReader& reader, CameraFile& camera) {
     camera.lens.focal = {read[0] / read[2], read[1] / read[3]};
     camera.lens.principal = Vec2(read[4], read[5]) + kHalf;
   }
+  const auto pitch = [&](const char* name) {
+    return reader.numbers(reader.find_any({name}), name, {1}).value_or(Numbers{0}).front();
+  };
+  if (const Vec2 metres(pitch("ppx"), pitch("ppy")); metres.x > 0 && metres.y > 0)
+    camera.pixel_um = kUmPerM * metres;
   use_brown(reader, reader.find_any({"distcoeffs"}), "distCoeffs", camera.lens);
 }
 
@@ -302,12 +308,11 @@ void read_own_imager(TableReader& reader, CameraFile& camera, DiagnosticLog& log
   if (camera.width_m > 0)
     return reader.fail(*detector,
                        "an orthographic camera has no aperture: expected a focal length");
-  ImagerLens lens{camera.lens.focal.x, {}};
-  if (const auto pitch = reader.numbers(reader.find("pixel_um"), "pixel_um", {1, 2}))
-    lens.pixel_um = Vec2(pitch->front(), pitch->back());
-  const auto imager = read_imager(*detector, optics, lens, log);
+  const auto imager =
+      read_imager(*detector, optics, ImagerLens{camera.lens.focal.x, camera.pixel_um}, log);
   if (!imager) return reader.refuse();
   camera.imager = *imager;
+  camera.pixel_um = imager->detector.pixel_um * static_cast<double>(imager->detector.binning);
 }
 
 // Of what is read: the window of the detector.
@@ -340,6 +345,12 @@ void read_own(TableReader& reader, CameraFile& camera, DiagnosticLog& log) {
     if (const auto c = reader.numbers(reader.find("principal"), "principal", {2}))
       camera.lens.principal = {(*c)[0], (*c)[1]};
     read_own_distortion(reader, camera.lens);
+  }
+  if (const Value* value = reader.find("pixel_um"); value != nullptr) {
+    const auto pitch = reader.numbers(value, "pixel_um", {1, 2});
+    if (pitch) camera.pixel_um = Vec2(pitch->front(), pitch->back());
+    if (pitch && !(pitch->front() > 0 && pitch->back() > 0))
+      reader.fail(*value, "pixel_um is not above 0");
   }
   read_own_imager(reader, camera, log);
   if (const Value* mount = reader.find("mount"); mount != nullptr) {
@@ -430,6 +441,7 @@ std::optional<CameraFile> windowed(const CameraFile& camera, const Window& windo
   part.width = width / window.binning[0];
   part.height = height / window.binning[1];
   part.lens.focal /= block;
+  if (part.pixel_um) *part.pixel_um *= block;
   part.width_m = part.width * block.x / camera.width * camera.width_m;
   part.lens.principal = (camera.lens.principal - Vec2(x, y)) / block;
   return part;

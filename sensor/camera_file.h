@@ -26,10 +26,11 @@ struct Lens {
 inline constexpr std::uint32_t kMostPixels = 16384;  // of a side
 
 struct CameraFile {
-  std::string name;          // may be empty
-  std::uint32_t width = 0;   // pixels, 1 to kMostPixels
-  std::uint32_t height = 0;  // pixels, 1 to kMostPixels
-  Lens lens;                 // of these pixels
+  std::string name;                // may be empty
+  std::uint32_t width = 0;         // pixels, 1 to kMostPixels
+  std::uint32_t height = 0;        // pixels, 1 to kMostPixels
+  Lens lens;                       // of these pixels
+  std::optional<Vec2> pixel_um{};  // sides of a pixel, µm, > 0; none: not known
   // Orthographic, in place of a lens: metres across the image, whose pixels are square and whose
   // principal point is its middle; `lens.focal` is in pixels per metre. 0: perspective.
   double width_m = 0;

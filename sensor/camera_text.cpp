@@ -57,6 +57,9 @@ std::string own_text(const CameraFile& camera) {
         fmt::format("focal = {}\nprincipal = {}\n", joined(std::array{lens.focal.x, lens.focal.y}),
                     joined(std::array{lens.principal.x, lens.principal.y}));
   }
+  if (camera.pixel_um && !camera.imager)
+    out +=
+        fmt::format("pixel_um = {}\n", joined(std::array{camera.pixel_um->x, camera.pixel_um->y}));
   const auto terms = [&](const char* name, const auto& k) {
     out += fmt::format("distortion = \"{}\"\ncoefficients = {}\n", name, joined(k));
   };
@@ -159,17 +162,19 @@ std::string kalibr_text(const CameraFile& camera, const Plain& lens) {
 }
 
 // Readers of SPEED+ ask for lengths in metres too, and for five coefficients.
-constexpr double kSpeedPitch = 5.86e-6;  // of the pixels of SPEED's camera
+constexpr Vec2 kSpeedPixelUm(5.86);  // of SPEED's own camera
+constexpr double kMPerUm = 1e-6;
 
 std::string speed_text(const CameraFile& camera, const Plain& lens) {
   const auto& m = lens.matrix;
   std::vector<double> terms = lens.terms;
   terms.resize(5);
+  const Vec2 pitch = kMPerUm * camera.pixel_um.value_or(kSpeedPixelUm);
   return fmt::format(
       "{{\"Nu\": {}, \"Nv\": {}, \"ppx\": {}, \"ppy\": {}, \"fx\": {}, \"fy\": {}, \"ccx\": {}, "
       "\"ccy\": {}, \"cameraMatrix\": [{}, {}, {}], \"distCoeffs\": {}}}\n",
-      camera.width, camera.height, format_double(kSpeedPitch), format_double(kSpeedPitch),
-      format_double(m[0] * kSpeedPitch), format_double(m[4] * kSpeedPitch), format_double(m[2]),
+      camera.width, camera.height, format_double(pitch.x), format_double(pitch.y),
+      format_double(m[0] * pitch.x), format_double(m[4] * pitch.y), format_double(m[2]),
       format_double(m[5]), joined(std::array{m[0], m[1], m[2]}),
       joined(std::array{m[3], m[4], m[5]}), joined(std::array{m[6], m[7], m[8]}), joined(terms));
 }

@@ -151,6 +151,9 @@ Result<labels::FrameLabels> FrameLabeller::label(const Frame& frame, const world
                       : rolling(frame, world, context, log, job);
   if (!labelled) return failed;
   if (rolling_flow) add_rolling_flow(frame, world, image, kept_->shown, *labelled, job);
+  if (frame.imager != nullptr)
+    labelled->pixel_um =
+        frame.imager->detector.pixel_um * static_cast<double>(frame.imager->detector.binning);
   labelled->name = of.name;
   if (!frame.outputs.empty())
     labelled->image = std::filesystem::path(frame.outputs.front()).filename().string();

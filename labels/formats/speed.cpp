@@ -19,6 +19,7 @@ class SpeedWriter : public LabelWriter {
       return output_.impossible(frame, "its camera is orthographic; the format's are perspective");
     if (!camera_) {
       camera_ = frame.camera;
+      pixel_um_ = frame.pixel_um;
     } else if (!same_lens(frame.camera, *camera_)) {
       output_.lost(frame, "it has another lens than camera.json, that of the first frame");
     }
@@ -42,7 +43,8 @@ class SpeedWriter : public LabelWriter {
         camera_->width,
         camera_->height,
         {camera_->focal, camera_->principal,
-         camera_->distortion ? camera_->distortion->distortion() : sensor::Distortion{}}};
+         camera_->distortion ? camera_->distortion->distortion() : sensor::Distortion{}},
+        pixel_um_};
     const auto text = sensor::camera_text(file, sensor::CameraFormat::speed, output_.log());
     return text && output_.write_table("camera.json", *text);
   }
@@ -59,6 +61,7 @@ class SpeedWriter : public LabelWriter {
   Output& output_;
   const char* quaternion_;
   std::optional<world::Camera> camera_;
+  std::optional<Vec2> pixel_um_;  // of the first frame
   std::string list_;
 };
 

@@ -344,5 +344,36 @@ TEST(CameraFile, IgnoredPartsAreSaid) {
   EXPECT_NE(problems.find("[W0221]"), problems.npos) << problems;
 }
 
+// Metres of SPEED's camera.json are those of the camera's own pixels, where they are known.
+TEST(CameraFile, SpeedHasThePixelsOfTheCamera) {
+  const std::string lens = "size = [64, 48]\nfocal_length_mm = 16\n";
+  const std::string detector = "[optics]\naperture_mm = 4\n[detector]\nexposure_s = 0.01\n";
+  const std::pair<std::string, Vec2> cases[] = {
+      {lens + "pixel_um = 4.8\n", Vec2(4.8)},
+      {lens + "pixel_um = [4.8, 5]\n", Vec2(4.8, 5)},
+      {lens + "pixel_um = 4.8\nbinning = [2, 4]\n", Vec2(9.6, 19.2)},
+      {lens + "pixel_um = 4.8\nbinning = [2, 2]\n" + detector, Vec2(9.6)},
+      {"size = [64, 48]\nfocal = 3000\n" + detector + "pixel_um = 7\n", Vec2(7)},
+      {"size = [64, 48]\nfocal = 3000\n", Vec2(5.86)},
+  };
+  for (const auto& [text, expected] : cases) {
+    SCOPED_TRACE(text);
+    const auto camera = read(text);
+    ASSERT_TRUE(camera);
+    DiagnosticLog log;
+    const auto own = camera_text(*camera, CameraFormat::toml, log);
+    ASSERT_TRUE(own) << to_text(log);
+    for (const std::string& from : {text, *own}) {
+      const auto speed = camera_text(*read(from), CameraFormat::speed, log);
+      ASSERT_TRUE(speed) << to_text(log);
+      const auto back = read(*speed);
+      ASSERT_TRUE(back && back->pixel_um) << *speed;
+      // rounding of two products: 2e-15 measured
+      EXPECT_LE(glm::length(*back->pixel_um - expected), 1e-14) << *speed;
+    }
+  }
+  EXPECT_FALSE(read("size = 9\nfocal = 3\npixel_um = 0\n"));
+}
+
 }  // namespace
 }  // namespace panwright::sensor::camera_file_test

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,7 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
 #include "image/arrays.h"
+#include "image/decode.h"
 #include "tests/support/process.h"
 
 namespace panwright::detector_test {
@@ -132,6 +135,32 @@ camera_file = "camera.toml"
   EXPECT_EQ(contents(files[0]), whole);
   const Outcome none = panwright({"run", scenario, "-o", folder / "others", "--type", "jpeg"});
   EXPECT_EQ(none.code, 2);
+}
+
+// A contact sheet is for people: numbers of 12 bits are not black in it; the files keep them.
+TEST(DetectorFiles, AreSeenInContactSheets) {
+  const TemporaryFolder folder;
+  folder.write("ball.pxn", kBall);
+  folder.write("camera.toml", std::string(kCamera) + kDetector);
+  const std::string scenario = folder.write(
+      "run.toml",
+      "begin = 0\nend = 0\nlook_at = \"ball\"\n[targets]\nball = \"ball.pxn\"\n[[source]]\n"
+      "formula = \"fixed\"\nposition = [0, -400, 0]\nsun = [0, -1, 0]\n[view]\n"
+      "exposure = \"auto\"\ncamera_file = \"camera.toml\"\n");
+  const Outcome done =
+      panwright({"run", scenario, "-o", folder / "frames", "--sheet", folder / "sheet.png"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  image::DecodedImage numbers, sheet;
+  ASSERT_FALSE(
+      image::decode_image(as_bytes(contents(folder / "frames/000000.png")), 1 << 20, numbers).code);
+  ASSERT_FALSE(image::decode_image(as_bytes(contents(folder / "sheet.png")), 1 << 20, sheet).code);
+  const auto most = [](const image::DecodedImage& image) {
+    std::uint8_t out = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) out = std::max(out, image.rgba[i]);
+    return out;
+  };
+  EXPECT_LT(most(numbers), 16);  // upper halves of numbers of 12 bits
+  EXPECT_GT(most(sheet), 200);   // `auto` exposes to 0.8 of the largest
 }
 
 // A white plate facing the Sun: the electrons of the lens equation.
@@ -356,7 +385,11 @@ TEST(CameraCommand, ConvertsLenses) {
   for (const char* format : {"opencv", "ros", "kalibr", "speed"}) {
     const std::string text = converted(camera, format + std::string(".yaml"), format);
     EXPECT_THAT(text, HasSubstr("31.0")) << format;
-    EXPECT_EQ(converted(folder / (format + std::string(".yaml")), "back.toml", "toml"), own)
+    // SPEED's has metres: of its own camera's pixels, where they are not known
+    std::string expected = own;
+    if (format == std::string("speed"))
+      expected.insert(expected.find("distortion"), "pixel_um = [5.86, 5.86]\n");
+    EXPECT_EQ(converted(folder / (format + std::string(".yaml")), "back.toml", "toml"), expected)
         << format;
   }
   const std::string real = folder.write("real.toml", std::string(kCamera) + kDetector);
