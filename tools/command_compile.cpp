@@ -166,7 +166,9 @@ int run(const Options& options, const Host& host) {
   auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps, &terrain);
   // what could be read is written only where the user named the output
   if (!scene || (log.has_errors() && (options.output.empty() || terrain))) {
-    if (scene) context.left_out();
+    if (scene)
+      context.left_out(terrain ? CommandContext::LeftOut::terrain
+                               : CommandContext::LeftOut::unnamed);
     context.add_timings(steps.steps);
     if (!read->cache.empty()) context.add_work(steps.work);
     return context.finish();

@@ -140,7 +140,9 @@ void CommandContext::wrote(const std::string& path, std::string detail) {
 
 void CommandContext::say_what_was_written() const {
   if (left_out_)
-    print(stderr, "nothing is written; -o FILE writes the readable part in spite of errors\n");
+    print(stderr, "nothing is written; {}\n",
+          *left_out_ == LeftOut::unnamed ? "-o FILE writes the readable part in spite of errors"
+                                         : "terrain is tiled where its text has no errors");
   for (const auto& [path, detail] : written_) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) continue;

@@ -39,8 +39,11 @@ class CommandContext {
   // Records a written file, reported at the end with its size and details ("11,880 triangles").
   // Streams and devices are not files.
   void wrote(const std::string& path, std::string detail = {});
-  // Records that the readable part was not written, for want of an output; reported at the end.
-  void left_out() { left_out_ = true; }
+  // Why the readable part of an input is not written: no output was named, or terrain is part of
+  // it, which is tiled as a whole.
+  enum class LeftOut { unnamed, terrain };
+  // Records that it is not; reported at the end.
+  void left_out(LeftOut why) { left_out_ = why; }
 
   // Summarises the importers' harmless diagnostics about CAD files in one line (--json has all);
   // for commands that show a pxn text, as `check` and `compile` report them.
@@ -75,7 +78,7 @@ class CommandContext {
   std::vector<std::pair<std::string, double>> timings_;
   std::string work_;                                          // of add_work(), in words
   std::vector<std::pair<std::string, std::string>> written_;  // path, detail
-  bool left_out_ = false;
+  std::optional<LeftOut> left_out_;
   bool summarises_imports_ = false;
   std::vector<Code> left_out_codes_;
   std::string step_;

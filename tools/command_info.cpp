@@ -53,8 +53,8 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--meshes", options.meshes,
                  "List all meshes (default: those with the most triangles)");
   arguments.flag("--nodes", options.nodes,
-                 "List only the nodes, a line each, separated by tabs: name, triangles, materials, "
-                 "id in images, path");
+                 "List only the nodes, a line each below a line of headings, separated by tabs: "
+                 "name, triangles, materials, id in images, path");
   declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);

@@ -24,7 +24,7 @@ struct Options {
   ReadOptions read;
   std::vector<std::string> targets;  // FILE or NAME=FILE
   ViewOptions view;
-  std::string views;  // JSON file of many views; "-": JSON Lines on standard input
+  std::string views;  // file of many views, .json or .jsonl; "-": JSON Lines on standard input
   std::string again;  // image whose record is followed
   std::string gl = "auto";
   bool labels = false;
@@ -33,10 +33,11 @@ struct Options {
 
 void declare_files(Arguments& arguments, Options& options) {
   arguments
-      .add("--views", options.views,
-           "JSON list of views (docs/views.md). -: read one view a line from standard input, write "
-           "one reply a line to standard output")
-      .type("FILE.json|-");
+      .add(
+          "--views", options.views,
+          "JSON list of views, or .jsonl, one a line (docs/views.md). -: read one view a line from "
+          "standard input, write one reply a line to standard output")
+      .type("FILE.json|FILE.jsonl|-");
   arguments
       .add("--again", options.again,
            "Repeat an image from its record (.png, .exr, .npz); other options override the record")
@@ -222,7 +223,7 @@ int run(const Options& options, const Host& host) {
         session.world(work->views[0], report.listener(), log, context.job());
     // what could be read is drawn only where the user named the output
     if (world == nullptr || log.has_errors()) {
-      if (world != nullptr) context.left_out();
+      if (world != nullptr) context.left_out(CommandContext::LeftOut::unnamed);
       return context.finish();
     }
   }

@@ -32,7 +32,9 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.input);
   arguments
       .add("--target", options.targets,
-           "Model of a target for --plot, instead of the scenario's; may be repeated")
+           "Model of a target, for --plot and the names of joints, instead of the scenario's; may "
+           "be "
+           "repeated")
       .one_value()
       .type("NAME=FILE");
   arguments
@@ -121,6 +123,12 @@ void print_summary(const ScenarioInput& input, const ScenarioInput::Opened& open
   }
 }
 
+// Joints are known to models alone.
+bool names_joints(const workspace::Scenario& scenario) {
+  const auto of_joint = [](const scenario::Channel& channel) { return !channel.joint.empty(); };
+  return scenario.settings.joint || std::ranges::any_of(scenario.sequence.channels(), of_joint);
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("scenario", options.common, host);
   DiagnosticLog& log = context.log();
@@ -131,14 +139,13 @@ int run(const Options& options, const Host& host) {
   workspace::check_stars(opened->scenario, log);
   const scenario::Sequence& sequence = opened->scenario.sequence;
   std::vector<Course> courses;
+  if (!options.targets.empty()) opened->scenario.settings.targets = options.targets;
   std::optional<SeenTargets> seen;
-  if (!options.plot.empty()) {
-    if (!options.targets.empty()) opened->scenario.settings.targets = options.targets;
-    if (opened->scenario.settings.targets) {
-      auto made = SeenTargets::of(opened->scenario, log, context.job());
-      if (!made) return context.finish();
-      seen = *std::move(made);
-    }
+  if (opened->scenario.settings.targets &&
+      (!options.plot.empty() || names_joints(opened->scenario))) {
+    auto made = SeenTargets::of(opened->scenario, log, context.job());
+    if (!made) return context.finish();
+    seen = *std::move(made);
   }
   Json frames = Json::array();
   for (std::size_t k = 0; k < opened->times.size(); ++k) {
@@ -146,8 +153,12 @@ int run(const Options& options, const Host& host) {
     const auto frame = workspace::frame_at(opened->scenario, time, log);
     if (!frame) return context.finish();
     add(*frame, time, courses);
-    if (seen && !seen->add(*frame, opened->first + k, time, courses, log)) return context.finish();
-    if (options.common.json) frames.push_back(frame_json(*frame, opened->first + k));
+    const std::uint64_t number = opened->first + k;
+    // the first one for its mistakes, as `run` does
+    if (seen && k == 0 && !seen->check(*frame, number, log)) return context.finish();
+    if (seen && !options.plot.empty() && !seen->add(*frame, number, time, courses, log))
+      return context.finish();
+    if (options.common.json) frames.push_back(frame_json(*frame, number));
   }
   if (options.common.json) {
     Json& result = context.result();

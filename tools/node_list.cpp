@@ -49,7 +49,7 @@ std::string node_list(const pan::Model& model) {
         known.push_back(material);
     }
   }
-  std::string out;
+  std::string out = "name\ttriangles\tmaterials\tid\tpath\n";
   for (std::size_t i = 1; i < surfaces.size(); ++i) {
     out += fmt::format("{}\t{}\t", on_one_line(model.node_name(i)), surfaces[i].triangles);
     for (std::size_t k = 0; k < surfaces[i].materials.size(); ++k)

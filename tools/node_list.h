@@ -7,8 +7,9 @@
 
 namespace panwright::tools {
 
-// Returns one line for each node but the root, parents first: its whole name, the triangles of the
-// node itself and their materials, separated by tabs. Control characters of names are escaped.
+// Returns a line of headings and one for each node but the root, parents first: its whole name, the
+// triangles of the node itself and their materials, its id and path, separated by tabs. Control
+// characters of names are escaped.
 std::string node_list(const pan::Model& model);
 
 }  // namespace panwright::tools

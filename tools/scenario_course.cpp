@@ -52,6 +52,11 @@ Result<SeenTargets> SeenTargets::of(const workspace::Scenario& scenario, Diagnos
   return SeenTargets(scenario, *std::move(world));
 }
 
+bool SeenTargets::check(const scenario::Frame& frame, std::uint64_t number, DiagnosticLog& log) {
+  const auto view = workspace::view_of(*scenario_, frame, number, *world_, log);
+  return view && maker_->frame(*view, log);
+}
+
 bool SeenTargets::add(const scenario::Frame& frame, std::uint64_t number, double time,
                       std::vector<Course>& courses, DiagnosticLog& log) {
   auto view = workspace::view_of(*scenario_, frame, number, *world_, log);

@@ -34,6 +34,9 @@ class SeenTargets {
   // Expects: a scenario with targets, which outlives the result. Fails: as open_world().
   static Result<SeenTargets> of(const workspace::Scenario& scenario, DiagnosticLog& log,
                                 const Job& job);
+  // Finds the mistakes of a frame that its models show: names of targets and joints, values. False:
+  // as workspace::view_of(), FrameMaker::frame().
+  bool check(const scenario::Frame& frame, std::uint64_t number, DiagnosticLog& log);
   // Adds the image of a frame to the courses. False: as FrameMaker::frame().
   bool add(const scenario::Frame& frame, std::uint64_t number, double time,
            std::vector<Course>& courses, DiagnosticLog& log);

@@ -15,11 +15,14 @@ using Document = nlohmann::json;
 constexpr std::size_t kMostNested = 16;
 
 // Line, column (bytes) and what stands there. byte: from 1 on.
-JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_range) {
+// first_line: the number of the text's first line.
+JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_range,
+                       std::size_t first_line) {
   const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
   const std::string_view before = text.substr(0, at);
   const std::size_t line_start = before.rfind('\n') == before.npos ? 0 : before.rfind('\n') + 1;
-  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const auto line =
+      first_line + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool other = first == text.npos || (text[first] != '{' && text[first] != '[');
   std::string found;
@@ -49,8 +52,8 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
     problem.hint = "JSON has no comments";
   else if (at < text.size() && text[at] == '{' && last != before.npos && before[last] == '}')
     problem.hint =
-        "objects of a list have commas between them and [ ] around them; views a line "
-        "each go to --views -";
+        "objects of a list have commas between them and [ ] around them; views, one a line, are a "
+        "file .jsonl, or go to --views -";
   problem.other_format = other;
   return problem;
 }
@@ -58,8 +61,8 @@ JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_rang
 // Builds the value, and keeps the library's own words to itself.
 class Builder : public nlohmann::json_sax<Document> {
  public:
-  Builder(std::string_view text, JsonText& out, JsonProblem& problem)
-      : text_(text), out_(out), problem_(problem) {}
+  Builder(std::string_view text, std::size_t line, JsonText& out, JsonProblem& problem)
+      : text_(text), line_(line), out_(out), problem_(problem) {}
 
   bool null() override { return add(nullptr) != nullptr; }
   bool boolean(bool value) override { return add(value) != nullptr; }
@@ -85,7 +88,7 @@ class Builder : public nlohmann::json_sax<Document> {
   bool parse_error(std::size_t byte, const std::string&,
                    const nlohmann::detail::exception& error) override {
     constexpr int kNumberOutOfRange = 406;
-    problem_ = problem_at(text_, byte, error.id == kNumberOutOfRange);
+    problem_ = problem_at(text_, byte, error.id == kNumberOutOfRange, line_);
     return false;
   }
 
@@ -116,6 +119,7 @@ class Builder : public nlohmann::json_sax<Document> {
   }
 
   std::string_view text_;
+  std::size_t line_;
   JsonText& out_;
   JsonProblem& problem_;
   std::vector<Document*> open_;
@@ -124,10 +128,28 @@ class Builder : public nlohmann::json_sax<Document> {
 
 }  // namespace
 
-Result<JsonText> parse_json(std::string_view text, JsonProblem& problem) {
+Result<JsonText> parse_json(std::string_view text, JsonProblem& problem, std::size_t line) {
   JsonText out;
-  Builder builder(text, out, problem);
+  Builder builder(text, line, out, problem);
   if (!Document::sax_parse(text, &builder)) return failed;
+  return out;
+}
+
+Result<JsonText> parse_json_lines(std::string_view text, JsonProblem& problem) {
+  JsonText out{Document::array(), {}};
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    ++number;
+    if (line.find_first_not_of(" \t\r") == line.npos) continue;
+    auto one = parse_json(line, problem, number);
+    if (!one) return failed;
+    for (JsonText::Repeated& each : one->repeated)
+      out.repeated.push_back({out.value.size(), std::move(each.member)});
+    out.value.push_back(std::move(one->value));
+  }
   return out;
 }
 

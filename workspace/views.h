@@ -36,9 +36,9 @@ struct View {
   std::function<std::optional<Settings>(double, DiagnosticLog&)> motion;
 };
 
-// Reads a views file (docs/views.md): a JSON list of objects whose members are those of
-// schemas/views.toml, with '-' or '_' between words. Missing members are taken from `defaults`, as
-// by with_defaults().
+// Reads a views file (docs/views.md): a JSON list of objects, or, as .jsonl, one a line. Members
+// are those of schemas/views.toml, with '-' or '_' between words. Missing ones are taken from
+// `defaults`, as by with_defaults().
 //
 //   returns  one view or more, each with an output
 // Fails: E0101…E0104, E0203. Reports: W1214.

@@ -168,9 +168,11 @@ Result<std::vector<View>> parse_views(std::string_view text, const std::string& 
     return failed;
   };
   JsonProblem problem;
-  const auto parsed = parse_json(text, problem);
+  const bool lines = name.ends_with(".jsonl");
+  const auto parsed = lines ? parse_json_lines(text, problem) : parse_json(text, problem);
   if (!parsed) return fail(problem.message, problem.other_format ? kExample : problem.hint);
   const json& list = parsed->value;
+  if (lines && list.empty()) return fail("expected a view or more, one a line, found blank lines");
   if (!list.is_array() || list.empty())
     return fail(fmt::format("expected a list of at least one view, each an object, found {}",
                             json_type(list)),

@@ -92,6 +92,12 @@ TEST(Messages, CountsOfFourBillionAreRefusedBeforeTheirElements) {
   }
 }
 
+// What is not there is not what the program has: terrain, air of planets.
+TEST(Messages, NotesAreTrueOfTerrain) {
+  for (const RequestKind& kind : request_kinds())
+    EXPECT_EQ(kind.note.find("no terrain"), kind.note.npos) << kind.name;
+}
+
 TEST(Messages, OtherNumbersAreUnknown) {
   for (const std::uint32_t number : {36u, 255u, 300u, 0x10000001u, 0xFFFFFFFFu})
     EXPECT_EQ(request_size(WireWriter().word(number).take(), kMost).state,

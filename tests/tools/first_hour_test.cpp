@@ -275,6 +275,7 @@ TEST_F(FirstHour, NamesOfNodesAreWholeAndListed) {
                          std::string(70, 'n') + "_edn\"/></import>");
   EXPECT_THAT(panwright({"check", text}).err, HasSubstr("'" + name + "'"));
   const Outcome list = panwright({"info", folder_ / "plates.wrl", "--nodes", "--keep-hidden"});
+  EXPECT_TRUE(list.out.starts_with("name\ttriangles\tmaterials\tid\tpath\n")) << list.out;
   EXPECT_THAT(list.out, HasSubstr("\n" + name + "\t"));
   EXPECT_THAT(list.out, HasSubstr("Shape1\t2\tSteel\t4\tmodel/" + name + "/Shape1\n"));
   EXPECT_THAT(list.out, Not(HasSubstr("build id")));

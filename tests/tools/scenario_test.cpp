@@ -351,6 +351,26 @@ TEST_F(Scenarios, ViewsAreASource) {
   EXPECT_EQ(contents(folder_ / "of_views/000001.npy"), contents(folder_ / "one.npy"));
 }
 
+// Names that the models alone know are wrong for `scenario` as for `run`, in the same words.
+TEST_F(Scenarios, JointsThatNoTargetHas) {
+  std::string table = contents(table_);
+  table.replace(table.find("box.joint.lid"), 13, "box.joint.lit");
+  folder_.write("lit.csv", table);
+  std::string text = contents(scenario_);
+  text.replace(text.find("way.csv"), 7, "lit.csv");
+  const std::string bad = folder_.write("lit.toml", text);
+  const Outcome printed = panwright({"scenario", bad});
+  const Outcome drawn = panwright({"run", bad, "-o", folder_ / "lit"});
+  EXPECT_EQ(printed.code, drawn.code);
+  EXPECT_THAT(printed.err, HasSubstr("unknown joint 'box/lit'"));
+  EXPECT_EQ(printed.err, drawn.err);
+  EXPECT_THAT(printed.out, testing::IsEmpty());
+  // a trajectory alone names no models
+  EXPECT_EQ(panwright({"scenario", folder_ / "lit.csv"}).code, 0);
+  EXPECT_THAT(panwright({"scenario", folder_ / "lit.csv", "--target", "box=" + box_}).err,
+              HasSubstr("unknown joint 'box/lit'"));
+}
+
 // Sources move by their offset, dates or not; what lies outside of them is never cut in silence.
 TEST_F(Scenarios, TimesAreThoseOfTheSources) {
   folder_.write("dated.csv",

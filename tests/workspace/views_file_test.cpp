@@ -351,5 +351,35 @@ TEST(ReadViews, MutationsAreRefusedInOurOwnWords) {
   RecordProperty("syntax", static_cast<int>(syntax));
 }
 
+// JSON Lines are the same as a list of them.
+TEST(ReadViews, OneALine) {
+  const auto parsed = [](const std::string& text, DiagnosticLog& log) {
+    return parse_views(text, "v.jsonl", {}, log);
+  };
+  DiagnosticLog log;
+  const auto views = parsed(
+      "{\"fov\": 20, \"output\": \"a.png\"}\n\n{\"name\": \"x\", \"output\": \"b.npy\"}\r\n", log);
+  ASSERT_TRUE(views) << to_text(log);
+  ASSERT_EQ(views->size(), 2u);
+  EXPECT_EQ(*(*views)[0].settings.fov, 20 * kDegree);
+  EXPECT_EQ((*views)[1].label, "view 1 ('x')");
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "expected a view or more, one a line"},
+      {"\n \n", "expected a view or more, one a line"},
+      {"{\"output\": \"a.png\"}\n\n{\"output\"}\n", "invalid JSON at line 3, column 10"},
+      {"[{\"output\": \"a.png\"}]\n", "view 0: expected an object of options, found a list"},
+      {"{\"output\": \"a.png\"}\n{\"fov\": 3, \"fov\": 4, \"output\": \"b.png\"}",
+       "view 1: 'fov' is given twice"},
+  };
+  for (const auto& [text, words] : cases) {
+    DiagnosticLog problems;
+    EXPECT_FALSE(parsed(text, problems)) << text;
+    EXPECT_THAT(to_text(problems), testing::HasSubstr(words));
+  }
+  DiagnosticLog list;
+  EXPECT_FALSE(parse_views("{\"output\": \"a.png\"}\n{\"output\": \"b.png\"}", "v.json", {}, list));
+  EXPECT_THAT(to_text(list), testing::HasSubstr(".json"));
+}
+
 }  // namespace
 }  // namespace panwright::workspace::views_file_test

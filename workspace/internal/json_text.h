@@ -31,8 +31,12 @@ struct JsonProblem {
 
 // Parses a text. Values may be nested 16 deep.
 //
+//   line  number of its first line, for the problem
 // Fails: without a report; `problem` has the reason.
-Result<JsonText> parse_json(std::string_view text, JsonProblem& problem);
+Result<JsonText> parse_json(std::string_view text, JsonProblem& problem, std::size_t line = 1);
+
+// Parses JSON Lines into a list, a value of each line that is not blank. Fails: as parse_json().
+Result<JsonText> parse_json_lines(std::string_view text, JsonProblem& problem);
 
 // Returns "a list", "text" and so on.
 const char* json_type(const nlohmann::json& value);
