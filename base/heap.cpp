@@ -9,7 +9,9 @@ namespace panwright {
 void keep_freed_memory() {
 #ifdef M_TRIM_THRESHOLD
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // setting the one above would keep it at its least
+  // setting the one above would keep it at its least; older allocators take no more than the first
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_MMAP_THRESHOLD, 128 << 20);
 #endif
 }
 

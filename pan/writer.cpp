@@ -196,7 +196,7 @@ Result<Writer> Writer::create(const std::filesystem::path& path, DiagnosticLog& 
 Writer Writer::in_memory(const WriteOptions& options, std::size_t expected) {
   auto state = std::make_unique<State>();
   state->compress = options.compress;
-  constexpr std::size_t kRest = std::size_t{1} << 16;
+  constexpr std::size_t kRest = std::size_t{1} << 20;  // tables, texts, padding
   state->memory.reserve(expected > 0 ? expected + kRest : 0);
   DiagnosticLog unused;
   const layout::Header header = empty_header(0);

@@ -53,13 +53,16 @@ void hold_standard_streams() {
     }
 }
 
-// Starts commands that draw again with an allocator that asks for large pages: software contexts
-// take hundreds of megabytes, and where the system gives small pages, each costs a fault. The
-// allocator reads the setting at the start of a process alone.
+// Starts commands that draw again with an allocator that asks for large pages, and that keeps what
+// is freed: software contexts take hundreds of megabytes, where small pages cost a fault each, and
+// fresh ones are cleared. So an image is drawn in memory that its model was read in. The allocator
+// reads the settings at the start of a process alone; as keep_freed_memory() of the contexts.
 void use_large_pages([[maybe_unused]] int argc, [[maybe_unused]] char** argv) {
 #ifdef __GLIBC__
   constexpr const char* kVariable = "GLIBC_TUNABLES";
-  constexpr const char* kSetting = "glibc.malloc.hugetlb=1";
+  constexpr const char* kSetting =
+      "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=134217728:"
+      "glibc.malloc.trim_threshold=268435456";
   constexpr std::string_view kDraw[] = {"render", "run", "dataset", "serve"};
   if (const char* set = std::getenv(kVariable)) {
     // of the first start, and not for the programs that this one starts; a user's own stays
