@@ -65,7 +65,7 @@ IMAGES = {
         "bits?": "integer: of its numbers",
         "saturated?": "integer: number of pixels at the full well or the largest number",
         "moments?": "integer: number of moments whose mean is the image, of an exposure over time",
-        "samples?": "number: mean per pixel; of the reference engine the total", "pixel_error?": "number: estimated, RMS by RMS",
+        "samples?": "number: mean per pixel; of the reference engine the total", "ground_rays?": "number: mean per pixel, of terrain; with --engine gl", "pixel_error?": "number: estimated, RMS by RMS",
         "light_between?": ("that surfaces send one another, with --indirect on or auto", {
             "drawn": "boolean: false: it changes the image by less than is asked", "flux": "number: estimate of its share of the flux",
             "mirrors": "boolean: targets have mirrors or smooth coats, which show others by rays",

@@ -53,7 +53,11 @@ std::string line_of(const Written& image) {
   if (image.moments > 1) line += fmt::format(", mean of {} moments", image.moments);
   if (image.sampling) {
     const preview::SamplingReport& sampling = *image.sampling;
-    line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
+    // of targets, where some are in view
+    if (sampling.samples > 0)
+      line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
+    else if (image.ground_rays == 0)
+      line += ", no target in view";
     if (sampling.rmse == preview::kNothingLit)
       line += " (no sample is lit)";
     else if (sampling.rmse + sampling.flux > 0)
@@ -61,7 +65,7 @@ std::string line_of(const Written& image) {
           " (estimated RMS error {:.2g} % of the radiance, of the flux at most {:.2g} %{})",
           100 * sampling.rmse, 100 * sampling.flux,
           sampling.limited ? "; --pixel-error 5% takes longer" : "");
-    else if (image.samples == 0)
+    else if (image.samples == 0 && sampling.samples > 0)
       line += " (auto)";
     if (!sampling.imposters.empty()) {
       double flux_error = 0;
@@ -77,6 +81,8 @@ std::string line_of(const Written& image) {
     if (sampling.sun_points > 1)
       line += fmt::format(", penumbra of {} points of the Sun", sampling.sun_points);
   }
+  if (image.ground_rays > 0)
+    line += fmt::format(", terrain by {:.3g} rays a pixel", image.ground_rays);
   if (image.measured) {
     const workspace::Measured& measured = *image.measured;
     const Vec3& flux = measured.flux;
@@ -181,6 +187,7 @@ void describe_image(const Written& image, Json& entry) {
     entry["saturated"] = image.saturated;
   }
   if (image.sampling) entry["samples"] = image.sampling->samples;
+  if (image.ground_rays > 0) entry["ground_rays"] = image.ground_rays;
   if (image.between)
     entry["light_between"] = {{"drawn", image.between->drawn},
                               {"flux", image.between->flux},

@@ -395,6 +395,8 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
                                                          drawn->image, log, job)) &&
         run_job(job, log, [&] {
           if (here.ground) impl_->add_ground(here, drawn->image, log, job);
+          const double side = here.ground_options.samples;
+          if (here.ground) drawn->ground_rays = side * side;
           impl_->add_sky(here, drawn->image, job);
           for (const LampPoint& lamp : here.lamps)
             sky::add_point(lamp.pixel, lamp.irradiance, here.camera, here.psf_sigma, drawn->image);

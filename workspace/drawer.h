@@ -78,6 +78,7 @@ struct Drawn {
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
   std::optional<LightBetween> between;              // none: not asked for
+  double ground_rays = 0;  // a pixel, of terrain beside OpenGL; 0: it has none
 };
 
 // Drawer, with the state shared by images: the context, the models of the last world.

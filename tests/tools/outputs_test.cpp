@@ -410,5 +410,44 @@ TEST_F(Outputs, ImagesOfModelsWithErrorsSaySo) {
   EXPECT_THAT(drawn(part_).out, Not(HasSubstr("failed")));
 }
 
+class GroundOutputs : public testing::Test {
+ protected:
+  // A text with terrain, and more.
+  std::string text(const std::string& more) const {
+    for (const char* name : {"crater.lbl", "crater.img"})
+      folder_.write(name, contents(std::string(PANWRIGHT_SOURCE_DIR "/examples/terrain/") + name));
+    return folder_.write("ground.pxn",
+                         "<pangu_model ver=\"1\">\n<terrain error=\"5m\"><dem file=\"crater.lbl\" "
+                         "reduce=\"8\"/></terrain>\n" +
+                             more + "</pangu_model>\n");
+  }
+  const TemporaryFolder folder_;
+};
+
+TEST_F(GroundOutputs, TerrainWithErrorsIsNotTiledAndTheOutputIsNotAskedFor) {
+  const std::string output = folder_ / "ground.pan";
+  const Outcome done = panwright({"compile", text("<spere/>\n"), "-o", output});
+  EXPECT_EQ(done.code, 1);
+  EXPECT_THAT(done.err, HasSubstr("nothing is written"));
+  EXPECT_THAT(done.err, Not(HasSubstr("-o")));
+  EXPECT_FALSE(fs::exists(output));
+}
+
+TEST_F(GroundOutputs, ImagesOfTerrainAloneHaveRaysAndNoSamples) {
+  const std::string ground = folder_ / "ground.pan";
+  ASSERT_EQ(panwright({"compile", text(""), "-o", ground}).code, 0);
+  const auto line = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"render",   ground, "-o",    folder_ / "a.png", "--camera",
+                                   "0 0 3000", "--up", "0 1 0", "--size",          "16x16"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = panwright(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return done.out;
+  };
+  EXPECT_THAT(line({}), HasSubstr("16 x 16, gl, terrain by 4 rays a pixel, "));
+  EXPECT_THAT(line({"--samples", "3"}), HasSubstr("terrain by 9 rays a pixel"));
+  EXPECT_THAT(line({"--engine", "reference"}), Not(HasSubstr("terrain by")));
+}
+
 }  // namespace
 }  // namespace panwright::outputs_test
