@@ -46,7 +46,7 @@ that sees the sphere's own pixels alone. `panwright-bench imposters` and `impost
 """
 
 CRAFT = """
-The servicer with the finest foil, on an approach from 1,000 km to 2.8 m, against an image of a thousand pixels with 8 × 8 samples each, nearer than 20 m of as many with 16 × 16, and shadow maps of 8,192 texels (twice as many samples a side change less than 1e-4). Imposters end at 511 pixels,
+The servicer with the finest foil, on an approach from 1,000 km to 2.8 m, against an image of a thousand pixels with 8 × 8 samples each, nearer than 20 m of as many with 16 × 16, and shadow maps of 8,192 texels (twice as many samples a side change less than 1e-4). With `--flux-error 0.05%` imposters end at 511 pixels,
 where samples to `--pixel-error 5%` take over: right to 2 % in the pixels, and up to 0.1 % too dark ([why](accuracy/imposters.md)).
 
 ![flux error over the range](images/far-range.svg)

@@ -55,6 +55,7 @@ preview::RenderOptions options_of(const Way& way) {
   preview::RenderOptions options;
   options.samples = way.samples;
   options.imposters = way.imposters;
+  options.flux_error_of_large = true;
   return options;
 }
 
@@ -478,6 +479,7 @@ void run_ranges(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
     preview::RenderOptions options;
     options.samples = 0;
     options.levels = false;
+    options.flux_error_of_large = true;
     std::optional<image::Image> kept;
     const Timing timing = timed(
         [&] {

@@ -271,7 +271,8 @@ bool LensRenderer::draw_texels(Frame& frame, std::size_t index) {
   // where others may be visible, the view shows whole pixels
   const AxisRectangle area = small.alone ? small.area : frame.pixels_of(small.area);
   const double extent = area.longest();
-  double texels = std::max<double>(texels_for(options.flux_error), kImposterRate * extent);
+  const double flux_asked = flux_error_asked(options, small.tried);
+  double texels = std::max<double>(texels_for(flux_asked), kImposterRate * extent);
   RenderOptions own = options;
   own.samples = 1;
   own.adaptive = false;
@@ -304,7 +305,7 @@ bool LensRenderer::draw_texels(Frame& frame, std::size_t index) {
     report_.program_seconds += report.program_seconds;
     small.error = flux_error_of(*image);
     small.texels = *std::move(image);
-    double over = small.error / options.flux_error;
+    double over = small.error / flux_asked;
     if (small.tried) {
       const double pixels_over =
           pixel_error_of(small.texels, small.error, small.rate) / options.pixel_error;
@@ -330,7 +331,7 @@ void LensRenderer::add_small(Frame& frame) {
     const bool lit = light_of(small.texels) > 0;
     report_.imposters.push_back({small.targets, small.area.longest(), small.texels.width,
                                  small.texels.height, lit ? small.error : kNothingLit,
-                                 small.seconds});
+                                 small.seconds, flux_error_asked(frame.options, small.tried)});
   }
   if (sigma > 0 && !frame.rest.empty()) convolve(sigma, frame.image);
   for (const Small& small : frame.small) {

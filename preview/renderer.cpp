@@ -192,14 +192,15 @@ bool Renderer::Impl::draw(const world::World& world, const world::Camera& camera
           {world, camera, options, levels, scene, *samplers, frames, frame, log, job},
           most_texels(*shared.context), some_imposters))
     return false;
-  if (!options.adaptive || options.samples < 2)  // sampling counts the others
-    frame.report.samples += static_cast<double>(options.samples) * options.samples;
   reset(frame.image, camera, options.ground_truth);
   frame.image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
   frame.camera = camera;
   frame.flat = options.flat;
   const VisibleSet* rest = some_imposters ? scene.find_shown(world, camera, levels, log) : visible;
   if (!rest) return false;
+  // sampling counts the others
+  if ((!options.adaptive || options.samples < 2) && !rest->targets.empty())
+    frame.report.samples += static_cast<double>(options.samples) * options.samples;
   frame.thin = thin_targets(world, camera, options, *rest);
   if (samplers->radiance({world, camera, scene.targets(), *rest}, options, frames, frame, log,
                          job) &&

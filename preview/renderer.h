@@ -28,6 +28,7 @@ struct ImposterReport {
   std::uint32_t height = 0;            // texels
   double flux_error = 0;               // as estimated from the texels, relative; or kNothingLit
   double seconds = 0;                  // from the first draw to the last texel added
+  double flux_asked = 0;               // for flux_error
 };
 
 // Sampling of an image.
@@ -92,8 +93,10 @@ struct RenderOptions {
   // samples = 0.
   std::optional<double> imposter_pixels;
   // Target error of an imposter's flux, relative, > 0: as estimated from its texels
-  // (SamplingReport).
+  // (SamplingReport). Targets of more than 100 pixels are as right as pixel_error asks, by what
+  // costs less, unless they have it too.
   double flux_error = 5e-4;
+  bool flux_error_of_large = false;
   // PSF of the camera: the RMS width of a Gaussian convolved with the image plane before pixels
   // integrate it, pixels; 0: none. Exact in imposters; elsewhere the pixels are convolved with the
   // discrete kernel of that variance. Truth layers have none.

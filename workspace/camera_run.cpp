@@ -181,7 +181,7 @@ class CameraRun : public InstrumentRun {
     const Frame& frame = *drawing.frame;
     if (drawn.sampling) {
       warn_of_error(frame, drawing.draw, *drawn.sampling);
-      note_imposters(frame, drawing.draw, *drawn.sampling);
+      note_imposters(frame, *drawn.sampling);
     }
     image::Image& image = drawn.image;
     Detected detected;
@@ -398,14 +398,18 @@ class CameraRun : public InstrumentRun {
   }
 
   // Imposters whose flux is far from what was asked: dark but for a few glints, mostly.
-  void note_imposters(const Frame& frame, const DrawOptions& draw,
-                      const preview::SamplingReport& report) {
-    constexpr double kFar = 0.01, kTimes = 4;
-    double worst = 0;
-    for (const preview::ImposterReport& one : report.imposters)
-      if (one.flux_error != preview::kNothingLit) worst = std::max(worst, one.flux_error);
-    const double asked = draw.gl.flux_error;
-    if (worst <= std::max(kFar, kTimes * asked)) return;
+  void note_imposters(const Frame& frame, const preview::SamplingReport& report) {
+    constexpr double kFar = 0.01, kTimes = 4, kFarthest = 0.1;
+    double worst = 0, asked = 0;
+    for (const preview::ImposterReport& one : report.imposters) {
+      const double far =
+          std::clamp(kTimes * one.flux_asked, kFar, std::max(kFarthest, one.flux_asked));
+      if (one.flux_error == preview::kNothingLit || one.flux_error <= std::max(far, worst))
+        continue;
+      worst = one.flux_error;
+      asked = one.flux_asked;
+    }
+    if (worst == 0) return;
     ++uncertain_.views;
     if (worst <= uncertain_.flux_error) return;
     uncertain_ = {uncertain_.views, worst, asked, frame.label, name_of(frame)};

@@ -30,6 +30,7 @@ void set_gl(const Settings& settings, preview::RenderOptions& gl) {
       break;
   }
   gl.flux_error = *settings.flux_error;
+  gl.flux_error_of_large = bool(settings.flux_error);
   gl.imposter_pixels = settings.imposters->number;
   if (*settings.imposters == Settings::Imposters::off) gl.imposters = preview::Imposters::off;
   if (*settings.imposters == Settings::Imposters::always) gl.imposters = preview::Imposters::always;

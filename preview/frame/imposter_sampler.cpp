@@ -17,6 +17,7 @@ namespace {
 
 // Relief finer than texels of a shadow map that may change more of the flux is worth a finer map.
 constexpr double kMuchRelief = 1e-3;
+constexpr double kReliefOfAsked = 0.5;
 // Of such maps, texels, and the Sun's points: as much memory as 16 maps of 2896.
 constexpr unsigned kFineSide = 4096;
 constexpr unsigned kFineHardSide = 5792;
@@ -49,6 +50,9 @@ bool ImposterSampler::draw_texels(const Draw& draw, const Imposter& imposter) {
   if (draw.samplers.radiance(scene, options_, draw.frames, draw.frame, draw.log, draw.job) &&
       draw.frames.take_all(draw.frame, draw.log, draw.job)) {
     relief_ = taken_relief(told_irradiance(draw.world), draw.frame.image);
+    // work, whatever comes of it
+    draw.frame.report.samples += static_cast<double>(draw.frame.image.pixels()) /
+                                 (static_cast<double>(draw.camera.width) * draw.camera.height);
     return true;
   }
   draw.frames.abandon(draw.frame);
@@ -59,6 +63,7 @@ bool ImposterSampler::draw_texels(const Draw& draw, const Imposter& imposter) {
 // large; without targets in the end if its pixels stay so. Sets the shadow side of options_.
 bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::uint32_t most_side,
                                     double& flux_error) {
+  const double flux_asked = flux_error_asked(draw.options, imposter.tried);
   // An estimate above what is asked is worth another draw. Of discs the estimate is twice what is
   // left; of foil with its glints it is the standard deviation of that, so half is aimed at.
   constexpr double kAim = 0.5;
@@ -88,7 +93,7 @@ bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::u
                             std::min(std::sqrt(std::max(beyond, 0.0)) / (growth - 1), kMostGuess));
     }
     // both fall with the texels to 3/2
-    double over = flux_error / asked.flux_error;
+    double over = flux_error / flux_asked;
     if (imposter.tried) {
       const double pixel_error = pixel_error_of(image, flux_error, imposter.rate());
       const double pixels_over = pixel_error / asked.pixel_error;
@@ -100,7 +105,8 @@ bool ImposterSampler::draw_to_error(const Draw& draw, Imposter& imposter, std::u
       over = std::max(over, pixels_over);
     }
     if (round > 0) break;
-    if (kReliefShare * relief_ > kMuchRelief && !options_.shadow_side) {
+    if (kReliefShare * relief_ > std::max(kMuchRelief, kReliefOfAsked * flux_asked) &&
+        !options_.shadow_side) {
       imposter.fine_shadows = true;
       options_.shadow_side = draw.samplers.lights().disc().points > 1 ? kFineSide : kFineHardSide;
     }
@@ -147,23 +153,24 @@ bool ImposterSampler::add_patch(const Draw& draw, std::size_t index, std::uint32
   options_.shadow_side = draw.options.shadow_side;
   if (!draw_to_error(draw, imposter, most_side, flux_error)) return false;
   if (imposter.targets.empty()) return true;
-  double texels = static_cast<double>(frame.image.pixels());
   if (!imposter.alone) {
     // what it stands before or behind is in the image already
     std::swap(other_texels_, frame.image);
     for (const Imposter& other : imposters_) hide(draw, other, true);
     if (!draw_texels(draw, imposter)) return false;
     std::swap(other_texels_, frame.image);
-    texels *= 2;
   }
   frame.patches.push_back(patch_of(imposter, frame.image, imposter.alone ? nullptr : &other_texels_,
                                    finer, draw.options.psf_sigma, draw.camera.width,
                                    draw.camera.height));
   for (const Imposter& other : imposters_) hide(draw, other, false);
-  frame.report.samples += texels / (static_cast<double>(draw.camera.width) * draw.camera.height);
-  ImposterReport done{
-      {},         imposter.extent,     imposter.camera.width, imposter.camera.height,
-      flux_error, seconds_since(start)};
+  ImposterReport done{{},
+                      imposter.extent,
+                      imposter.camera.width,
+                      imposter.camera.height,
+                      flux_error,
+                      seconds_since(start),
+                      flux_error_asked(draw.options, imposter.tried)};
   for (const std::uint32_t v : imposter.targets)
     done.targets.push_back(draw.scene.all().targets[v].target);
   frame.report.imposters.push_back(std::move(done));

@@ -46,8 +46,8 @@ bool add_box(const world::Camera& camera, const PlacedBox& box, PlaneRect& rect)
   return true;
 }
 
-std::uint32_t texels_of(double extent, const RenderOptions& options, double rate) {
-  return std::max(texels_for(options.flux_error),
+std::uint32_t texels_of(double extent, const RenderOptions& options, double rate, bool tried) {
+  return std::max(texels_for(flux_error_asked(options, tried)),
                   static_cast<std::uint32_t>(std::ceil(rate * extent)));
 }
 
@@ -62,6 +62,11 @@ double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, 
 std::uint32_t texels_for(double flux_error) {
   const double texels = 2 * kBoxOfDisc * std::pow(kDiscError / flux_error, 2.0 / 3.0);
   return static_cast<std::uint32_t>(std::ceil(std::clamp(texels, 64.0, 16384.0)));
+}
+
+double flux_error_asked(const RenderOptions& options, bool tried) {
+  return tried && !options.flux_error_of_large ? std::max(options.flux_error, options.pixel_error)
+                                               : options.flux_error;
 }
 
 void place_imposter(const world::Camera& camera, Imposter& imposter) {
@@ -151,11 +156,11 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
       others_.push_back(one.rect);
       if (!(one.extent > 0 && one.extent <= limit)) continue;
       one.least_rate = tried_rate(options, visible.targets[v].items.size());
-      one.texels = texels_of(one.extent, options, one.least_rate);
+      one.texels = texels_of(one.extent, options, one.least_rate, true);
       too_large_.push_back(one);
       continue;
     }
-    one.texels = texels_of(one.extent, options, one.least_rate);
+    one.texels = texels_of(one.extent, options, one.least_rate, false);
     imposters_.push_back(std::move(one));
   }
   do
@@ -169,7 +174,9 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     others_.push_back(one.rect);
     return true;
   });
-  if (options.imposters == Imposters::automatic && !options.imposter_pixels) add_tried();
+  // for their pixels alone samples cost less; a PSF asks for photocentres
+  const bool tries = options.flux_error_of_large || options.psf_sigma > 0;
+  if (options.imposters == Imposters::automatic && !options.imposter_pixels && tries) add_tried();
   std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
     return a.extent != b.extent ? a.extent > b.extent : a.targets < b.targets;
   });

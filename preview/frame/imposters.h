@@ -69,12 +69,16 @@ void place_imposter(const world::Camera& camera, Imposter& imposter);
 // shapes in it.
 std::uint32_t texels_for(double flux_error);
 
+// Target error of the flux of an imposter. tried: as Imposter::tried
+double flux_error_asked(const RenderOptions& options, bool tried);
+
 // Choice of the targets that become imposters, and of their resolution.
 //
 // Targets whose rectangles overlap share an imposter, so that occlusion is resolved per texel. One
 // much smaller than the other has its own, which replaces the larger one's texels. A target that
-// reaches behind the camera has none. A larger target without overlaps is tried: texels give more
-// accurate fluxes of glints and trusses than adaptive samples.
+// reaches behind the camera has none. A larger target without overlaps is tried where its flux or
+// its photocentre is asked for: texels give more accurate fluxes of glints and trusses than
+// adaptive samples, which cost less.
 class ImposterFinder {
  public:
   // Returns them from the largest to the smallest, unplaced; they stay until the next call.

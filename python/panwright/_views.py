@@ -62,7 +62,7 @@ class View(TypedDict, total=False):
     indirect: Literal["off", "auto", "on"]  # gl: light that surfaces send one another, eight bounces, the first one glossy: off, on, or auto (on where it changes the image by more than `pixel-error`) ([light between surfaces](light.md)); [mirrors](mirrors.md) show others too.
     levels: float | str  # gl: level of detail: auto (pixel footprint), off (finest), or a footprint in metres.
     imposters: float | str  # gl: small targets drawn separately, finer than pixels (docs/imposters.md): auto (up to 100 pixels, 511 where accurate, with `samples` auto), off, always, or largest size.
-    flux_error: float | str  # gl: target error of an imposter's flux (0.05%).
+    flux_error: float | str  # gl: target error of an imposter's flux (0.05 % up to 100 pixels; larger targets: as `pixel-error`).
     psf: float | str  # Gaussian point spread function of the camera: RMS width in pixels (0: none).
     until_error: float | str  # Reference: largest relative error of the flux; samples are added until it is reached.
     max_samples: float | str  # Reference, with `until-error`: limit of samples per pixel (67108864).
