@@ -217,7 +217,8 @@ void read_speed(TableReader& reader, CameraFile& camera) {
     return reader.numbers(reader.find_any({name}), name, {1}).value_or(Numbers{0}).front();
   };
   if (const Vec2 metres(pitch("ppx"), pitch("ppy")); metres.x > 0 && metres.y > 0)
-    camera.pixel_um = kUmPerM * metres;
+    // of a decimal number of micrometres
+    camera.pixel_um = glm::round(1e9 * (kUmPerM * metres)) / 1e9;
   use_brown(reader, reader.find_any({"distcoeffs"}), "distCoeffs", camera.lens);
 }
 

@@ -372,7 +372,9 @@ TEST(CameraFile, SpeedHasThePixelsOfTheCamera) {
       EXPECT_LE(glm::length(*back->pixel_um - expected), 1e-14) << *speed;
     }
   }
-  EXPECT_FALSE(read("size = 9\nfocal = 3\npixel_um = 0\n"));
+  std::string problems;
+  EXPECT_FALSE(read("size = 9\nfocal = 3\npixel_um = 0\n", &problems));
+  EXPECT_THAT(problems, testing::HasSubstr("pixel_um is not above 0"));
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST_F(Answers, TextsThatAreNoViews) {
   }
   EXPECT_THAT(views(""), HasSubstr("the text is empty"));
   EXPECT_THAT(views("{\"fov\": 3}\n{\"fov\": 4}\n"),
-              HasSubstr("views a line each go to --views -"));
+              HasSubstr("views, one a line, are a file .jsonl, or go to --views -"));
   EXPECT_THAT(views("[{\"noise\": 3, \"output\": \"a.png\"}]"),
               HasSubstr("makes numbers with noise"));
   EXPECT_THAT(

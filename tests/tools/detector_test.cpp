@@ -142,11 +142,12 @@ TEST(DetectorFiles, AreSeenInContactSheets) {
   const TemporaryFolder folder;
   folder.write("ball.pxn", kBall);
   folder.write("camera.toml", std::string(kCamera) + kDetector);
-  const std::string scenario = folder.write(
-      "run.toml",
-      "begin = 0\nend = 0\nlook_at = \"ball\"\n[targets]\nball = \"ball.pxn\"\n[[source]]\n"
-      "formula = \"fixed\"\nposition = [0, -400, 0]\nsun = [0, -1, 0]\n[view]\n"
-      "exposure = \"auto\"\ncamera_file = \"camera.toml\"\n");
+  const std::string scenario =
+      folder.write("run.toml",
+                   "begin = 0\nend = 0\nstep = 1\nlook_at = \"ball\"\n[targets]\nball = "
+                   "\"ball.pxn\"\n[[source]]\n"
+                   "formula = \"fixed\"\nposition = [0, -400, 0]\nsun = [0, -1, 0]\n[view]\n"
+                   "exposure = \"auto\"\ncamera_file = \"camera.toml\"\n");
   const Outcome done =
       panwright({"run", scenario, "-o", folder / "frames", "--sheet", folder / "sheet.png"});
   ASSERT_EQ(done.code, 0) << done.err;
