@@ -30,6 +30,18 @@ void for_corners(const Vec3& low, const Vec3& high, Visit&& visit) {
          (ray.frame == Ray::kObserver || ray.frame < targets);
 }
 
+terrain::GroundPoint ground_point(const Hit& hit) {
+  terrain::GroundPoint point;
+  point.position = hit.position;
+  point.normal = hit.normal;
+  point.chart = hit.chart;
+  point.level = hit.level;
+  point.column = hit.column;
+  point.row = hit.row;
+  point.triangle = hit.triangle;
+  return point;
+}
+
 // The part of an instance for a pixel footprint.
 std::uint32_t part_for(const Model& model, std::uint32_t instance, const Mat3& linear,
                        double footprint) {
@@ -135,25 +147,11 @@ bool Target::any(const geometry::Ray& ray, Insides insides) const {
 }
 
 terrain::SmoothGround Target::smooth_ground(const Hit& hit) const {
-  terrain::GroundPoint point;
-  point.position = hit.position;
-  point.normal = hit.normal;
-  point.chart = hit.chart;
-  point.level = hit.level;
-  point.column = hit.column;
-  point.row = hit.row;
-  point.triangle = hit.triangle;
-  return ground_->smooth(point);
+  return ground_->smooth(ground_point(hit));
 }
 
 terrain::GroundRelief Target::ground_relief(const Hit& hit) const {
-  terrain::GroundPoint point;
-  point.position = hit.position;
-  point.chart = hit.chart;
-  point.level = hit.level;
-  point.column = hit.column;
-  point.row = hit.row;
-  return ground_->relief(point);
+  return ground_->relief(ground_point(hit));
 }
 
 Vec3 Target::normal(const Hit& hit, bool flat) const {

@@ -56,24 +56,8 @@ Made make(Kind kind, std::uint32_t width, std::uint32_t height, bool hole,
       out.triangles.push_back({a, d, b});
       out.triangles.push_back({a, c, d});
     }
-  const TemporaryFolder folder;
-  const std::string extension = kind == Kind::plane ? ".hdr" : ".lbl";
-  (void)folder.write(kind == Kind::plane ? "a.dat" : "a.img", data);
-  const std::string path =
-      folder.write("a" + extension, label.empty() ? label_of(kind, width, height) : label);
-  DiagnosticLog log;
-  DemOptions reading;
-  reading.unit = 1;
-  reading.quantity = Quantity::height;
-  const auto dem = Dem::open(path, reading, log);
-  EXPECT_TRUE(dem) << to_text(log);
-  if (!dem) return out;
-  EXPECT_EQ(dem->info().map.is_placed(), kind != Kind::plane);
-  const auto report = write_tiles({&*dem, 1}, folder / "a.pan", {}, log);
-  EXPECT_TRUE(report) << to_text(log);
-  auto tiles = Tiles::open(folder / "a.pan", log);
-  EXPECT_TRUE(tiles) << to_text(log);
-  if (tiles) out.ground.emplace(std::make_shared<const Tiles>(*std::move(tiles)));
+  if (auto tiles = tiles_of(kind, data, label.empty() ? label_of(kind, width, height) : label))
+    out.ground.emplace(std::move(tiles));
   return out;
 }
 

@@ -1,6 +1,11 @@
 #include "tests/terrain/made_files.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+
+#include "terrain/tile_writer.h"
+#include "tests/support/process.h"
 
 namespace panwright::terrain::testing_support {
 
@@ -99,6 +104,26 @@ std::string label_of(Kind kind, std::uint32_t width, std::uint32_t height) {
               : " MAP_PROJECTION_TYPE = \"POLAR STEREOGRAPHIC\"\n CENTER_LATITUDE = -90\n "
                 "MAP_SCALE = 100 <m/pix>\n";
   return text + "END_OBJECT = IMAGE_MAP_PROJECTION\nEND\n";
+}
+
+std::shared_ptr<const Tiles> tiles_of(Kind kind, const std::string& data,
+                                      const std::string& label) {
+  const bool plane = kind == Kind::plane;
+  const support::TemporaryFolder folder;
+  (void)folder.write(plane ? "a.dat" : "a.img", data);
+  const std::string path = folder.write(plane ? "a.hdr" : "a.lbl", label);
+  DiagnosticLog log;
+  DemOptions reading;
+  reading.unit = 1;
+  reading.quantity = Quantity::height;
+  const auto dem = Dem::open(path, reading, log);
+  EXPECT_TRUE(dem) << to_text(log);
+  if (!dem) return {};
+  EXPECT_EQ(dem->info().map.is_placed(), !plane);
+  EXPECT_TRUE(write_tiles({&*dem, 1}, folder / "a.pan", {}, log)) << to_text(log);
+  auto tiles = Tiles::open(folder / "a.pan", log);
+  EXPECT_TRUE(tiles) << to_text(log);
+  return tiles ? std::make_shared<const Tiles>(*std::move(tiles)) : nullptr;
 }
 
 }  // namespace panwright::terrain::testing_support

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/math.h"
+#include "terrain/tiles.h"
 
 namespace panwright::terrain::testing_support {
 
@@ -38,5 +40,7 @@ Vec3 place_of(Kind kind, std::uint32_t x, std::uint32_t y, double z, std::uint32
               std::uint32_t height);
 // ENVI of a plane, whose posts are 10 m apart, else PDS3, of floats in a.dat or a.img.
 std::string label_of(Kind kind, std::uint32_t width, std::uint32_t height);
+// Tiles of such a file; null where a step failed, which is a failure of the test.
+std::shared_ptr<const Tiles> tiles_of(Kind kind, const std::string& data, const std::string& label);
 
 }  // namespace panwright::terrain::testing_support

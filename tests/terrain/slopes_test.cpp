@@ -12,7 +12,6 @@
 namespace panwright::terrain::slopes_test {
 namespace {
 
-using support::TemporaryFolder;
 using testing_support::bytes_of;
 using testing_support::Kind;
 using testing_support::label_of;
@@ -39,21 +38,8 @@ Made made(Kind kind, std::uint32_t width, std::uint32_t height, const Heights& h
       out.z.push_back(static_cast<float>(heights(x, y)));
       data += bytes_of(out.z.back(), false);
     }
-  const TemporaryFolder folder;
-  const bool plane = kind == Kind::plane;
-  (void)folder.write(plane ? "a.dat" : "a.img", data);
-  const std::string path = folder.write(plane ? "a.hdr" : "a.lbl", label_of(kind, width, height));
-  DiagnosticLog log;
-  DemOptions reading;
-  reading.unit = 1;
-  reading.quantity = Quantity::height;
-  const auto dem = Dem::open(path, reading, log);
-  EXPECT_TRUE(dem) << to_text(log);
-  if (!dem) return out;
-  EXPECT_TRUE(write_tiles({&*dem, 1}, folder / "a.pan", {}, log)) << to_text(log);
-  auto tiles = Tiles::open(folder / "a.pan", log);
-  EXPECT_TRUE(tiles) << to_text(log);
-  if (tiles) out.ground.emplace(std::make_shared<const Tiles>(*std::move(tiles)));
+  if (auto tiles = tiles_of(kind, data, label_of(kind, width, height)))
+    out.ground.emplace(std::move(tiles));
   return out;
 }
 
