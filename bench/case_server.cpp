@@ -19,12 +19,13 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <future>
-#include <iterator>
+#include <memory>
 #include <optional>
+#include <span>
 #include <thread>
 
-#include "base/heap.h"
 #include "bench/bench.h"
 #include "server/server.h"
 #include "workspace/workspace.h"
@@ -102,18 +103,21 @@ double range_error(const Bytes& reply, const image::Image& image, const Vec3& ca
 }
 
 // Against an encoding of its own: half a code of rounding.
-double code_error(const Bytes& reply, const image::Image& image) {
-  const std::size_t values = 3 * image.pixels();
+double code_error(const Bytes& reply, std::span<const float> radiance) {
+  const std::size_t values = radiance.size();
   double worst = 0;
   for (std::size_t i = 0; i < values; ++i) {
-    const double value = std::clamp(kPi * static_cast<double>(image.radiance[i]), 0.0, 1.0) * 255;
+    const double value = std::clamp(kPi * static_cast<double>(radiance[i]), 0.0, 1.0) * 255;
     worst = std::max(worst, std::fabs(value - reply[reply.size() - values + i]));
   }
   return worst;
 }
 
-void run_server(Context& context) {
-  share_heap();  // before threads of the server begin, as in its own process
+std::size_t image_bytes(std::uint32_t side) {
+  return 8 + fmt::format("P6\n{} {}\n255\n", side, side).size() + std::size_t{3} * side * side;
+}
+
+void run_look_ups(Context& context) {
   const std::uint32_t side = context.quick() ? 64 : 1024;
   const auto model = context.source("examples/servicer/servicer.pxn");
   if (model.empty()) return context.note("no servicer: the rows are missing");
@@ -128,9 +132,6 @@ void run_server(Context& context) {
   settings.fov = 40 * kDegree;
   settings.samples = 1u;
   settings.sun = Vec3(1, -0.7, 0.6);
-  workspace::View view(settings);
-  view.settings.targets = options.stage.targets;
-  view.settings.outputs = {(context.scratch() / "view.npy").string()};
 
   const Job job{JobOptions{}};
   std::promise<std::uint16_t> port;
@@ -140,19 +141,6 @@ void run_server(Context& context) {
     if (!server::serve(options, server_log, job)) port.set_value(0);  // before it was ready
   });
   Wire wire(port.get_future().get());
-  workspace::ViewSession session(options.stage.open, preview::ContextKind::automatic);
-  const std::size_t bytes =
-      8 + fmt::format("P6\n{} {}\n255\n", side, side).size() + std::size_t{3} * side * side;
-  const Bytes get_image = WireWriter().word(1).take();
-  std::vector<double> beyond;
-  Bytes image;
-  for (int k = -1; k < context.runs(); ++k) {
-    const double start = processor_seconds_of_all();
-    image = wire.ask(get_image, bytes);
-    const double middle = processor_seconds_of_all();
-    (void)session.run(std::span(&view, 1), {}, log);
-    if (k >= 0) beyond.push_back(1e3 * (2 * middle - start - processor_seconds_of_all()));
-  }
   const Bytes points = points_request(side);
   Bytes reply;
   const Timing look_ups = timed([&] { reply = wire.ask(points, 8 + kPoints * kPointBytes); }, 20);
@@ -162,26 +150,14 @@ void run_server(Context& context) {
   auto stage = server::Stage::open(options.stage, log, {});
   if (!good || !stage) return context.note("no OpenGL: the rows are missing");
   const auto camera = (*stage)->camera_of((*stage)->initial(), 0);
-  const auto drawn = (*stage)->draw((*stage)->initial(), *camera, nullptr, true, log, {});
-  if (!drawn) return context.note("no OpenGL: the rows are missing");
-  const double codes = code_error(image, drawn->image);
-  context.add({.case_name = "server",
-               .setting = fmt::format("GetImage {}x{} beyond render --views -, servicer at 15 m",
-                                      side, side),
-               .speed = median_of(beyond),
-               .speed_unit = "ms of processors",
-               .error = codes,
-               .error_unit = "codes",
-               .reference = "radiance of the image",
-               .reference_error = 1e-5,
-               .runs = context.runs(),
-               .must = 5,
-               .must_is_least = false,
-               .must_error = 0.501});
+  image::Image drawn;
+  const auto keep = [&](server::Drawing& drawing) { drawn = std::move(drawing.image); };
+  if (!(*stage)->draw((*stage)->initial(), *camera, nullptr, true, keep, log, {}))
+    return context.note("no OpenGL: the rows are missing");
   Row row{.case_name = "server",
           .setting = fmt::format("LookupPoints, {} points a request", kPoints),
           .speed_unit = "requests/s",
-          .error = range_error(reply, drawn->image, camera->position),
+          .error = range_error(reply, drawn, camera->position),
           .error_unit = "relative range",
           .reference = "layer of ranges, float",
           .reference_error = 1e-6,
@@ -300,81 +276,145 @@ int connected(const std::string& path) {
   return out;
 }
 
-// Images by shared memory against files in memory, in turn.
-void run_shared(Context& context) {
-  const std::uint32_t side = context.quick() ? 64 : 1024;
-  const auto program = context.program("panwright");
-  const auto model = context.source("examples/servicer/servicer.pxn");
-  std::string folder = "/dev/shm/pw-bench-XXXXXX";
-  if (program.empty() || model.empty() || ::mkdtemp(folder.data()) == nullptr)
-    return context.note("no program, servicer or /dev/shm: the row of shared memory is missing");
-  const std::string file = folder + "/frame.npy", wire = folder + "/wire";
-  const std::string size = fmt::format("{0}x{0}", side);
-  const std::vector<std::string> common = {model.string(), "--size", size,    "--fov",     "40",
-                                           "--samples",    "1",      "--sun", "1 -0.7 0.6"};
-  const auto words = [&](const char* first, std::vector<std::string> more) {
-    more.insert(more.begin(), common.begin(), common.end());
-    more.insert(more.begin(), first);
-    return more;
-  };
-  std::vector<double> beyond;
-  double different = 0;
-  bool good = true;
-  {
-    Process views(program, words("render", {"--views", "-"}));
-    Process server(program, words("serve", {"--json-lines", "--socket", wire}));
-    good = !line_of(server.to(), server.from(), {}).empty();
-    const int socket = connected(wire);
-    Mapped mapped;
-    for (int k = -2; good && k < 2 * context.runs(); ++k) {
-      const std::string camera = fmt::format("{{\"camera\":[9,-9,{}],", 8 + 0.001 * k);
-      const double before_view = views.processor_seconds();
-      good = member_of(line_of(views.to(), views.from(), camera + "\"output\":\"" + file + "\"}"),
-                       "ok") == "true";
-      const double before = server.processor_seconds(), own = processor_seconds_of_all();
-      const double by_file = views.processor_seconds() - before_view;
-      const std::string answer = line_of(socket, socket, camera + "\"image\":\"shared\"}");
-      const std::string offset = member_of(answer, "offset");
-      // its own name, not that of the view
-      const std::size_t shared = answer.find("\"shared\":");
-      const char* const pixels =
-          offset.empty() || shared == answer.npos
-              ? nullptr
-              : mapped.at(member_of(answer.substr(shared), "name"), std::stoull(offset));
-      const double by_memory =
-          server.processor_seconds() - before + processor_seconds_of_all() - own;
-      good = good && pixels != nullptr;
-      if (!good) break;
-      if (k >= 0) beyond.push_back(1e3 * (by_memory - by_file));
-      std::ifstream in(file, std::ios::binary);
-      const std::string bytes((std::istreambuf_iterator<char>(in)), {});
-      const std::size_t count = std::size_t{12} * side * side;
-      if (bytes.size() < count ||
-          std::memcmp(bytes.data() + bytes.size() - count, pixels, count) != 0)
-        ++different;
-    }
-    ::close(socket);
+// Processor time of answers beyond that of files in memory, in turn, in ms.
+class Comparison {
+ public:
+  // Null: one of the two is not there.
+  Comparison(Context& context, std::vector<std::string> server)
+      : side_(context.quick() ? 64 : 1024), runs_(2 * context.runs()) {
+    const auto program = context.program("panwright");
+    const auto model = context.source("examples/servicer/servicer.pxn");
+    if (program.empty() || model.empty() || ::mkdtemp(folder_.data()) == nullptr) return;
+    const auto words = [&](std::vector<std::string> first) {
+      first.insert(first.end(),
+                   {model.string(), "--size", fmt::format("{0}x{0}", side_), "--fov", "40",
+                    "--samples", "1", "--sun", "1 -0.7 0.6", "--camera", "9 -9 8"});
+      return first;
+    };
+    views_ = std::make_unique<Process>(program, words({"render", "--views", "-"}));
+    server.insert(server.begin(), "serve");
+    if (server.back() == "--socket") server.push_back(wire());
+    server_ = std::make_unique<Process>(program, words(server));
+    greeting_ = line_of(server_->to(), server_->from(), {});
   }
-  std::error_code ignored;
-  std::filesystem::remove_all(folder, ignored);
-  if (!good) return context.note("no OpenGL: the row of shared memory is missing");
-  context.add({.case_name = "server",
-               .setting = fmt::format("shared memory {}x{} beyond render --views - to /dev/shm, "
-                                      "servicer at 15 m",
-                                      side, side),
-               .speed = median_of(beyond),
-               .speed_unit = "ms of processors",
-               .error = different,
-               .error_unit = "images that differ",
-               .reference = "bytes of the files",
-               .runs = static_cast<int>(beyond.size()),
-               .must = 1,
-               .must_is_least = false,
-               .must_error = 0.5});
+  ~Comparison() {
+    views_.reset();
+    server_.reset();
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  Comparison(const Comparison&) = delete;
+  Comparison& operator=(const Comparison&) = delete;
+
+  std::uint32_t side() const { return side_; }
+  std::string wire() const { return folder_ + "/wire"; }
+  const std::string& greeting() const { return greeting_; }  // of the server; empty: there is none
+
+  // Asks for each image first as a file, then of the server.
+  //
+  //   ask    false: no answer
+  //   check  of the floats of the file
+  // Returns one value a run; none: an answer was missing.
+  std::vector<double> run(const std::function<bool()>& ask,
+                          const std::function<void(std::span<const float>)>& check) {
+    std::vector<double> beyond;
+    const std::string file = folder_ + "/frame.npy", view = "{\"output\":\"" + file + "\"}";
+    std::vector<float> radiance(std::size_t{3} * side_ * side_);
+    for (int k = -2; k < runs_; ++k) {
+      const double before_view = views_->processor_seconds();
+      if (member_of(line_of(views_->to(), views_->from(), view), "ok") != "true") return {};
+      const double before = server_->processor_seconds(), own = processor_seconds_of_all();
+      const double by_file = views_->processor_seconds() - before_view;
+      if (!ask()) return {};
+      const double by_server =
+          server_->processor_seconds() - before + processor_seconds_of_all() - own;
+      if (k >= 0) beyond.push_back(1e3 * (by_server - by_file));
+      std::ifstream in(file, std::ios::binary);
+      const auto size = static_cast<std::streamoff>(radiance.size() * sizeof(float));
+      in.seekg(-size, std::ios::end);
+      if (!in.read(reinterpret_cast<char*>(radiance.data()), size)) return {};
+      check(radiance);
+    }
+    return beyond;
+  }
+
+ private:
+  std::uint32_t side_;
+  int runs_;
+  std::string folder_ = "/dev/shm/pw-bench-XXXXXX";
+  std::unique_ptr<Process> views_, server_;
+  std::string greeting_;
+};
+
+void add_row(Context& context, const Comparison& comparison, const char* what,
+             std::vector<double> beyond, Row row) {
+  if (beyond.empty()) return context.note(std::string(what) + ": no OpenGL, the row is missing");
+  row.case_name = "server";
+  row.setting = fmt::format("{} {}x{} beyond render --views - to /dev/shm, servicer at 15 m", what,
+                            comparison.side(), comparison.side());
+  row.runs = static_cast<int>(beyond.size());
+  row.speed = median_of(std::move(beyond));
+  row.speed_unit = "ms of processors";
+  row.must_is_least = false;
+  context.add(row);
+}
+
+void run_wire(Context& context) {
+  Comparison comparison(context, {"--port", "0"});
+  const std::size_t colon = comparison.greeting().rfind(':');
+  const int port =
+      colon == std::string::npos ? 0 : std::atoi(comparison.greeting().c_str() + colon + 1);
+  Wire wire(static_cast<std::uint16_t>(port));
+  double codes = 0;
+  Bytes image;
+  const auto ask = [&] {
+    image = wire.ask(WireWriter().word(1).take(), image_bytes(comparison.side()));
+    return wire.good();
+  };
+  const auto check = [&](std::span<const float> radiance) {
+    codes = std::max(codes, code_error(image, radiance));
+  };
+  auto beyond = comparison.run(ask, check);
+  add_row(context, comparison, "GetImage", std::move(beyond),
+          {.error = codes,
+           .error_unit = "codes",
+           .reference = "radiance of the file",
+           .reference_error = 1e-5,
+           .must = 5,
+           .must_error = 0.501});
+}
+
+void run_shared(Context& context) {
+  Comparison comparison(context, {"--json-lines", "--socket"});
+  const int socket = connected(comparison.wire());
+  Mapped mapped;
+  const char* pixels = nullptr;
+  double different = 0;
+  const auto ask = [&] {
+    const std::string answer = line_of(socket, socket, "{\"image\":\"shared\"}");
+    const std::string offset = member_of(answer, "offset");
+    // its own name, not that of the view
+    const std::size_t shared = answer.find("\"shared\":");
+    if (offset.empty() || shared == answer.npos) return false;
+    pixels = mapped.at(member_of(answer.substr(shared), "name"), std::stoull(offset));
+    return pixels != nullptr;
+  };
+  const auto check = [&](std::span<const float> radiance) {
+    if (std::memcmp(radiance.data(), pixels, radiance.size_bytes()) != 0) ++different;
+  };
+  auto beyond = comparison.run(ask, check);
+  ::close(socket);
+  add_row(context, comparison, "shared memory", std::move(beyond),
+          {.error = different,
+           .error_unit = "images that differ",
+           .reference = "bytes of the files",
+           .must = 1,
+           .must_error = 0.5});
 }
 
 void run(Context& context) {
-  run_server(context);
+  run_wire(context);
+  run_look_ups(context);
   run_shared(context);
 }
 

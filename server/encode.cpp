@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -30,6 +31,18 @@ std::span<std::uint8_t> begin_image(WireWriter& out, const std::string& header, 
 
 std::uint8_t code_of(float value) {
   return static_cast<std::uint8_t>(std::min(std::max(value, 0.0f), 1.0f) * 255.0f + 0.5f);
+}
+
+// In groups of a constant size, which compilers make vectors of.
+void write_codes(const float* from, float scale, std::span<std::uint8_t> to) {
+  constexpr std::size_t kGroup = 32;
+  std::size_t at = 0;
+  for (; at + kGroup <= to.size(); at += kGroup) {
+    std::array<std::uint8_t, kGroup> codes;  // apart: bytes may be those of the floats
+    for (std::size_t i = 0; i < kGroup; ++i) codes[i] = code_of(from[at + i] * scale);
+    std::memcpy(&to[at], codes.data(), kGroup);
+  }
+  for (; at < to.size(); ++at) to[at] = code_of(from[at] * scale);
 }
 
 void append_numbers(const image::Image& image, bool header, WireWriter& out) {
@@ -118,7 +131,7 @@ void append_image(const Drawing& drawing, const WireImages& images, WireWriter& 
     if (images.grey)
       for (std::size_t i = begin; i < end; ++i) bytes[i] = code_of(mean_of(from + 3 * i) * scale);
     else
-      for (std::size_t i = begin; i < end; ++i) bytes[i] = code_of(from[i] * scale);
+      write_codes(from + begin, scale, bytes.subspan(begin, end - begin));
   });
 }
 

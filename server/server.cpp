@@ -91,7 +91,8 @@ class PanguAnswerer final : public Answerer {
     stage_ = *std::move(stage);
     // the first image makes the context and uploads models
     const auto camera = stage_->camera_of(stage_->initial(), 0);
-    return bool(stage_->draw(stage_->initial(), *camera, nullptr, false, log_, job_));
+    return stage_->draw(
+        stage_->initial(), *camera, nullptr, false, [](Drawing&) {}, log_, job_);
   }
 
   void begin(std::uint64_t client) override {

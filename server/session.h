@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -68,6 +69,8 @@ class Session {
   Bytes snapshot(WireReader& in, const Job& job);
   Bytes radar(WireReader& in, const Job& job);
   Bytes image_of(std::uint32_t camera, const Job& job);
+  void draw(const world::Camera& camera, const Lens* lens, bool ranges,
+            const std::function<void(Drawing&)>& use, const Job& job);
   Bytes image_at(const world::Camera& camera, const Lens* lens, const Job& job);
   Bytes range_image(double offset, double scale, const Job& job);
   Bytes camera_properties(std::uint32_t camera) const;

@@ -37,21 +37,26 @@ WireWriter doubles_reply(std::span<const double> values, bool valid) {
 
 }  // namespace
 
+void Session::draw(const world::Camera& camera, const Lens* lens, bool ranges,
+                   const std::function<void(Drawing&)>& use, const Job& job) {
+  if (stage_.draw(state(), camera, lens, ranges, use, log_, job)) return;
+  if (job.cancelled()) throw Cancelled();
+  throw RequestError{WireError::drawing, log_.entries().empty() ? "the image cannot be drawn"
+                                                                : log_.entries()[0].message};
+}
+
 Bytes Session::image_at(const world::Camera& camera, const Lens* lens, const Job& job) {
   const auto begin = std::chrono::steady_clock::now();
   const bool fog = state().fog.mode != FogMode::none;
   state_->image_time = state().time;
-  auto drawing = stage_.draw(state(), camera, lens, fog, log_, job);
-  if (!drawing) {
-    if (job.cancelled()) throw Cancelled();
-    throw RequestError{WireError::drawing, log_.entries().empty() ? "the image cannot be drawn"
-                                                                  : log_.entries()[0].message};
-  }
-  add_sky_and_fog(state(), drawing->white, drawing->image, job);
   WireWriter out;
-  append_image(*drawing, options_.images, out, job);
-  if (options_.shown)
-    options_.shown(*std::move(drawing), camera, state().world, state().time, seconds_since(begin));
+  const auto encode = [&](Drawing& drawing) {
+    add_sky_and_fog(state(), drawing.white, drawing.image, job);
+    append_image(drawing, options_.images, out, job);
+    if (options_.shown)
+      options_.shown(std::move(drawing), camera, state().world, state().time, seconds_since(begin));
+  };
+  draw(camera, lens, fog, encode, job);
   return out.take();
 }
 
@@ -63,18 +68,18 @@ Bytes Session::image_of(std::uint32_t number, const Job& job) {
 Bytes Session::range_image(double offset, double scale, const Job& job) {
   const auto camera = stage_.camera_of(state(), state().camera);
   if (!camera) return empty_image();
-  auto drawing = stage_.draw(state(), *camera, nullptr, true, log_, job);
-  if (!drawing)
-    throw RequestError{WireError::drawing, log_.entries().empty() ? "the image cannot be drawn"
-                                                                  : log_.entries()[0].message};
-  std::vector<std::uint8_t> greys(drawing->image.pixels());
-  for (std::size_t i = 0; i < greys.size(); ++i) {
-    const double range = drawing->image.range[i];
-    const double place = std::isfinite(range) ? std::clamp((range - offset) * scale, 0.0, 1.0) : 1;
-    greys[i] = static_cast<std::uint8_t>(place * (kTextureWidth - 1));
-  }
   WireWriter out;
-  append_greys(greys, camera->width, camera->height, options_.images, out);
+  const auto encode = [&](Drawing& drawing) {
+    std::vector<std::uint8_t> greys(drawing.image.pixels());
+    for (std::size_t i = 0; i < greys.size(); ++i) {
+      const double range = drawing.image.range[i];
+      const double place =
+          std::isfinite(range) ? std::clamp((range - offset) * scale, 0.0, 1.0) : 1;
+      greys[i] = static_cast<std::uint8_t>(place * (kTextureWidth - 1));
+    }
+    append_greys(greys, camera->width, camera->height, options_.images, out);
+  };
+  draw(*camera, nullptr, true, encode, job);
   return out.take();
 }
 

@@ -218,8 +218,9 @@ bool Stage::add_motion(const State& state, const world::Camera& camera, const Le
   return true;
 }
 
-Result<Drawing> Stage::draw(const State& state, const world::Camera& camera, const Lens* lens,
-                            bool ranges, DiagnosticLog& log, const Job& job) {
+bool Stage::draw(const State& state, const world::Camera& camera, const Lens* lens, bool ranges,
+                 const std::function<void(Drawing& drawing)>& use, DiagnosticLog& log,
+                 const Job& job) {
   world::World world = state.world;
   light_world(state, camera, world);
   workspace::Frame frame;
@@ -231,18 +232,18 @@ Result<Drawing> Stage::draw(const State& state, const world::Camera& camera, con
   if (ranges) layers |= layer_bit(image::FileLayer::range) | layer_bit(image::FileLayer::depth);
   frame.settings.layers = layers;
   if (lens != nullptr && !lens->motion.still() && !add_motion(state, camera, *lens, frame, log))
-    return failed;
-  std::optional<Drawing> out;
+    return false;
+  const double white = max_component(irradiance_of(initial_.world.sun())) *
+                       std::exp2(-*options_.defaults.ev->number);
   workspace::RunOptions options;
   options.context = options_.context;
   options.listener.kept = [&](workspace::Kept& kept) {
     auto& product = std::get<workspace::ImageProduct>(kept.product);
-    out = Drawing{std::move(product.image), 0};
+    Drawing drawing{std::move(product.image), white};
+    use(drawing);
+    product.image = std::move(drawing.image);
   };
-  if (!runner_.run(world, std::span(&frame, 1), options, log, job) || !out) return failed;
-  out->white = max_component(irradiance_of(initial_.world.sun())) *
-               std::exp2(-*options_.defaults.ev->number);
-  return *std::move(out);
+  return bool(runner_.run(world, std::span(&frame, 1), options, log, job));
 }
 
 trace::Scene& Stage::rays(const State& state, const Job& job) {

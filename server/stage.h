@@ -66,14 +66,15 @@ class Stage {
   // Returns a camera with its pose and lens; nothing: there is none of this number.
   std::optional<world::Camera> camera_of(const State& state, std::uint32_t camera) const;
 
-  // Draws an image.
+  // Draws an image and calls `use` with it, which may take it; the memory of one that stays is that
+  // of the next.
   //
   //   camera  as of camera_of()
   //   lens    of it; null: without motion
   //   ranges  true: the image has its layer of ranges
   // Fails: as workspace::Runner.
-  Result<Drawing> draw(const State& state, const world::Camera& camera, const Lens* lens,
-                       bool ranges, DiagnosticLog& log, const Job& job);
+  bool draw(const State& state, const world::Camera& camera, const Lens* lens, bool ranges,
+            const std::function<void(Drawing& drawing)>& use, DiagnosticLog& log, const Job& job);
 
   // Returns rays over the world of a state, until the next call. Throws Cancelled.
   trace::Scene& rays(const State& state, const Job& job);
