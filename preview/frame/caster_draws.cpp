@@ -30,12 +30,7 @@ bool MapLayers::make(const GladGLContext& gl, std::size_t columns, std::size_t r
   block.half_map[0] = static_cast<float>(columns) / 2;
   block.half_map[1] = static_cast<float>(rows) / 2;
   view = make_buffer(gl, &block, sizeof block);
-  for (const GlTexture* texture : {&depths, &slopes}) {
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  }
+  for (const GlTexture* texture : {&depths, &slopes}) set_nearest(gl, texture->id());
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   framebuffer = GlFramebuffer(gl, id);

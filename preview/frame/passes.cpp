@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -223,6 +224,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         if (!model.gpu.decals().empty()) device_.programs.decal();
         const std::uint32_t brdf_model = model.brdf_models.of_material[item.material];
         device_.programs.classes();
+        device_.programs.all_samplers();
         for (std::size_t light = 0; light < scene.lights->passes(); ++light)
           device_.programs.shading(
               model.brdf_models.all[brdf_model], model.layers_for(scene.specular_filter),
@@ -484,11 +486,20 @@ void Passes::shade_target(const FrameScene& scene, const TileTarget& target, uns
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     if (!predicting_ || !one.cells) continue;
     // a draw of its own: a loop in the program would cost every other draw a seventh of its time
-    if (!added) gl_.Enable(GL_BLEND);
     gl_.Uniform4ui(kItemRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 1);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
-    if (!added) gl_.Disable(GL_BLEND);
   }
+}
+
+// Leaves all samplers as those of textures that are read by texels: see all_samplers.frag.
+void Passes::settle_samplers() {
+  std::array<GLint, 16> units;
+  units.fill(static_cast<GLint>(kLayerUnits[kNormalLayer]));
+  const GLuint program = device_.programs.all_samplers();
+  gl_.UseProgram(program);
+  gl_.Uniform1iv(gl_.GetUniformLocation(program, "textures"), units.size(), units.data());
+  gl_.Scissor(0, 0, 0, 0);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
@@ -507,6 +518,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
       gl_.BindTextureUnit(kLayerUnits[layer], g_buffer.colors[layer].id());
   gl_.BindVertexArray(screen_.id());
   gl_.Enable(GL_SCISSOR_TEST);
+  settle_samplers();
   // Where no class is asked for, the depth test leaves nothing to run. Nothing is cleared before:
   // the first target writes the whole window.
   GLuint first_class = 0;
@@ -529,10 +541,11 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   }
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
+  // every draw adds, the first to the black of the classes: software contexts build a program anew
+  // without
+  gl_.Enable(GL_BLEND);
   gl_.BlendFunc(GL_ONE, GL_ONE);
   for (std::size_t light = 0; light < scene.lights->passes(); ++light) {
-    // lamps add to the Sun
-    if (light == 1) gl_.Enable(GL_BLEND);
     for (std::size_t t = 0; t < tile.targets.size(); ++t) {
       const TileTarget& target = tile.targets[t];
       if (!scene.lights->lights(light, target.visible)) continue;

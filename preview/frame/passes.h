@@ -102,6 +102,7 @@ class Passes {
                   const TargetState& state, const PlacedBox& box, std::size_t mesh_index,
                   const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;
+  void settle_samplers();
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
   void shade_target(const FrameScene& scene, const TileTarget& target, unsigned samples,
                     std::uint32_t a_row, GLuint first_class, bool added);

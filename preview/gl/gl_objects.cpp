@@ -98,6 +98,13 @@ bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
   return good;
 }
 
+void set_nearest(const GladGLContext& gl, GLuint texture) {
+  gl.TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
 RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
                                 bool depth, GLsizei width, GLsizei height) {
   RenderTarget target;
@@ -111,15 +118,13 @@ RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum>
     if (color_formats[i] == GL_NONE) continue;
     target.formats[i] = color_formats[i];
     target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);
-    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    set_nearest(gl, target.colors[i].id());
     gl.NamedFramebufferTexture(id, kAttachments[i], target.colors[i].id(), 0);
   }
   gl.NamedFramebufferDrawBuffers(id, static_cast<GLsizei>(color_formats.size()), kAttachments);
   if (depth) {
     target.depth = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, width, height);
-    gl.TextureParameteri(target.depth.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(target.depth.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    set_nearest(gl, target.depth.id());
     gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, target.depth.id(), 0);
   }
   if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) {

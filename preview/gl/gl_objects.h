@@ -99,6 +99,10 @@ struct RenderTarget {
   GLsizei width = 0;  // 0: the context could not create it
   GLsizei height = 0;
 };
+// Of textures that shaders read by texels: all with one state, as software contexts build programs
+// anew for another.
+void set_nearest(const GladGLContext& gl, GLuint texture);
+
 // color_formats: GL_NONE leaves a place empty.
 RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
                                 bool depth, GLsizei width, GLsizei height);

@@ -68,7 +68,7 @@ void Programs::forget(GLuint program) {
   for (auto* few : {&shadow_, &ids_})
     for (GlProgram& one : *few) reset(one);
   for (GlProgram& one : resolve_) reset(one);
-  for (GlProgram* one : {&classes_, &decal_, &bare_, &runs_}) reset(*one);
+  for (GlProgram* one : {&classes_, &all_samplers_, &decal_, &bare_, &runs_}) reset(*one);
 }
 
 bool Programs::settle(std::string* problem) {
@@ -150,6 +150,11 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
 GLuint Programs::classes() {
   if (!classes_) classes_ = requested(screen_vert, std::string(sample_place_glsl) + classes_frag);
   return classes_.id();
+}
+
+GLuint Programs::all_samplers() {
+  if (!all_samplers_) all_samplers_ = requested(screen_vert, all_samplers_frag);
+  return all_samplers_.id();
 }
 
 GLuint Programs::shadow(bool cutout, bool instanced) {

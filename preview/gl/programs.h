@@ -45,6 +45,7 @@ class Programs {
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, Lit lit);
   GLuint classes();
+  GLuint all_samplers();
   GLuint shadow(bool cutout, bool instanced);
   GLuint ids(bool cutout, bool instanced);
   GLuint decal();
@@ -70,6 +71,7 @@ class Programs {
   std::map<unsigned, GlProgram> geometry_;
   std::map<std::pair<materials::BrdfModel, unsigned>, GlProgram> shading_;
   GlProgram classes_;
+  GlProgram all_samplers_;
   std::array<GlProgram, 4> shadow_;
   std::array<GlProgram, 4> ids_;
   GlProgram decal_;

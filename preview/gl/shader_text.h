@@ -14,6 +14,7 @@ extern const char* const shading_frag;
 extern const char* const ids_frag;
 extern const char* const decal_frag;
 extern const char* const bare_frag;
+extern const char* const all_samplers_frag;
 extern const char* const shadow_glsl;
 extern const char* const wide_lobes_glsl;
 extern const char* const planets_glsl;

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#define STBI_NO_SIMD  // GCC refuses its intrinsics without optimisation
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
