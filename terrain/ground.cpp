@@ -35,7 +35,11 @@ struct Ground::State {
     return false;
   }
 
-  std::optional<GroundHit> cast(const TerrainRay& ray, bool any, const GroundLevels* levels) const {
+  // tiles: by chart; empty: those of all levels
+  std::optional<GroundHit> cast(const TerrainRay& ray, bool any, const GroundLevels* levels,
+                                std::span<const GroundBeam::Tile> tiles_of_beam = {},
+                                std::span<const std::size_t> ends = {},
+                                bool leaves_ground = false) const {
     const TreeCache::Use use(trees);
     std::optional<TriangleHit> best;
     std::uint32_t best_chart = 0;
@@ -46,7 +50,14 @@ struct Ground::State {
         return !is_covered(c, ray.origin + hit.distance * ray.direction);
       };
       GroundWalk walk{ray, any, c > 0 ? &accept : nullptr, best ? best->distance : ray.most, {}};
-      charts[c].cast(walk, refined, trees);
+      // where charts overlap the ground has steps
+      walk.leaves_ground = leaves_ground && charts.size() == 1;
+      if (ends.empty()) {
+        charts[c].cast(walk, refined, trees);
+      } else {
+        const std::size_t begin = c > 0 ? ends[c - 1] : 0;
+        charts[c].cast(walk, tiles_of_beam.subspan(begin, ends[c] - begin), trees);
+      }
       if (!walk.best) continue;
       best = walk.best;
       best_chart = c;
@@ -69,10 +80,10 @@ struct Ground::State {
   }
 };
 
-Ground::Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes) {
+Ground::Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes, std::size_t fine_tiles) {
   auto state = std::make_unique<State>(std::move(tiles), tree_bytes);
   for (std::uint32_t c = 0; c < state->tiles->charts().size(); ++c) {
-    state->charts.emplace_back(*state->tiles, c);
+    state->charts.emplace_back(*state->tiles, c, fine_tiles);
     const ChartRecord& chart = state->tiles->charts()[c];
     state->lowest = std::min(state->lowest, std::min(chart.radius, chart.polar_radius) + chart.low);
   }
@@ -118,16 +129,44 @@ GroundLevels Ground::levels(const Vec3& observer, double angle) const {
     const ChartRecord& record = chart.record();
     for (std::uint32_t t = record.first_tile; t < record.first_tile + record.tile_count; ++t) {
       const double reach = angle * chart.distance_to(t, observer);
-      out.refined_[t] = !(double(records[t].error) <= reach && chart.spacing(t) <= reach);
+      out.refined_[t] = !(double(records[t].error) <= reach && chart.spacing(t) <= 2 * reach);
     }
   }
   return out;
 }
 
+std::optional<GroundBeam> Ground::beam(const RayBeam& rays, const GroundLevels* levels) const {
+  GroundBeam out;
+  // more than the places of origins are rounded by
+  const double radius = rays.radius * (1 + 1e-9) + 1e-12 * glm::length(rays.origin);
+  const double angle = rays.angle + 1e-7;
+  constexpr double kWide = 0.5;  // radians
+  if (!(angle < kWide)) return {};
+  out.origin_ = rays.origin;
+  out.axis_ = rays.axis;
+  out.square_ = radius * radius;
+  out.cosine_ = det::cos(angle);
+  out.levels_ = levels;
+  out.leaves_ground_ = rays.leaves_ground;
+  const auto refined =
+      levels ? std::span<const std::uint8_t>(levels->refined_) : std::span<const std::uint8_t>();
+  constexpr std::size_t kMany = 48;
+  for (const ChartSurface& chart : state_->charts) {
+    chart.find({rays.origin, rays.axis, radius, det::sin(angle)}, refined, out.tiles_);
+    if (out.tiles_.size() > kMany) return {};
+    out.ends_.push_back(out.tiles_.size());
+  }
+  out.use_ = std::make_shared<const TreeCache::Use>(state_->trees);
+  return out;
+}
+
 std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& direction, double least,
-                                         double most, const GroundLevels* levels) const {
+                                         double most, const GroundLevels* levels,
+                                         const GroundBeam* beam) const {
   const TerrainRay ray{origin, direction, least, most};
-  auto hit = state_->cast(ray, false, levels);
+  const bool beamed = beam != nullptr && beam->levels_ == levels && beam->holds(origin, direction);
+  auto hit = beamed ? state_->cast(ray, false, levels, beam->tiles_, beam->ends_)
+                    : state_->cast(ray, false, levels);
   if (levels == nullptr) return hit;
   const bool gap = hit ? glm::dot(hit->point.normal, direction) > 0 : state_->goes_below(ray);
   return gap ? state_->cast(ray, false, nullptr) : hit;
@@ -153,8 +192,12 @@ std::optional<GroundHit> Ground::closest(const Vec3& point, double most) const {
 }
 
 bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,
-                        const GroundLevels* levels) const {
-  return state_->cast({origin, direction, least, most}, true, levels).has_value();
+                        const GroundLevels* levels, const GroundBeam* beam) const {
+  const TerrainRay ray{origin, direction, least, most};
+  const bool beamed = beam != nullptr && beam->levels_ == levels && beam->holds(origin, direction);
+  return (beamed ? state_->cast(ray, true, levels, beam->tiles_, beam->ends_, beam->leaves_ground_)
+                 : state_->cast(ray, true, levels))
+      .has_value();
 }
 
 std::size_t Ground::tree_bytes() const { return state_->trees.bytes(); }

@@ -37,7 +37,8 @@ struct SmoothGround {
 };
 
 // Slopes of level 0 about a point of coarser triangles, which these leave out: over two by two of
-// their cells.
+// their cells. Of level 2 of large charts four such squares have the moments of their sixteen cells
+// together, divided by their own posts.
 struct GroundRelief {
   Vec3 right{0}, down{0}, up{0};  // unit, body-fixed: along the map, and vertical; 0: none
   double p = 0, q = 0;            // means, to the right and down
@@ -59,16 +60,55 @@ class GroundLevels {
   std::vector<std::uint8_t> refined_;  // by tile
 };
 
+// Rays that start near a place, in similar directions.
+struct RayBeam {
+  Vec3 origin{0};     // the place
+  double radius = 0;  // metres: of origins about it
+  Vec3 axis{0};       // unit
+  double angle = 0;   // radians, between directions and the axis
+  // They start on the ground or above it: those that rise faster than it can are not blocked, nor
+  // are those that come up through a gap between levels.
+  bool leaves_ground = false;
+};
+
+// Tiles of a Ground that the rays of a beam may meet. It stays on its thread, and keeps trees in
+// memory: for some thousand rays.
+class GroundBeam {
+ public:
+  struct Tile {
+    double entry;  // metres: no ray meets it before
+    std::uint32_t tile;
+  };
+
+ private:
+  friend class Ground;
+  bool holds(const Vec3& origin, const Vec3& direction) const {
+    const Vec3 off = origin - origin_;
+    return glm::dot(off, off) <= square_ && glm::dot(direction, axis_) >= cosine_;
+  }
+  Vec3 origin_{0}, axis_{0};
+  double square_ = 0;  // of the radius
+  double cosine_ = 1;
+  bool leaves_ground_ = false;
+  const GroundLevels* levels_ = nullptr;
+  std::shared_ptr<const void> use_;  // of the trees
+  std::vector<Tile> tiles_;          // by chart, then from the nearest
+  std::vector<std::size_t> ends_;    // by chart, in tiles_
+};
+
 // Terrain, ready for questions. Thread-safe. Damaged tiles have no ground.
 //
 // Rays go through a tree of boxes of each tile, which is made when the first ray comes to it.
 class Ground {
  public:
   static constexpr std::size_t kTreeBytes = std::size_t{1} << 29;
+  static constexpr std::size_t kFineTiles = 1024;  // 270 MB
   // tree_bytes: memory of trees, above which those that were not used for longest are dropped; the
-  // rays under way need some more.
+  // rays under way need some more. fine_tiles: of charts with more tiles of level 0, relief of
+  // level 2 does not look at these.
   // Cost: O(tiles, columns and rows of posts).
-  explicit Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes = kTreeBytes);
+  explicit Ground(std::shared_ptr<const Tiles> tiles, std::size_t tree_bytes = kTreeBytes,
+                  std::size_t fine_tiles = kFineTiles);
   ~Ground();
   Ground(Ground&&) noexcept;
 
@@ -92,20 +132,28 @@ class Ground {
   GroundRelief relief(const GroundPoint& point) const;
 
   // Levels for rays from an observer: of each tile the coarsest whose triangles lie within an angle
-  // of those of level 0 for the observer (radians), and whose posts are no further apart.
+  // of those of level 0 (radians). Posts are at most twice that apart.
   //
   // Cost: O(tiles).
   GroundLevels levels(const Vec3& observer, double angle) const;
+
+  // Tiles that rays of a beam may meet: nearest() and is_blocked() of such rays, with the same
+  // levels, begin there instead of at the top. None where these are many.
+  //
+  // Expects: levels that stay where they are. Cost: that of a few rays.
+  std::optional<GroundBeam> beam(const RayBeam& rays, const GroundLevels* levels) const;
 
   // First point of a ray between two distances from its origin; from either side. Where charts
   // overlap, the first with a height counts, and its border is open by the difference of heights.
   //
   //   levels  null: level 0. A ray that comes below the ground has met a gap between levels, and is
   //           answered by level 0
+  //   beam    null: none. Of a ray that is not of the beam it does not count
   // Expects: a direction of length 1. Cost: about a microsecond, once the trees are there.
   std::optional<GroundHit> nearest(const Vec3& origin, const Vec3& direction, double least = 0,
                                    double most = std::numeric_limits<double>::infinity(),
-                                   const GroundLevels* levels = nullptr) const;
+                                   const GroundLevels* levels = nullptr,
+                                   const GroundBeam* beam = nullptr) const;
   // Point of the ground nearest to a point, from any side, and its distance; none: none is nearer
   // than `most`. Of charts that overlap, points that an earlier one covers do not count.
   //
@@ -114,7 +162,7 @@ class Ground {
                                    double most = std::numeric_limits<double>::infinity()) const;
   // Returns whether anything stands between two distances; quicker than nearest().
   bool is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,
-                  const GroundLevels* levels = nullptr) const;
+                  const GroundLevels* levels = nullptr, const GroundBeam* beam = nullptr) const;
   // Bytes of the trees that are there.
   std::size_t tree_bytes() const;
 

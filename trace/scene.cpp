@@ -287,13 +287,13 @@ void Scene::visit(const Ray& ray, const double& limit, const Look& look) const {
 }
 
 // Sets a nearer hit on the terrain of a target.
-void Scene::meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best,
-                        double& limit) const {
+void Scene::meet_ground(std::uint32_t target, const geometry::Ray& ray, const GroundBeams* beams,
+                        Hit& best, double& limit) const {
   const terrain::Ground* ground = targets_[target].target->ground();
   if (ground == nullptr) return;
   const auto& levels = ground_levels_[target];
   const auto hit = ground->nearest(ray.origin, ray.direction, ray.min_distance, limit,
-                                   levels ? &*levels : nullptr);
+                                   levels ? &*levels : nullptr, beam_of(beams, target));
   if (!hit || (best && hit->distance >= best.distance)) return;
   best = {};
   best.distance = limit = hit->distance;
@@ -334,7 +334,7 @@ Hit Scene::closest(const Ray& ray, Insides insides) const {
               0};
       limit = hit->distance;
     }
-    meet_ground(target, there, best, limit);
+    meet_ground(target, there, nullptr, best, limit);
     return false;
   };
   if (visible_.size() == 1)
@@ -418,30 +418,52 @@ void Scene::report_damaged(DiagnosticLog& log) const {
       ground->tiles().report_damaged(log);
 }
 
-Hit Scene::nearest_ground(const Ray& ray) const {
+Hit Scene::nearest_ground(const Ray& ray, const GroundBeams* beams) const {
   Hit best;
   double limit = ray.max_distance;
   for (const std::uint32_t target : visible_)
     if (targets_[target].target->ground() != nullptr)
-      meet_ground(target, local(ray, target), best, limit);
+      meet_ground(target, local(ray, target), beams, best, limit);
   return best;
 }
 
-bool Scene::is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray) const {
+GroundBeams Scene::ground_beams(const terrain::RayBeam& rays, std::uint32_t frame) const {
+  GroundBeams out;
+  out.beams_.resize(targets_.size());
+  for (const std::uint32_t target : visible_) {
+    const terrain::Ground* ground = targets_[target].target->ground();
+    if (ground == nullptr) continue;
+    const geometry::Ray axis = local({{rays.origin, rays.axis}, frame}, target);
+    const auto& levels = ground_levels_[target];
+    out.beams_[target] =
+        ground->beam({axis.origin, rays.radius, axis.direction, rays.angle, rays.leaves_ground},
+                     levels ? &*levels : nullptr);
+  }
+  return out;
+}
+
+const terrain::GroundBeam* Scene::beam_of(const GroundBeams* beams, std::uint32_t target) {
+  return beams != nullptr && beams->beams_[target] ? &*beams->beams_[target] : nullptr;
+}
+
+bool Scene::is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray,
+                                 const GroundBeams* beams) const {
   const terrain::Ground* ground = targets_[target].target->ground();
   const auto& levels = ground_levels_[target];
-  return ground != nullptr && ground->is_blocked(ray.origin, ray.direction, ray.min_distance,
-                                                 ray.max_distance, levels ? &*levels : nullptr);
+  return ground != nullptr &&
+         ground->is_blocked(ray.origin, ray.direction, ray.min_distance, ray.max_distance,
+                            levels ? &*levels : nullptr, beam_of(beams, target));
 }
 
 bool Scene::meets_ground(std::uint32_t target, const Ray& ray) const {
-  return is_blocked_by_ground(target, local(ray, target));
+  return is_blocked_by_ground(target, local(ray, target), nullptr);
 }
 
-bool Scene::any(const Ray& ray, Insides insides) const {
+bool Scene::any(const Ray& ray, Insides insides, const GroundBeams* beams) const {
   assert(is_sound(ray, targets_.size()));
   const auto blocks = [&](std::uint32_t target, const geometry::Ray& there) {
-    return targets_[target].target->any(there, insides) || is_blocked_by_ground(target, there);
+    return targets_[target].target->any(there, insides) ||
+           is_blocked_by_ground(target, there, beams);
   };
   if (visible_.size() == 1) return blocks(visible_[0], local(ray, visible_[0]));
   bool found = false;

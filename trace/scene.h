@@ -129,6 +129,13 @@ class Target {
   bool has_holes_ = false;
 };
 
+// Tiles of terrain that rays of a beam may meet, by target.
+class GroundBeams {
+ private:
+  friend class Scene;
+  std::vector<std::optional<terrain::GroundBeam>> beams_;
+};
+
 struct SceneOptions {
   // Metres, of a pixel or a beam on the targets: instances have the level of detail for it, as
   // images do. 0: their own meshes, the finest.
@@ -189,11 +196,16 @@ class Scene {
   // Expects: a finite ray of unit direction; a frame of the world. Cost: O(log T), expected.
   Hit nearest(const Ray& ray, Insides insides = Insides::pass) const;
   // The same of terrain alone.
-  Hit nearest_ground(const Ray& ray) const;
+  Hit nearest_ground(const Ray& ray, const GroundBeams* beams = nullptr) const;
+  // Prepares answers to the rays of a beam of a frame as Ray::frame, which are quicker then.
+  //
+  // Expects: used before the next update.
+  GroundBeams ground_beams(const terrain::RayBeam& rays, std::uint32_t frame) const;
   // Returns whether a ray meets the terrain of a target.
   bool meets_ground(std::uint32_t target, const Ray& ray) const;
   // Returns true if nearest() has a hit, faster.
-  bool any(const Ray& ray, Insides insides = Insides::pass) const;
+  bool any(const Ray& ray, Insides insides = Insides::pass,
+           const GroundBeams* beams = nullptr) const;
 
   // The same for many rays on the threads of a job, as one by one.
   //
@@ -228,8 +240,11 @@ class Scene {
  private:
   std::shared_ptr<const Model> model_of(const world::ModelPtr& model, const Job& job);
   void place_targets();
-  void meet_ground(std::uint32_t target, const geometry::Ray& ray, Hit& best, double& limit) const;
-  bool is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray) const;
+  void meet_ground(std::uint32_t target, const geometry::Ray& ray, const GroundBeams* beams,
+                   Hit& best, double& limit) const;
+  bool is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray,
+                            const GroundBeams* beams) const;
+  static const terrain::GroundBeam* beam_of(const GroundBeams* beams, std::uint32_t target);
   Hit closest(const Ray& ray, Insides insides) const;
   void closest_of_bundle(std::span<const Ray> rays, std::span<Hit> hits) const;
   geometry::Ray local(const Ray& ray, std::uint32_t target) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/axis_box.h"
 #include "base/parallel.h"
 #include "preview/reference/internal/path.h"
 #include "preview/reference/internal/trace_scene.h"
@@ -57,13 +58,17 @@ struct GroundView {
     Vec3 before{0}, behind{0};  // radiance
     double before_share = 0, behind_share = 0;
   };
+  // Ray of a pixel, and what it meets.
+  struct Sample {
+    trace::Ray ray;
+    trace::Hit hit;
+    std::uint32_t column, row, number;
+    Vec2 sun;  // place on the disc
+  };
 
-  Sums pixel(std::uint32_t column, std::uint32_t row, double depth) const {
-    Sums sums;
+  void add_samples(std::uint32_t column, std::uint32_t row, std::vector<Sample>& out) const {
     const std::uint32_t side = options.samples, count = side * side;
-    const std::uint32_t number = row * camera.width + column;
-    const std::array<double, 4> turn = numbers({number, 0, 0, 0}, 0);
-    RayCounts counts;
+    const std::array<double, 4> turn = numbers({row * camera.width + column, 0, 0, 0}, 0);
     for (std::uint32_t k = 0; k < count; ++k) {
       // steps of a plane-filling sequence
       const auto step = [&](double at, double by) {
@@ -76,24 +81,112 @@ struct GroundView {
                                                  step(turn[3], 0.5698402909980532));
       const auto ray = view_ray(camera, place);
       if (!ray) continue;
-      const trace::Hit hit = scene.rays().nearest_ground({*ray, trace::Ray::kObserver});
-      if (!hit) continue;
+      out.push_back({{*ray, trace::Ray::kObserver},
+                     {},
+                     column,
+                     row,
+                     k,
+                     {step(turn[0], 0.7548776662466927), step(turn[1], 0.5698402909980532)}});
+    }
+  }
+
+  // Beams of the rays to the Sun from where samples meet terrain: of the target of the first.
+  trace::GroundBeams sun_beams(std::span<const Sample> samples) const {
+    AxisBox box;
+    std::optional<std::uint32_t> target;
+    for (const Sample& sample : samples) {
+      if (!sample.hit) continue;
+      if (!target) target = sample.hit.target;
+      if (sample.hit.target == *target) box.add(sample.hit.position);
+    }
+    if (!target) return {};
+    const Sun& sun = suns[*target];
+    // they start beside these places
+    const double radius = 1 + 0.55 * box.diagonal();
+    return scene.rays().ground_beams({box.centre(), radius, sun.centre(), 1.001 * sun.sine(), true},
+                                     *target);
+  }
+
+  Sums pixel(std::span<const Sample> samples, double depth, const PathOptions& lit) const {
+    Sums sums;
+    const double count = options.samples * options.samples;
+    RayCounts counts;
+    for (const Sample& sample : samples) {
+      if (!sample.hit) continue;
       FirstRandoms first;
-      first.sun = {step(turn[0], 0.7548776662466927), step(turn[1], 0.5698402909980532)};
-      const Vec3 light =
-          traced_from(scene, suns, bodies, hit, first, {number, 0, k, 0}, path, counts).radiance;
-      const bool before = ray->origin.z + hit.distance * ray->direction.z < depth;
-      (before ? sums.before : sums.behind) += light / double(count);
+      first.sun = sample.sun;
+      const std::uint32_t number = sample.row * camera.width + sample.column;
+      const Vec3 light = traced_from(scene, suns, bodies, sample.hit, first,
+                                     {number, 0, sample.number, 0}, lit, counts)
+                             .radiance;
+      const geometry::Ray& ray = sample.ray;
+      const bool before = ray.origin.z + sample.hit.distance * ray.direction.z < depth;
+      (before ? sums.before : sums.behind) += light / count;
       (before ? sums.before_share : sums.behind_share) += 1.0 / count;
     }
     return sums;
   }
 
-  void set_truth(std::size_t pixel, std::uint32_t column, std::uint32_t row,
+  // Pixels of a square, its corner at (left, top).
+  void add_square(std::uint32_t left, std::uint32_t top, std::uint32_t side,
+                  std::span<const float> depths, image::Image& image) const {
+    const std::uint32_t right = std::min(left + side, image.width),
+                        bottom = std::min(top + side, image.height);
+    static thread_local std::vector<Sample> samples;
+    samples.clear();
+    for (std::uint32_t row = top; row < bottom; ++row)
+      for (std::uint32_t column = left; column < right; ++column) add_samples(column, row, samples);
+    const trace::GroundBeams beams =
+        scene.rays().ground_beams(beam_about(samples), trace::Ray::kObserver);
+    for (Sample& sample : samples) sample.hit = scene.rays().nearest_ground(sample.ray, &beams);
+    const trace::GroundBeams to_sun = sun_beams(samples);
+    PathOptions lit = path;
+    lit.beams = &to_sun;
+    for (auto next = samples.begin(); next != samples.end();) {
+      const auto begin = next;
+      while (next != samples.end() && next->column == begin->column && next->row == begin->row)
+        ++next;
+      add_pixel({begin, next}, lit, &beams, depths, image);
+    }
+  }
+
+  void add_pixel(std::span<const Sample> samples, const PathOptions& lit,
+                 const trace::GroundBeams* beams, std::span<const float> depths,
                  image::Image& image) const {
+    const std::uint32_t column = samples[0].column, row = samples[0].row;
+    const std::size_t pixel = std::size_t{row} * image.width + column;
+    const float covered = image.coverage[pixel];
+    const Sums sums = this->pixel(samples, covered > 0 ? double(depths[pixel]) : 0, lit);
+    if (sums.before_share + sums.behind_share == 0) return;
+    const double left = 1 - sums.before_share, open = 1 - double(covered);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<int>(k);
+      float& light = image.radiance[3 * pixel + k];
+      light = static_cast<float>(double(light) * left + sums.before[i] + open * sums.behind[i]);
+    }
+    image.coverage[pixel] = static_cast<float>(
+        std::min(1.0, double(covered) * left + sums.before_share + open * sums.behind_share));
+    if (options.truth) set_truth(pixel, column, row, beams, image);
+  }
+
+  static terrain::RayBeam beam_about(std::span<const Sample> samples) {
+    AxisBox origins, directions;
+    for (const Sample& sample : samples) {
+      origins.add(sample.ray.origin);
+      directions.add(sample.ray.direction);
+    }
+    if (origins.empty()) return {Vec3(0), 0, Vec3(0, 0, 1), kPi};
+    // of unit vectors half a radian apart at most: half the diagonal, and a tenth for arcs and the
+    // centre's length
+    return {origins.centre(), 0.5 * origins.diagonal(), glm::normalize(directions.centre()),
+            0.65 * directions.diagonal()};
+  }
+
+  void set_truth(std::size_t pixel, std::uint32_t column, std::uint32_t row,
+                 const trace::GroundBeams* beams, image::Image& image) const {
     const auto ray = view_ray(camera, {column + 0.5, row + 0.5});
     if (!ray) return;
-    const trace::Hit hit = scene.rays().nearest_ground({*ray, trace::Ray::kObserver});
+    const trace::Hit hit = scene.rays().nearest_ground({*ray, trace::Ray::kObserver}, beams);
     const double depth = ray->origin.z + hit.distance * ray->direction.z;
     if (!hit || !(depth < double(image.depth[pixel]))) return;
     const trace::Scene::Placed& placed = scene.rays().targets()[hit.target];
@@ -156,26 +249,20 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
   }
   view.lamps = trace_lamps(world, camera, scene.rays());
   view.path = {world.lamps().empty() ? nullptr : &view.lamps, 0, options.flat, world.white()};
-  const std::vector<float> depths = depths_of_targets(image);
-  const auto add_row = [&](std::size_t y) {
-    const auto row = static_cast<std::uint32_t>(y);
-    for (std::uint32_t column = 0; column < image.width; ++column) {
-      const std::size_t pixel = y * image.width + column;
-      const float covered = image.coverage[pixel];
-      const auto sums = view.pixel(column, row, covered > 0 ? double(depths[pixel]) : 0);
-      if (sums.before_share + sums.behind_share == 0) continue;
-      const double left = 1 - sums.before_share, open = 1 - double(covered);
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto i = static_cast<int>(k);
-        float& light = image.radiance[3 * pixel + k];
-        light = static_cast<float>(double(light) * left + sums.before[i] + open * sums.behind[i]);
-      }
-      image.coverage[pixel] = static_cast<float>(
-          std::min(1.0, double(covered) * left + sums.before_share + open * sums.behind_share));
-      if (options.truth) view.set_truth(pixel, column, row, image);
-    }
-  };
-  parallel_for(image.height, add_row, job);
+  std::vector<float> depths;  // empty: of no target
+  if (std::ranges::any_of(image.coverage, [](float covered) { return covered > 0; }))
+    depths = depths_of_targets(image);
+  // some hundred rays look together
+  const std::uint32_t side = std::max(1u, 16 / options.samples);
+  const std::uint32_t across = (image.width + side - 1) / side,
+                      down = (image.height + side - 1) / side;
+  parallel_for(
+      std::size_t{across} * down,
+      [&](std::size_t square) {
+        const auto i = static_cast<std::uint32_t>(square);
+        view.add_square(i % across * side, i / across * side, side, depths, image);
+      },
+      job);
 }
 
 void GroundLayer::report_damaged(DiagnosticLog& log) const {

@@ -32,16 +32,20 @@ Vec3 normal_of(const std::array<Vec3, 3>& corners) {
 
 }  // namespace
 
-ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart)
+ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t fine_tiles)
     : tiles_(&tiles), chart_(chart), record_(&tiles.charts()[chart]), map_(tiles.map(chart)) {
   for (std::uint32_t k = 0; k < record_->levels; ++k) first_.push_back(tiles.index(chart, k, 0, 0));
   is_sphere_ = record_->radius == record_->polar_radius;
+  is_large_ =
+      std::size_t{level_side(record_->width, 0).tiles} * level_side(record_->height, 0).tiles >
+      fine_tiles;
   if (map_.kind == Map::Kind::polar) {
     const auto [s, c] = det::sincos(map_.center_longitude * kDegree);
     centre_turn_ = {s, c};
     scale_ = map_.radius * (1 + det::sin(std::fabs(map_.standard_latitude) * kDegree));
   }
   if (map_.kind == Map::Kind::cylindrical) {
+    scale_ = 1 / det::cos(map_.standard_latitude * kDegree);
     const double along = map_.radius * det::cos(map_.standard_latitude * kDegree);
     for (std::uint32_t i = 0; i < record_->width; ++i) {
       const auto [s, c] =
@@ -96,9 +100,23 @@ Vec3 ChartSurface::post(PostIndex index, double height) const {
   return (r + height) * v;
 }
 
+// A bilinear interpolation errs by (u² |p_uu| + v² |p_vv|) / 8, and a body's radius bounds the
+// derivatives by angles (of a stereographic map by its unit: 4).
+double ChartSurface::bend(double posts_across, double posts_down, double high) const {
+  if (is_plane()) return 0;
+  const double r = std::max(record_->radius, record_->polar_radius);
+  const double flat = std::fabs(record_->radius - record_->polar_radius) / r;
+  // one more for their rounded numbers
+  const double u = (posts_across + 1) * record_->dx, v = (posts_down + 1) * record_->dy;
+  const bool polar = map_.kind == Map::Kind::polar;
+  const double along = polar ? scale_ : map_.radius * det::cos(map_.standard_latitude * kDegree);
+  const double down = polar ? scale_ : map_.radius;
+  return (r + std::max(high, 0.0)) * (polar ? 4 : 1) * (1 + 10 * flat) / 8 *
+         (u * u / (along * along) + v * v / (down * down));
+}
+
 // The box about points of the tile at its least and largest height, and what the ground bends
-// between these: a bilinear interpolation errs by (u² |p_uu| + v² |p_vv|) / 8, and a body's radius
-// bounds the derivatives by angles (of a stereographic map by its unit: 4).
+// between these.
 ChartSurface::TileBox ChartSurface::box_of(std::uint32_t tile) const {
   const TileRecord& record = tiles_->records()[tile];
   const std::uint64_t x0 = std::uint64_t{record.column} * kTileCells << record.level,
@@ -132,42 +150,36 @@ ChartSurface::TileBox ChartSurface::box_of(std::uint32_t tile) const {
         from = glm::min(from, p);
         to = glm::max(to, p);
       }
-  double slack = 1e-6;
-  if (!is_plane()) {
-    const double r = std::max(record_->radius, record_->polar_radius);
-    const double flat = std::fabs(record_->radius - record_->polar_radius) / r;
-    // posts between those above; one more for their rounded numbers
-    const double u = (double(x1 - x0) / double(parts) + 1) * record_->dx,
-                 v = (double(y1 - y0) / double(parts) + 1) * record_->dy;
-    const bool polar = map_.kind == Map::Kind::polar;
-    const double along = polar ? scale_ : map_.radius * det::cos(map_.standard_latitude * kDegree);
-    const double down = polar ? scale_ : map_.radius;
-    slack += (r + std::max(high, 0.0)) * (polar ? 4 : 1) * (1 + 10 * flat) / 8 *
-             (u * u / (along * along) + v * v / (down * down));
-  }
+  // posts between those above
+  const double slack =
+      1e-6 + bend(double(x1 - x0) / double(parts), double(y1 - y0) / double(parts), high);
   box.centre = middle + glm::transpose(box.axes) * (0.5 * (from + to));
   box.half = 0.5 * (to - from) + slack;
   box.radius = std::sqrt(glm::dot(box.half, box.half));
   return box;
 }
 
-bool ChartSurface::meets(const TileBox& box, const GroundWalk& walk, double& entry) const {
-  const Vec3 to = box.centre - walk.ray.origin;
-  const double along = glm::dot(to, walk.ray.direction);
-  const Vec3 beside = along * walk.ray.direction - to;
-  const double left = box.radius * box.radius - glm::dot(beside, beside);
+bool ChartSurface::meets(const TileBox& box, const TerrainRay& ray, double within,
+                         double& entry) const {
+  const Vec3 to = box.centre - ray.origin;
+  const double along = glm::dot(to, ray.direction);
+  const Vec3 beside = along * ray.direction - to;
+  // the box's sphere with all that is near it: that of the wider box is larger
+  const double radius = box.radius + 1.8 * within;
+  const double left = radius * radius - glm::dot(beside, beside);
   if (left < 0) return false;
   const double half = std::sqrt(left);
-  double in = std::max(walk.ray.least - along, -half), out = std::min(walk.most - along, half);
+  double in = std::max(ray.least - along, -half), out = std::min(ray.most - along, half);
   if (in > out) return false;
   // of planes the axes are those of space
   const bool turned = !is_plane();
   const Vec3 from = turned ? box.axes * beside : beside,
-             direction = turned ? box.axes * walk.ray.direction : walk.ray.direction;
+             direction = turned ? box.axes * ray.direction : ray.direction;
   for (int k = 0; k < 3; ++k) {
     // finite, so that nothing becomes NaN
     const double inverse = 1 / (std::fabs(direction[k]) > 1e-100 ? direction[k] : 1e-100);
-    const double a = (-box.half[k] - from[k]) * inverse, b = (box.half[k] - from[k]) * inverse;
+    const double side = box.half[k] + within;
+    const double a = (-side - from[k]) * inverse, b = (side - from[k]) * inverse;
     in = std::max(in, std::min(a, b));
     out = std::min(out, std::max(a, b));
   }
@@ -216,7 +228,12 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
   std::array<Entry, 3 * 32 + 4> stack;
   std::size_t count = 0;
   double entry = 0;
-  if (!meets(boxes_[first_.back() - record_->first_tile], walk, entry)) return;
+  const auto meet = [&](std::uint32_t tile) {
+    const TerrainRay& ray = walk.ray;
+    return meets(boxes_[tile - record_->first_tile],
+                 {ray.origin, ray.direction, ray.least, walk.most}, 0, entry);
+  };
+  if (!meet(first_.back())) return;
   stack[count++] = {entry, record_->levels - 1, 0, 0};
   while (count > 0) {
     const Entry here = stack[--count];
@@ -235,13 +252,67 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
     for (std::uint32_t r = 2 * here.row; r < std::min(2 * here.row + 2, down); ++r)
       for (std::uint32_t c = 2 * here.column; c < std::min(2 * here.column + 2, across); ++c) {
         const std::uint32_t child = first_[level] + r * across + c;
-        if (!meets(boxes_[child - record_->first_tile], walk, entry)) continue;
+        if (!meet(child)) continue;
         // the nearest last
         std::size_t at = count++;
         for (; at > begin && stack[at - 1].at < entry; --at) stack[at] = stack[at - 1];
         stack[at] = {entry, level, c, r};
       }
   }
+}
+
+void ChartSurface::cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles,
+                        TreeCache& trees) const {
+  for (const GroundBeam::Tile& each : tiles) {
+    double entry = 0;
+    if (each.entry > walk.most) return;
+    const TerrainRay& ray = walk.ray;
+    // most rays that leave the ground are answered by the tile that they leave
+    const bool sure = tiles.size() == 1 || (walk.leaves_ground && each.entry <= 0);
+    if (!sure && !meets(boxes_[each.tile - record_->first_tile],
+                        {ray.origin, ray.direction, ray.least, walk.most}, 0, entry))
+      continue;
+    trees.of(each.tile, *this).cast(walk);
+    if (walk.any && walk.best) return;
+  }
+}
+
+// A ray of the beam that meets a box at a distance t is there within radius + t sine of a place of
+// the axis, which is no further than t from its origin.
+void ChartSurface::find(const TerrainBeam& beam, std::span<const std::uint8_t> refined,
+                        std::vector<GroundBeam::Tile>& out) const {
+  struct Entry {
+    std::uint32_t level, column, row;
+  };
+  const std::size_t first = out.size();
+  const TerrainRay axis{beam.origin, beam.axis, 0, std::numeric_limits<double>::infinity()};
+  std::array<Entry, 3 * 32 + 4> stack;
+  std::size_t count = 0;
+  stack[count++] = {record_->levels - 1, 0, 0};
+  while (count > 0) {
+    const Entry here = stack[--count];
+    const std::uint32_t tile =
+        first_[here.level] + here.row * level_side(record_->width, here.level).tiles + here.column;
+    const TileBox& box = boxes_[tile - record_->first_tile];
+    const Vec3 to = box.centre - beam.origin;
+    const double farthest = std::sqrt(glm::dot(to, to)) + box.radius + beam.radius;
+    double entry = 0;
+    if (!meets(box, axis, beam.radius + farthest * beam.sine, entry)) continue;
+    if (here.level == 0 || (!refined.empty() && refined[tile] == 0)) {
+      out.push_back({entry, tile});
+      continue;
+    }
+    const std::uint32_t level = here.level - 1;
+    const std::uint32_t across = level_side(record_->width, level).tiles,
+                        down = level_side(record_->height, level).tiles;
+    for (std::uint32_t r = 2 * here.row; r < std::min(2 * here.row + 2, down); ++r)
+      for (std::uint32_t c = 2 * here.column; c < std::min(2 * here.column + 2, across); ++c)
+        stack[count++] = {level, c, r};
+  }
+  std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+            [](const GroundBeam::Tile& a, const GroundBeam::Tile& b) {
+              return a.entry != b.entry ? a.entry < b.entry : a.tile < b.tile;
+            });
 }
 
 void ChartSurface::approach(GroundApproach& walk, TreeCache& trees) const {
@@ -340,14 +411,33 @@ class ChartSurface::LevelPosts {
   std::uint32_t x0_ = 0, y0_ = 0;
 };
 
-SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
-  LevelPosts posts(*this, point.level);
-  const auto x = static_cast<std::int64_t>(point.column), y = static_cast<std::int64_t>(point.row);
-  // posts of the cell, and those beside them: corners of the square of four are not needed
-  Vec3 grid[4][4];
+// Sets the posts of a cell, and those beside them: corners of the square of four are not needed.
+void ChartSurface::set_posts(const GroundPoint& point, Vec3 (&grid)[4][4]) const {
+  const auto is_corner = [](int i, int j) { return (i == 0 || i == 3) && (j == 0 || j == 3); };
+  const std::uint32_t left = point.column % kTileCells, top = point.row % kTileCells;
+  const LevelSide across = level_side(record_->width, point.level),
+                  down = level_side(record_->height, point.level);
+  if (left > 0 && top > 0 && left + 2 < kTilePosts && top + 2 < kTilePosts &&
+      point.column + 2 < across.posts && point.row + 2 < down.posts) {
+    if (const auto view = tiles_->view(first_[point.level] + point.row / kTileCells * across.tiles +
+                                       point.column / kTileCells)) {
+      const auto height = [&](std::uint32_t i, std::uint32_t j) {
+        return height_of(*view, left - 1 + i, top - 1 + j);
+      };
+      posts(point.level, point.column - 1, point.row - 1, 4, 4, height, &grid[0][0]);
+      return;
+    }
+  }
+  LevelPosts beside(*this, point.level);
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i)
-      if (!((i == 0 || i == 3) && (j == 0 || j == 3))) grid[j][i] = posts.at(x + i - 1, y + j - 1);
+      if (!is_corner(i, j))
+        grid[j][i] = beside.at(std::int64_t{point.column} + i - 1, std::int64_t{point.row} + j - 1);
+}
+
+SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
+  Vec3 grid[4][4];
+  set_posts(point, grid);
   const Vec3 &a = grid[1][1], &d = grid[2][2];
   const Vec3& side = point.triangle == 0 ? grid[1][2] : grid[2][1];
   // shares of the point along the cell, by areas in its triangle
@@ -382,77 +472,6 @@ SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
   const Vec3 normal = sum / length;
   const double rise = glm::dot(up, normal);
   return {normal, rise > 0 ? rise : 0};
-}
-
-SlopeSums ChartSurface::fine_slopes(const GroundPoint& point) const {
-  constexpr std::uint32_t kMost = (1u << kSlopeLevel) + 3;
-  float heights[kMost * kMost];
-  const std::uint32_t side = 2u << point.level;
-  const std::uint32_t left = point.column / 2 * side, top = point.row / 2 * side;
-  const std::uint32_t right = std::min(left + side, record_->width - 1),
-                      bottom = std::min(top + side, record_->height - 1);
-  // with a post more on each side, for the slopes of those at the border
-  const std::uint32_t x0 = left > 0 ? left - 1 : 0, y0 = top > 0 ? top - 1 : 0;
-  const std::uint32_t x1 = std::min(right + 1, record_->width - 1),
-                      y1 = std::min(bottom + 1, record_->height - 1);
-  const std::uint32_t across = level_side(record_->width, 0).tiles,
-                      down = level_side(record_->height, 0).tiles;
-  std::optional<TileView> view;
-  std::uint32_t held = std::numeric_limits<std::uint32_t>::max();
-  float* out = heights;
-  for (std::uint32_t y = y0; y <= y1; ++y)
-    for (std::uint32_t x = x0; x <= x1; ++x) {
-      const std::uint32_t tx = std::min(x / kTileCells, across - 1),
-                          ty = std::min(y / kTileCells, down - 1);
-      const std::uint32_t tile = first_[0] + ty * across + tx;
-      if (tile != held) view = tiles_->view(held = tile);
-      *out++ = view ? static_cast<float>(view->height(x - tx * kTileCells, y - ty * kTileCells))
-                    : std::numeric_limits<float>::quiet_NaN();
-    }
-  const Vec2 size = map_.spacing(0.5 * (left + right) + 0.5, 0.5 * (top + bottom) + 0.5);
-  return slopes_within(heights, x1 - x0 + 1, y1 - y0 + 1,
-                       {left - x0, top - y0, right - left, bottom - top}, Vec2(1) / size);
-}
-
-GroundRelief ChartSurface::relief(const GroundPoint& point) const {
-  GroundRelief out;
-  if (point.level == 0) return out;
-  SlopeMoments moments;
-  if (point.level < kSlopeLevel) {
-    const SlopeSums sums = fine_slopes(point);
-    if (!(sums.cells > 0)) return out;
-    moments = moments_of(sums);
-  } else {
-    const std::uint32_t x = point.column / kTileCells, y = point.row / kTileCells;
-    const auto view =
-        tiles_->view(first_[point.level] + y * level_side(record_->width, point.level).tiles + x);
-    if (!view || view->slopes.empty()) return out;
-    const std::uint32_t bx = point.column % kTileCells / 2, by = point.row % kTileCells / 2;
-    const SlopeBlock& block = view->slopes[by * kSlopeBlocks + bx];
-    if (block.p == kNoSlope) return out;
-    moments = moments_of(block, view->slope_unit);
-  }
-  const std::uint32_t w = record_->width, h = record_->height;
-  const PostIndex here{std::min(point.column << point.level, w - 1),
-                       std::min(point.row << point.level, h - 1)};
-  // the posts of the cell, of level 0
-  const PostIndex there{std::min((point.column + 1) << point.level, w - 1),
-                        std::min((point.row + 1) << point.level, h - 1)};
-  const Vec3 right = post({there.column, here.row}, 0) - post(here, 0);
-  const Vec3 up = is_plane() ? Vec3(0, 0, 1) : glm::normalize(point.position);
-  const Vec3 across = right - glm::dot(right, up) * up;
-  const double length = std::sqrt(glm::dot(across, across));
-  if (!(length > 0)) return out;  // at a pole
-  out.up = up;
-  out.right = across / length;
-  // rows go down the map: right, down and up are left-handed
-  out.down = glm::cross(out.right, up);
-  out.p = moments.p;
-  out.q = moments.q;
-  out.pp = moments.pp;
-  out.qq = moments.qq;
-  out.pq = moments.pq;
-  return out;
 }
 
 LatLon ChartSurface::place_of(const Vec3& p) const {

@@ -15,9 +15,23 @@ namespace panwright::terrain::internal {
 
 class TreeCache;
 
+// As TileView::height(), in the loops of others.
+inline double height_of(const TileView& view, std::uint32_t column, std::uint32_t row) {
+  const std::size_t at = std::size_t{row} * kTilePosts + column;
+  if (view.codes.empty()) return view.floats[at];
+  const std::uint16_t code = view.codes[at];
+  if (code == kVoidCode) return std::numeric_limits<double>::quiet_NaN();
+  return view.step * (double(view.record->base) + code);
+}
+
 struct TerrainRay {
   Vec3 origin, direction;  // metres; unit
   double least, most;      // distances
+};
+
+struct TerrainBeam {
+  Vec3 origin, axis;
+  double radius, sine;  // metres: of origins; of the largest angle to the axis
 };
 
 struct TriangleHit {
@@ -37,6 +51,7 @@ struct GroundWalk {
   const AcceptHit* accept = nullptr;  // null: all count
   double most = 0;
   std::optional<TriangleHit> best;
+  bool leaves_ground = false;  // it starts on the ground or above it, and any will do
 };
 
 // State of a search for the ground nearest to a point.
@@ -49,9 +64,8 @@ struct GroundApproach {
 };
 
 class ChartSurface {
- public:
-  ChartSurface(const Tiles& tiles, std::uint32_t chart);
-
+ public:  // fine_tiles: as of Ground.
+  ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t fine_tiles);
   const ChartRecord& record() const { return *record_; }
   bool is_plane() const { return map_.kind == Map::Kind::none; }
   // Returns whether post() takes a microsecond: of polar maps of ellipsoids.
@@ -63,6 +77,37 @@ class ChartSurface {
                 height);
   }
 
+  // Metres, at most, between the ground of a rectangle of the map and the bilinear interpolation of
+  // its corners.
+  //
+  //   posts_across, posts_down  of level 0
+  double bend(double posts_across, double posts_down, double high) const;
+  // Metres: verticals bend by bend() over this, radians.
+  double bend_radius() const {
+    return is_plane() ? 1 : std::min(record_->radius, record_->polar_radius);
+  }
+
+  // Posts of a rectangle of a level, rows one after the other; bit-equal to post().
+  //
+  //   height  of the post i to the right and j down
+  template <class Height>
+  void posts(std::uint32_t level, std::uint32_t column, std::uint32_t row, std::uint32_t across,
+             std::uint32_t down, const Height& height, Vec3* out) const {
+    if (map_.kind != Map::Kind::cylindrical || !is_sphere_) {
+      for (std::uint32_t j = 0; j < down; ++j)
+        for (std::uint32_t i = 0; i < across; ++i)
+          *out++ = post(level, column + i, row + j, height(i, j));
+      return;
+    }
+    for (std::uint32_t j = 0; j < down; ++j) {
+      const Vec2 y = rows_[std::min((row + j) << level, record_->height - 1)];
+      for (std::uint32_t i = 0; i < across; ++i) {
+        const Vec2 x = columns_[std::min((column + i) << level, record_->width - 1)];
+        *out++ = (record_->radius + height(i, j)) * Vec3(y.y * x.y, y.y * x.x, y.x);
+      }
+    }
+  }
+
   GroundPoint at(const LatLon& place) const;
   // Place of a body-fixed point; of a plane x and y.
   LatLon place_of(const Vec3& position) const;
@@ -70,6 +115,11 @@ class ChartSurface {
   //
   //   refined  by tile of the file, 0: it is fine enough; empty: level 0
   void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
+  // The same among tiles.
+  void cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles, TreeCache& trees) const;
+  // Adds the tiles that rays of a beam may meet, from the nearest.
+  void find(const TerrainBeam& beam, std::span<const std::uint8_t> refined,
+            std::vector<GroundBeam::Tile>& out) const;
   // Sets the nearest accepted triangle of level 0.
   void approach(GroundApproach& walk, TreeCache& trees) const;
   SmoothGround smooth(const GroundPoint& point) const;
@@ -95,15 +145,22 @@ class ChartSurface {
   Vec3 vertical(PostIndex index) const;       // unit
   double radius(const Vec3& vertical) const;  // of the ellipsoid, metres
   TileBox box_of(std::uint32_t tile) const;
-  bool meets(const TileBox& box, const GroundWalk& walk, double& entry) const;
+  // Returns whether a ray comes within a distance of a box, and from where on.
+  bool meets(const TileBox& box, const TerrainRay& ray, double within, double& entry) const;
   std::optional<TriangleHit> triangle_on(const TileView& view, std::uint32_t column,
                                          std::uint32_t row, std::uint32_t which,
                                          const TerrainRay& ray) const;
   // Posts of a level in space, NaN where void or beyond the map; the tiles that they lie in are
   // kept.
   class LevelPosts;
+  void set_posts(const GroundPoint& point, Vec3 (&grid)[4][4]) const;
   // Sums of slopes of level 0 over two by two cells of a level below kSlopeLevel.
   SlopeSums fine_slopes(const GroundPoint& point) const;
+  Vec2 spacing_at(PostIndex index) const;
+  // Moments of the block about a cell of a level from kSlopeLevel on.
+  std::optional<SlopeMoments> stored_slopes(std::uint32_t level, std::uint32_t column,
+                                            std::uint32_t row) const;
+  std::optional<SlopeMoments> split_slopes(const GroundPoint& point) const;
   std::optional<TileView> tile_of(std::uint32_t column, std::uint32_t row) const;
 
   const Tiles* tiles_;
@@ -115,8 +172,10 @@ class ChartSurface {
   std::vector<double> row_radii_;     // of one of an ellipsoid
   std::vector<TileBox> boxes_;        // one for each tile of the chart
   Vec2 centre_turn_{0, 1};            // of a polar map: sine and cosine of its longitude
-  double scale_ = 0;                  // of a polar map of a sphere: metres, 2 R f
+  // of a polar map: metres, 2 R f; of a cylindrical one: 1 / cosine of the standard latitude
+  double scale_ = 0;
   bool is_sphere_ = false;
+  bool is_large_ = false;  // of more fine tiles
 };
 
 }  // namespace panwright::terrain::internal

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -11,17 +12,28 @@ namespace panwright::terrain::internal {
 
 namespace {
 
-constexpr std::uint32_t kLeafCells = 2, kDepths = 7;  // 2 << 7 cells
-static_assert(kLeafCells << kDepths == kTileCells);
-constexpr float kFar = std::numeric_limits<float>::max();
+typedef float F4 __attribute__((vector_size(16)));
+typedef std::int32_t I4 __attribute__((vector_size(16)));
 
-// First node of a depth.
-constexpr std::uint32_t first_of(std::uint32_t depth) { return ((1u << 2 * depth) - 1) / 3; }
+F4 load(const std::array<float, 4>& from) {
+  F4 out;
+  std::memcpy(&out, from.data(), sizeof out);
+  return out;
+}
 
-std::uint32_t spread(std::uint32_t v) {
-  v = (v | v << 4) & 0x0f0f;
-  v = (v | v << 2) & 0x3333;
-  return (v | v << 1) & 0x5555;
+// Narrows the parts of rays to those between two planes.
+inline void narrow(const F4& a, const F4& b, F4& in, F4& out) {
+  const F4 low = a < b ? a : b, high = a < b ? b : a;
+  in = in > low ? in : low;
+  out = out < high ? out : high;
+}
+
+// Every second bit.
+std::uint32_t gather(std::uint32_t v) {
+  v &= 0x5555;
+  v = (v | v >> 1) & 0x3333;
+  v = (v | v >> 2) & 0x0f0f;
+  return (v | v >> 4) & 0x00ff;
 }
 
 // Distance at which a ray meets a triangle, from either side; its edges are widened by a share.
@@ -48,162 +60,221 @@ bool cross(const Vec3& origin, const Vec3& direction, const Vec3& a, const Vec3&
 struct TileTree::Local {
   Vec3 origin;  // body-fixed
   double shift;
-  std::array<float, 3> from, inverse;
+  std::array<float, 3> from, direction, inverse;
+  float least;
+  double half;  // metres: of the way through the sphere about the posts
+  float slack;  // distances are rounded by less than boxes are padded
+
+  // of a walk
+  float most(const GroundWalk& walk) const {
+    return static_cast<float>(std::min(walk.most - shift, half)) + slack;
+  }
 };
 
-TileTree::TileTree(const ChartSurface& surface, const TileView& view)
-    : surface_(&surface), view_(view), level_(view.record->level) {
-  const ChartRecord& chart = surface.record();
-  x0_ = view.record->column * kTileCells;
-  y0_ = view.record->row * kTileCells;
-  nx_ = std::min(kTileCells, level_side(chart.width, level_).posts - 1 - x0_);
-  ny_ = std::min(kTileCells, level_side(chart.height, level_).posts - 1 - y0_);
-  if (nx_ == 0 || ny_ == 0) return;
-  const auto place = [&](std::uint32_t i, std::uint32_t j, double h) {
-    return surface.post(level_, x0_ + i, y0_ + j, h);
-  };
-  const double middle = 0.5 * (double(view.record->low) + double(view.record->high));
-  centre_ = place(nx_ / 2, ny_ / 2, middle);
-  const Vec3 up = surface.is_plane() ? Vec3(0, 0, 1) : glm::normalize(centre_);
-  const Vec3 corner = place(nx_, ny_ / 2, middle);
-  Vec3 across = corner - centre_ - glm::dot(corner - centre_, up) * up;
-  // of a row at a pole there is no direction
-  if (!(glm::dot(across, across) > 0))
-    across = std::fabs(up.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-  across = glm::normalize(across - glm::dot(across, up) * up);
-  axes_ = glm::transpose(Mat3(across, glm::cross(up, across), up));
-  edge_ = 1e-11 + 2e-9 / std::min(chart.dx, chart.dy);
-  build();
-}
+// Ray in the axes of a square.
+struct TileTree::SquareRay {
+  std::array<float, 3> from, inverse;
+  std::array<float, 3> pad;
+  float least, most;
+  std::uint32_t x, y;  // first cell of the square
 
-void TileTree::build() {
-  if (surface_->is_costly()) points_.resize(std::size_t{kTilePosts} * kTilePosts);
-  nodes_.resize(first_of(kDepths));
-  for (Boxes& boxes : nodes_)
-    for (std::size_t k = 0; k < 3; ++k) {
-      boxes.low[k].fill(kFar);
-      boxes.high[k].fill(-kFar);
-    }
-  // boxes of leaves are those of their posts, which neighbours share: of rows, then of columns
-  using Axes = std::array<std::array<float, kTilePosts>, 3>;
-  std::vector<Axes> rows(kLeafCells + 1);
-  const auto fill = [&](std::uint32_t j) {
-    Axes& row = rows[j % (kLeafCells + 1)];
-    for (std::uint32_t i = 0; i <= nx_; ++i) {
-      const double h = view_.height(i, j);
-      Vec3 p = surface_->post(level_, x0_ + i, y0_ + j, h);
-      if (!points_.empty()) points_[j * kTilePosts + i] = p;
-      p = axes_ * (p - centre_);
-      radius_ = std::max(radius_, std::isnan(h) ? 0 : glm::dot(p, p));
-      for (std::size_t k = 0; k < 3; ++k) row[k][i] = static_cast<float>(p[static_cast<int>(k)]);
-    }
-  };
-  fill(0);
-  Axes low, high;
-  for (std::uint32_t y = 0; y < ny_; y += kLeafCells) {
-    const std::uint32_t y1 = std::min(y + kLeafCells, ny_);
-    for (std::uint32_t j = y + 1; j <= y1; ++j) fill(j);
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k].fill(kFar);
-      high[k].fill(-kFar);
-      for (std::uint32_t j = y; j <= y1; ++j) {
-        const auto& row = rows[j % (kLeafCells + 1)][k];
-        for (std::uint32_t i = 0; i <= nx_; ++i) {
-          // note: comparisons with NaN are false: voids are in no box
-          low[k][i] = row[i] < low[k][i] ? row[i] : low[k][i];
-          high[k][i] = row[i] > high[k][i] ? row[i] : high[k][i];
-        }
-      }
-    }
-    for (std::uint32_t x = 0; x < nx_; x += kLeafCells) {
-      const std::uint32_t code = spread(x / kLeafCells) | spread(y / kLeafCells) << 1;
-      Boxes& boxes = nodes_[first_of(kDepths - 1) + (code >> 2)];
-      const std::uint32_t x1 = std::min(x + kLeafCells, nx_);
-      for (std::size_t k = 0; k < 3; ++k) {
-        boxes.low[k][code & 3] = *std::min_element(&low[k][x], &low[k][x1] + 1);
-        boxes.high[k][code & 3] = *std::max_element(&high[k][x], &high[k][x1] + 1);
-      }
-    }
+  // Sets where the ray is in boxes, a lane each, and returns whether it is.
+  //
+  //   cells  on a side of a box; x_at, y_at: cell of the first, in the square
+  I4 meet(const Heights& heights, float cells, float x_at, float y_at, F4& in) const {
+    constexpr F4 kRight = {0, 1, 0, 1}, kDown = {0, 0, 1, 1};
+    const F4 low = load(heights.low), high = load(heights.high);
+    const F4 x = x_at + cells * kRight - from[0], y = y_at + cells * kDown - from[1];
+    F4 out = F4{} + most;
+    in = F4{} + least;
+    narrow((x - pad[0]) * inverse[0], (x + (cells + pad[0])) * inverse[0], in, out);
+    narrow((y - pad[1]) * inverse[1], (y + (cells + pad[1])) * inverse[1], in, out);
+    narrow((low - (pad[2] + from[2])) * inverse[2], (high + (pad[2] - from[2])) * inverse[2], in,
+           out);
+    return (in <= out) & (low <= high);
   }
-  radius_ = std::sqrt(radius_);
-  // far more than float rounds by, here and in cast()
-  const float pad = static_cast<float>(radius_) * 2e-6f;
-  for (std::uint32_t n = first_of(kDepths - 1); n < nodes_.size(); ++n)
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t c = 0; c < 4; ++c)
-        if (nodes_[n].low[k][c] <= nodes_[n].high[k][c]) {
-          nodes_[n].low[k][c] -= pad;
-          nodes_[n].high[k][c] += pad;
-        }
-  radius_ = radius_ * (1 + 1e-9) + static_cast<double>(pad);
-  for (std::uint32_t n = static_cast<std::uint32_t>(nodes_.size()) - 1; n > 0; --n) {
-    // children of node n are from 4n + 1 on, by the sum of the depths above
-    const std::uint32_t parent = (n - 1) / 4, lane = (n - 1) % 4;
-    for (std::size_t k = 0; k < 3; ++k) {
-      nodes_[parent].low[k][lane] = *std::ranges::min_element(nodes_[n].low[k]);
-      nodes_[parent].high[k][lane] = *std::ranges::max_element(nodes_[n].high[k]);
-    }
-  }
-}
+};
 
 template <class Visit>
-void TileTree::visit_leaf(std::uint32_t x, std::uint32_t y, Visit&& visit) const {
-  const std::uint32_t x1 = std::min(x + kLeafCells, nx_), y1 = std::min(y + kLeafCells, ny_);
-  Vec3 points[kLeafCells + 1][kLeafCells + 1];
-  for (std::uint32_t j = y; j <= y1; ++j)
-    for (std::uint32_t i = x; i <= x1; ++i)
-      points[j - y][i - x] = points_.empty()
-                                 ? surface_->post(level_, x0_ + i, y0_ + j, view_.height(i, j))
-                                 : points_[j * kTilePosts + i];
-  for (std::uint32_t j = 0; j < y1 - y; ++j)
-    for (std::uint32_t i = 0; i < x1 - x; ++i) {
-      const Vec3 &a = points[j][i], &d = points[j + 1][i + 1];
-      for (std::uint32_t which = 0; which < 2; ++which) {
-        const Vec3& side = which == 0 ? points[j][i + 1] : points[j + 1][i];
-        // counter-clockwise from outside: rows run to the south
-        if (visit(a, which == 0 ? d : side, which == 0 ? side : d, x0_ + x + i, y0_ + y + j, which))
-          return;
-      }
-    }
+bool TileTree::visit_cell(std::uint32_t x, std::uint32_t y, Visit&& visit) const {
+  Vec3 corners[4];
+  if (points_.empty()) {
+    const auto height = [&](std::uint32_t i, std::uint32_t j) {
+      return height_of(view_, x + i, y + j);
+    };
+    surface_->posts(level_, x0_ + x, y0_ + y, 2, 2, height, corners);
+  } else {
+    for (std::uint32_t k = 0; k < 4; ++k)
+      corners[k] = points_[(y + k / 2) * kTilePosts + x + k % 2];
+  }
+  const Vec3 &a = corners[0], &b = corners[1], &c = corners[2], &d = corners[3];
+  // counter-clockwise from outside: rows run to the south
+  return visit(a, d, b, 0u) || visit(a, c, d, 1u);
 }
 
-void TileTree::meet_leaf(GroundWalk& walk, const Local& local, std::uint32_t x,
+void TileTree::meet_cell(GroundWalk& walk, const Local& local, std::uint32_t x,
                          std::uint32_t y) const {
-  visit_leaf(x, y,
-             [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t column,
-                 std::uint32_t row, std::uint32_t which) {
-               double distance;
-               // note: of a void corner all comparisons fail
-               if (!cross(local.origin, walk.ray.direction, a, b, c, edge_, distance)) return false;
-               distance += local.shift;
-               if (!(distance >= walk.ray.least && distance < walk.most)) return false;
-               const TriangleHit hit{distance, level_, column, row, which, {a, b, c}};
-               if (walk.accept != nullptr && !(*walk.accept)(hit)) return false;
-               walk.best = hit;
-               walk.most = distance;
-               return walk.any;
-             });
+  visit_cell(x, y, [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t which) {
+    double distance;
+    // note: of a void corner all comparisons fail
+    if (!cross(local.origin, walk.ray.direction, a, b, c, edge_, distance)) return false;
+    distance += local.shift;
+    if (!(distance >= walk.ray.least && distance < walk.most)) return false;
+    const TriangleHit hit{distance, level_, x0_ + x, y0_ + y, which, {a, b, c}};
+    if (walk.accept != nullptr && !(*walk.accept)(hit)) return false;
+    walk.best = hit;
+    walk.most = distance;
+    return walk.any;
+  });
 }
 
-void TileTree::approach_leaf(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const {
-  visit_leaf(x, y,
-             [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t column,
-                 std::uint32_t row, std::uint32_t which) {
-               const Vec3 nearest = geometry::closest_point({a, b, c}, walk.point);
-               const Vec3 offset = nearest - walk.point;
-               const double squared = glm::dot(offset, offset);
-               // note: false of a void corner
-               if (!(squared < walk.squared)) return false;
-               TriangleHit hit{std::sqrt(squared), level_, column, row, which, {a, b, c}};
-               const Vec3 before = std::exchange(walk.nearest, nearest);
-               if (walk.accept != nullptr && !(*walk.accept)(hit)) {
-                 walk.nearest = before;
-                 return false;
-               }
-               walk.best = hit;
-               walk.squared = squared;
-               return false;
-             });
+// Cells of a leaf by their own heights.
+void TileTree::meet_leaf(GroundWalk& walk, const Local& local, const SquareRay& ray,
+                         std::uint32_t x, std::uint32_t y) const {
+  const std::uint32_t left = ray.x + x, top = ray.y + y;
+  const std::uint32_t columns = std::min(kLeafCells, nx_ - left),
+                      rows = std::min(kLeafCells, ny_ - top);
+  float posts[kLeafCells + 1][kLeafCells + 1];
+  for (std::uint32_t j = 0; j <= rows; ++j)
+    for (std::uint32_t i = 0; i <= columns; ++i)
+      posts[j][i] = static_cast<float>(height_of(view_, left + i, top + j) - middle_);
+  Heights heights;
+  heights.low.fill(kFar);
+  heights.high.fill(-kFar);
+  for (std::uint32_t j = 0; j < rows; ++j)
+    for (std::uint32_t i = 0; i < columns; ++i)
+      for (const float h : {posts[j][i], posts[j][i + 1], posts[j + 1][i], posts[j + 1][i + 1]}) {
+        float &low = heights.low[2 * j + i], &high = heights.high[2 * j + i];
+        low = h < low ? h : low;
+        high = h > high ? h : high;
+      }
+  F4 in;
+  const I4 found = ray.meet(heights, 1, static_cast<float>(x), static_cast<float>(y), in);
+  for (std::uint32_t c = 0; c < 4; ++c) {
+    if (!found[c]) continue;
+    meet_cell(walk, local, left + c % 2, top + c / 2);
+    if (walk.any && walk.best) return;
+  }
+}
+
+void TileTree::cast_square(GroundWalk& walk, const Local& local, std::uint32_t code,
+                           std::uint32_t x, std::uint32_t y, float most) const {
+  const Square& square = squares_[code];
+  if (square.loose) {
+    for (std::uint32_t j = y; j < std::min(y + kSquareCells, ny_); ++j)
+      for (std::uint32_t i = x; i < std::min(x + kSquareCells, nx_); ++i) {
+        meet_cell(walk, local, i, j);
+        if (walk.any && walk.best) return;
+      }
+    return;
+  }
+  SquareRay ray;
+  float rise = square.lean;  // of the ground along the ray, at most
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& to = square.to[k];
+    ray.from[k] = to[0] * (local.from[0] - square.origin[0]) +
+                  to[1] * (local.from[1] - square.origin[1]) +
+                  to[2] * (local.from[2] - square.origin[2]);
+    const float d =
+        to[0] * local.direction[0] + to[1] * local.direction[1] + to[2] * local.direction[2];
+    const float size = std::fabs(d);
+    if (k < 2)
+      rise += size * square.steps[k];
+    else if (walk.leaves_ground && d > rise)
+      return;
+    // finite, so that nothing becomes NaN
+    ray.inverse[k] = 1 / (size > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
+  }
+  ray.pad = square.pad;
+  ray.least = local.least;
+  ray.most = most;
+  ray.x = x;
+  ray.y = y;
+  struct Entry {
+    float at;
+    std::uint32_t code;
+    std::uint16_t depth, x, y;  // cell of the square
+  };
+  std::array<Entry, 3 * 3 + 4> stack;
+  std::size_t count = 0;
+  stack[count++] = {local.least, code, kSquareDepth, 0, 0};
+  while (count > 0) {
+    const Entry entry = stack[--count];
+    if (entry.at > ray.most) continue;
+    if (entry.depth == kSquareDepth + 3) {
+      meet_leaf(walk, local, ray, entry.x, entry.y);
+      if (walk.any && walk.best) return;
+      ray.most = local.most(walk);
+      continue;
+    }
+    const std::uint32_t half = kSquareCells >> (entry.depth - kSquareDepth + 1);
+    F4 in;
+    const I4 found =
+        ray.meet(heights_[heights_at(entry.depth, entry.code)], static_cast<float>(half),
+                 static_cast<float>(entry.x), static_cast<float>(entry.y), in);
+    const std::size_t begin = count;
+    for (std::uint32_t c = 0; c < 4; ++c) {
+      if (!found[c]) continue;
+      const Entry child{in[c], 4 * entry.code + c, static_cast<std::uint16_t>(entry.depth + 1),
+                        static_cast<std::uint16_t>(entry.x + half * (c & 1)),
+                        static_cast<std::uint16_t>(entry.y + half * (c >> 1))};
+      // the nearest last
+      std::size_t at = count++;
+      for (; at > begin && stack[at - 1].at < child.at; --at) stack[at] = stack[at - 1];
+      stack[at] = child;
+    }
+  }
+}
+
+void TileTree::approach_cell(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const {
+  visit_cell(x, y, [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t which) {
+    const Vec3 nearest = geometry::closest_point({a, b, c}, walk.point);
+    const Vec3 offset = nearest - walk.point;
+    const double squared = glm::dot(offset, offset);
+    // note: false of a void corner
+    if (!(squared < walk.squared)) return false;
+    const TriangleHit hit{std::sqrt(squared), level_, x0_ + x, y0_ + y, which, {a, b, c}};
+    const Vec3 before = std::exchange(walk.nearest, nearest);
+    if (walk.accept != nullptr && !(*walk.accept)(hit)) {
+      walk.nearest = before;
+      return false;
+    }
+    walk.best = hit;
+    walk.squared = squared;
+    return false;
+  });
+}
+
+// Leaves of a square by boxes in the axes of the tile.
+void TileTree::approach_square(GroundApproach& walk, const Vec3& from, std::uint32_t code,
+                               std::uint32_t x, std::uint32_t y) const {
+  const Square& square = squares_[code];
+  constexpr std::uint32_t kLeaves = kSquareCells / kLeafCells;
+  for (std::uint32_t leaf = 0; leaf < kLeaves * kLeaves; ++leaf) {
+    const std::uint32_t inner = 64 * code + leaf;
+    const Heights& heights = heights_[heights_at(kSquareDepth + 2, inner >> 2)];
+    const double low = double(heights.low[inner & 3]), high = double(heights.high[inner & 3]);
+    if (!(low <= high)) continue;
+    const std::uint32_t i = kLeafCells * gather(leaf), j = kLeafCells * gather(leaf >> 1);
+    const double half[3] = {0.5 * kLeafCells + double(square.pad[0]),
+                            0.5 * kLeafCells + double(square.pad[1]),
+                            0.5 * (high - low) + double(square.pad[2])};
+    const double middle[3] = {i + 0.5 * kLeafCells, j + 0.5 * kLeafCells, 0.5 * (low + high)};
+    double squared = 0;
+    for (std::size_t k = 0; k < 3 && !square.loose; ++k) {
+      double at = double(square.origin[k]), reach = 0;
+      for (std::size_t m = 0; m < 3; ++m) {
+        at += middle[m] * double(square.from[m][k]);
+        reach += half[m] * std::fabs(double(square.from[m][k]));
+      }
+      const double off = std::max(std::fabs(from[static_cast<int>(k)] - at) - reach, 0.0);
+      squared += off * off;
+    }
+    if (squared > walk.squared) continue;
+    for (std::uint32_t b = y + j; b < std::min(y + j + kLeafCells, ny_); ++b)
+      for (std::uint32_t a = x + i; a < std::min(x + i + kLeafCells, nx_); ++a)
+        approach_cell(walk, a, b);
+  }
 }
 
 // From the nearest box; of boxes in double, however far the point is.
@@ -215,15 +286,16 @@ void TileTree::approach(GroundApproach& walk) const {
     std::uint16_t x, y;
   };
   const Vec3 from = axes_ * (walk.point - centre_);
-  std::array<Entry, 3 * kDepths + 4> stack;
+  std::array<Entry, 3 * kSquareDepth + 4> stack;
   std::size_t count = 0;
   stack[count++] = {0, 0, 0, 0};
-  constexpr std::uint32_t kFirstLeaf = first_of(kDepths);
+  constexpr std::uint32_t kFirstSquare = first_of(kSquareDepth);
   while (count > 0) {
     const Entry entry = stack[--count];
     if (entry.squared > walk.squared) continue;
-    if (entry.node >= kFirstLeaf) {
-      approach_leaf(walk, entry.x * kLeafCells, entry.y * kLeafCells);
+    if (entry.node >= kFirstSquare) {
+      approach_square(walk, from, entry.node - kFirstSquare, entry.x * kSquareCells,
+                      entry.y * kSquareCells);
       continue;
     }
     const Boxes& boxes = nodes_[entry.node];
@@ -252,6 +324,11 @@ void TileTree::approach(GroundApproach& walk) const {
 
 void TileTree::cast(GroundWalk& walk) const {
   if (nodes_.empty()) return;
+  // the third row of the axes is the vertical
+  const Vec3& ahead = walk.ray.direction;
+  if (walk.leaves_ground &&
+      axes_[0].z * ahead.x + axes_[1].z * ahead.y + axes_[2].z * ahead.z > steepest_)
+    return;
   Local local;
   const Vec3 to = centre_ - walk.ray.origin;
   local.shift = glm::dot(to, walk.ray.direction);
@@ -263,53 +340,46 @@ void TileTree::cast(GroundWalk& walk) const {
   const double begin = std::max(walk.ray.least - local.shift, -half);
   if (begin > std::min(walk.most - local.shift, half)) return;
   const Vec3 direction = axes_ * walk.ray.direction;
+  local.half = half;
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
     local.from[i] = static_cast<float>(from[k]);
     const auto d = static_cast<float>(direction[k]);
+    local.direction[i] = d;
     // finite, so that nothing becomes NaN
     local.inverse[i] = 1 / (std::fabs(d) > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
   }
-  // distances are rounded by less than the boxes are padded
-  const float slack = static_cast<float>(radius_) * 1e-6f;
-  const float least = static_cast<float>(begin) - slack;
-  const auto limit = [&] {
-    return static_cast<float>(std::min(walk.most - local.shift, half)) + slack;
-  };
-  float most = limit();
+  local.slack = static_cast<float>(radius_) * 1e-6f;
+  const float least = local.least = static_cast<float>(begin) - local.slack;
+  float most = local.most(walk);
   struct Entry {
     float at;
-    std::uint32_t node;  // of depth kDepths: a leaf
+    std::uint32_t node;  // of kSquareDepth: a square
     std::uint16_t x, y;  // in squares of its depth
   };
-  std::array<Entry, 3 * kDepths + 4> stack;
+  std::array<Entry, 3 * kSquareDepth + 4> stack;
   std::size_t count = 0;
   stack[count++] = {least, 0, 0, 0};
-  constexpr std::uint32_t kFirstLeaf = first_of(kDepths);
+  constexpr std::uint32_t kFirstSquare = first_of(kSquareDepth);
   while (count > 0) {
     const Entry entry = stack[--count];
     if (entry.at > most) continue;
-    if (entry.node >= kFirstLeaf) {
-      meet_leaf(walk, local, entry.x * kLeafCells, entry.y * kLeafCells);
+    if (entry.node >= kFirstSquare) {
+      cast_square(walk, local, entry.node - kFirstSquare, entry.x * kSquareCells,
+                  entry.y * kSquareCells, most);
       if (walk.any && walk.best) return;
-      most = limit();
+      most = local.most(walk);
       continue;
     }
     const Boxes& boxes = nodes_[entry.node];
-    std::array<float, 4> in, out;
-    in.fill(least);
-    out.fill(most);
+    F4 in = F4{} + least, out = F4{} + most;
     for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t c = 0; c < 4; ++c) {
-        const float a = (boxes.low[k][c] - local.from[k]) * local.inverse[k];
-        const float b = (boxes.high[k][c] - local.from[k]) * local.inverse[k];
-        const float low = a < b ? a : b, high = a < b ? b : a;
-        in[c] = in[c] > low ? in[c] : low;
-        out[c] = out[c] < high ? out[c] : high;
-      }
+      narrow((load(boxes.low[k]) - local.from[k]) * local.inverse[k],
+             (load(boxes.high[k]) - local.from[k]) * local.inverse[k], in, out);
+    const I4 found = (in <= out) & (load(boxes.low[0]) <= load(boxes.high[0]));
     const std::size_t begin_of = count;
     for (std::uint32_t c = 0; c < 4; ++c) {
-      if (!(in[c] <= out[c]) || boxes.low[0][c] > boxes.high[0][c]) continue;
+      if (!found[c]) continue;
       const Entry child{in[c], 4 * entry.node + 1 + c,
                         static_cast<std::uint16_t>(2 * entry.x + (c & 1)),
                         static_cast<std::uint16_t>(2 * entry.y + (c >> 1))};

@@ -23,13 +23,28 @@ std::size_t thread_number() {
 
 }  // namespace
 
-TreeCache::Use::Use(TreeCache& trees)
-    : trees_(trees), lock_(thread_number() % std::size(trees.in_use_)) {
-  trees_.in_use_[lock_].mutex.lock_shared();
+// Caches that the thread uses, and how often.
+struct TreeCache::Held {
+  const TreeCache* trees;
+  std::size_t count;
+};
+thread_local std::vector<TreeCache::Held> TreeCache::held_;
+
+TreeCache::Use::Use(TreeCache& trees) : trees_(trees) {
+  for (Held& held : held_)
+    if (held.trees == &trees_) {
+      ++held.count;
+      return;
+    }
+  trees_.in_use_[thread_number() % std::size(trees.in_use_)].mutex.lock_shared();
+  held_.push_back({&trees_, 1});
 }
 
 TreeCache::Use::~Use() {
-  trees_.in_use_[lock_].mutex.unlock_shared();
+  const auto held = std::ranges::find(held_, &trees_, &Held::trees);
+  if (--held->count > 0) return;
+  held_.erase(held);
+  trees_.in_use_[thread_number() % std::size(trees_.in_use_)].mutex.unlock_shared();
   if (trees_.bytes_.load(std::memory_order_relaxed) > trees_.most_) trees_.drop();
 }
 

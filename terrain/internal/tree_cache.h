@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
+#include <vector>
 
 #include "terrain/internal/tile_tree.h"
 
@@ -18,7 +19,8 @@ class TreeCache {
   TreeCache(const Tiles& tiles, std::size_t most);
   ~TreeCache();
 
-  // Keeps trees in place while it lives; a few rays long.
+  // Keeps trees in place while it lives, on one thread; some thousand rays long. Within another of
+  // the same trees it does nothing.
   class Use {
    public:
     explicit Use(TreeCache& trees);
@@ -28,7 +30,6 @@ class TreeCache {
 
    private:
     TreeCache& trees_;
-    std::size_t lock_;  // of in_use_
   };
 
   // Tree of a tile, made at the first call. Expects: a Use of this thread. Thread-safe.
@@ -40,6 +41,8 @@ class TreeCache {
     std::atomic<const TileTree*> tree{nullptr};
     std::atomic<std::uint32_t> used{0};
   };
+  struct Held;
+  static thread_local std::vector<Held> held_;
   void make(std::uint32_t tile, const ChartSurface& surface);
   void drop();
 

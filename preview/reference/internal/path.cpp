@@ -34,8 +34,11 @@ struct Lit {
   const Sun& sun;
   const Bodies* bodies;  // null: none
   const Point& point;
+  const trace::GroundBeams* beams = nullptr;
 
-  bool open(const Vec3& to_light) const { return !scene.any({{point.start, to_light}, target}); }
+  bool open(const Vec3& to_light) const {
+    return !scene.any({{point.start, to_light}, target}, beams);
+  }
   // share of the Sun's light from a direction
   Vec3 arriving(const Vec3& to_sun) const {
     const Vec3 share = bodies ? bodies->passes(point.start, to_sun) : Vec3(1);
@@ -228,7 +231,8 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
   for (std::uint32_t depth = 0;; ++depth) {
     const Sun& sun = suns[hit->target];
     const Point point = scene.point(*hit, options.flat);
-    const Lit lit{scene, hit->target, sun, bodies.empty() ? nullptr : &bodies[hit->target], point};
+    const Bodies* of_target = bodies.empty() ? nullptr : &bodies[hit->target];
+    const Lit lit{scene, hit->target, sun, of_target, point, options.beams};
     result.radiance += share * point.emitted * options.white;
     const Scatter& surface = point.surface();
     if (point.normal == Vec3(0)) break;

@@ -43,7 +43,8 @@ struct PathOptions {
   const TraceLamps* lamps = nullptr;  // null: none
   std::uint32_t bounces = 0;
   bool flat = false;
-  Vec3 white{1};  // of emission 1, times π
+  Vec3 white{1};                              // of emission 1, times π
+  const trace::GroundBeams* beams = nullptr;  // of rays to the Sun; null: none
 };
 
 // Traces the light along a ray from the camera: emission, and at every surface on the way the Sun

@@ -31,7 +31,9 @@ class TraceScene {
   std::optional<trace::Hit> seen(const trace::Ray& ray) const;
   // Returns the nearest surface, except holes; insides of closed meshes count.
   std::optional<trace::Hit> closest(const trace::Ray& ray) const;
-  bool any(const trace::Ray& ray) const { return rays_.any(ray, trace::Insides::stop); }
+  bool any(const trace::Ray& ray, const trace::GroundBeams* beams = nullptr) const {
+    return rays_.any(ray, trace::Insides::stop, beams);
+  }
 
   bool is_inside(const trace::Hit& hit) const { return rays_.is_inside(hit); }
   Point point(const trace::Hit& hit, bool flat) const {

@@ -1,0 +1,170 @@
+// Rays of beams against the same rays alone, and the tiles that far views look at.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "base/random.h"
+#include "terrain/ground.h"
+#include "tests/support/process.h"
+#include "tests/terrain/made_files.h"
+
+namespace panwright::terrain::beams_test {
+namespace {
+
+using support::TemporaryFolder;
+using testing_support::bytes_of;
+using testing_support::Kind;
+using testing_support::label_of;
+using testing_support::place_of;
+
+constexpr std::uint32_t kWidth = 1025, kHeight = 515;
+
+std::shared_ptr<const Tiles> hills(Kind kind, std::uint32_t width, std::uint32_t height,
+                                   double size) {
+  std::string data;
+  for (std::uint32_t y = 0; y < height; ++y)
+    for (std::uint32_t x = 0; x < width; ++x)
+      data += bytes_of(static_cast<float>(size * std::sin(x * 0.11) * std::cos(y * 0.07)), false);
+  return tiles_of(kind, data, label_of(kind, width, height));
+}
+
+double drawn(std::uint32_t i, std::uint32_t use) {
+  return in_unit(philox({i, use, 0, 0}, {11, 0})[0]) - 0.5;
+}
+Vec3 drawn_vector(std::uint32_t i, std::uint32_t use) {
+  return {drawn(i, use), drawn(i, use + 1), drawn(i, use + 2)};
+}
+
+struct Counts {
+  int hits = 0, misses = 0, blocked = 0;
+};
+
+void expect_same(const Ground& ground, const Vec3& origin, const Vec3& direction,
+                 const GroundLevels* levels, const GroundBeam& beam, Counts& counts) {
+  constexpr double kFar = 1e9;
+  const auto alone = ground.nearest(origin, direction, 0, kFar, levels);
+  const auto found = ground.nearest(origin, direction, 0, kFar, levels, &beam);
+  ASSERT_EQ(found.has_value(), alone.has_value());
+  ASSERT_EQ(ground.is_blocked(origin, direction, 0, kFar, levels, &beam),
+            ground.is_blocked(origin, direction, 0, kFar, levels));
+  (alone ? counts.hits : counts.misses) += 1;
+  if (!alone) return;
+  EXPECT_EQ(found->distance, alone->distance);
+  EXPECT_EQ(found->point.level, alone->point.level);
+  EXPECT_EQ(found->point.column, alone->point.column);
+  EXPECT_EQ(found->point.row, alone->point.row);
+}
+
+// From above the ground and from far away, narrow and wide; of the finest level and of several.
+void expect_beams(Kind kind) {
+  const Ground ground(hills(kind, kWidth, kHeight, 60));
+  Counts counts;
+  int beams = 0, outside = 0;
+  for (std::uint32_t k = 0; k < 300; ++k) {
+    const auto post = [&](std::uint32_t use) {
+      return place_of(kind, static_cast<std::uint32_t>((drawn(k, use) + 0.5) * (kWidth - 1)),
+                      static_cast<std::uint32_t>((drawn(k, use + 1) + 0.5) * (kHeight - 1)), 0,
+                      kWidth, kHeight);
+    };
+    const Vec3 aim = post(0);
+    const Vec3 up = kind == Kind::plane ? Vec3(0, 0, 1) : glm::normalize(aim);
+    const double away = k % 3 == 0 ? 200 : k % 3 == 1 ? 4000 : 1e6;
+    const Vec3 eye = aim + away * glm::normalize(up + 1.4 * drawn_vector(k, 2));
+    const GroundLevels levels = ground.levels(eye, 0.01);
+    const GroundLevels* used = k % 2 == 0 ? &levels : nullptr;
+    const RayBeam about{eye, k % 5 == 0 ? 30.0 : 0.0, glm::normalize(aim - eye),
+                        k % 4 == 0 ? 0.2 : 0.01};
+    const auto beam = ground.beam(about, used);
+    if (!beam) continue;
+    ++beams;
+    for (std::uint32_t i = 0; i < 20; ++i) {
+      const std::uint32_t use = 10 + 6 * i;
+      // one in ten is not of the beam
+      const double much = i % 10 == 9 ? 8 : 1;
+      outside += i % 10 == 9;
+      const Vec3 origin = eye + much * about.radius * drawn_vector(k, use);
+      const Vec3 direction =
+          glm::normalize(about.axis + much * about.angle * drawn_vector(k, use + 3));
+      expect_same(ground, origin, direction, used, *beam, counts);
+    }
+  }
+  printf("%d beams: %d hits, %d misses\n", beams, counts.hits, counts.misses);
+  EXPECT_GT(beams, 150);
+  EXPECT_GT(counts.hits, 1000);
+  EXPECT_GT(counts.misses, 100);
+  EXPECT_GT(outside, 100);
+}
+TEST(GroundBeam, OnAPlane) { expect_beams(Kind::plane); }
+TEST(GroundBeam, OnACylindricalMap) { expect_beams(Kind::cylindrical); }
+TEST(GroundBeam, OnAPolarMap) { expect_beams(Kind::polar); }
+
+// Rays to a light, from the ground: those that rise faster than it are not looked for, and the
+// others are blocked as ever.
+void expect_light(Kind kind, double size) {
+  const Ground ground(hills(kind, kWidth, kHeight, size));
+  int blocked = 0, open = 0;
+  for (std::uint32_t k = 0; k < 4000; ++k) {
+    const auto x = static_cast<std::uint32_t>((drawn(k, 0) + 0.5) * (kWidth - 1)),
+               y = static_cast<std::uint32_t>((drawn(k, 1) + 0.5) * (kHeight - 1));
+    const Vec3 foot = place_of(kind, x, y, 0, kWidth, kHeight);
+    const Vec3 up = kind == Kind::plane ? Vec3(0, 0, 1) : glm::normalize(foot);
+    const auto here = ground.nearest(foot + 5000.0 * up, -up);
+    if (!here) continue;
+    const Vec3 origin = here->point.position + 0.001 * up;
+    const Vec3 aside = glm::normalize(glm::cross(up, drawn_vector(k, 2)));
+    const double elevation = (drawn(k, 5) + 0.5) * 1.2;
+    const Vec3 to_light = std::cos(elevation) * aside + std::sin(elevation) * up;
+    const auto beam = ground.beam({origin, 1, to_light, 0.005, true}, nullptr);
+    ASSERT_TRUE(beam);
+    const bool want = ground.is_blocked(origin, to_light, 0, 1e9);
+    EXPECT_EQ(ground.is_blocked(origin, to_light, 0, 1e9, nullptr, &*beam), want) << k;
+    (want ? blocked : open) += 1;
+  }
+  printf("%d rays blocked, %d not\n", blocked, open);
+  EXPECT_GT(blocked, 200);
+  EXPECT_GT(open, 1000);
+}
+TEST(GroundBeam, LightOnAPlane) { expect_light(Kind::plane, 60); }
+TEST(GroundBeam, LightOnACylindricalMap) { expect_light(Kind::cylindrical, 300); }
+TEST(GroundBeam, LightOnAPolarMap) { expect_light(Kind::polar, 300); }
+
+// A far view of the level before the first with slopes: the finer tiles, all damaged, are not
+// looked at, and each tile has one tree of a fifth of a megabyte.
+TEST(GroundBeam, FarViewsLeaveFineTilesAlone) {
+  constexpr std::uint32_t kLong = 2300, kShort = 515, kLevel = kSlopeLevel - 1;
+  const auto sound = hills(Kind::plane, kLong, kShort, 60);
+  ASSERT_TRUE(sound);
+  const auto all = sound->model().bytes();
+  std::string bytes(reinterpret_cast<const char*>(all.data()), all.size());
+  std::size_t tiles_of_level = 0;
+  for (const TileRecord& record : sound->records()) {
+    tiles_of_level += record.level == kLevel;
+    // the section of tiles is the first of the file
+    if (record.level < kLevel) bytes[128 + record.offset + 5000] ^= 1;
+  }
+  const TemporaryFolder folder;
+  DiagnosticLog log;
+  auto tiles = Tiles::open(folder.write("damaged.pan", bytes), log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  const Ground ground(std::make_shared<const Tiles>(*std::move(tiles)), Ground::kTreeBytes, 0);
+  const Vec3 eye(11500, -2570, 1e6);
+  const GroundLevels levels = ground.levels(eye, 35e-6);
+  int hits = 0;
+  for (std::uint32_t k = 0; k < 500; ++k) {
+    const Vec3 aim(11500 + 22000 * drawn(k, 0), -2570 + 5000 * drawn(k, 1), 0);
+    const auto hit = ground.nearest(eye, glm::normalize(aim - eye), 0, 1e9, &levels);
+    ASSERT_TRUE(hit) << k;
+    EXPECT_EQ(hit->point.level, kLevel);
+    EXPECT_TRUE(ground.relief(hit->point)) << k;
+    ++hits;
+  }
+  for (std::uint32_t t = 0; t < ground.tiles().records().size(); ++t)
+    EXPECT_FALSE(ground.tiles().is_damaged(t)) << t;
+  EXPECT_GT(hits, 100);
+  EXPECT_LT(ground.tree_bytes(), tiles_of_level * 220'000);
+  EXPECT_GT(ground.tree_bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace panwright::terrain::beams_test
