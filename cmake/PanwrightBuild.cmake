@@ -189,7 +189,7 @@ function(panwright_test name)
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0"
     "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
   set(slow ${ARG_NIGHTLY})
-  if(PANWRIGHT_SLOW_SANITIZED)
+  if(PANWRIGHT_SLOW_SANITIZED OR PANWRIGHT_SANITIZE MATCHES "thread")
     set(ARG_TIMEOUT 5000)
   elseif(PANWRIGHT_SANITIZE MATCHES "address")
     list(APPEND slow ${ARG_SLOW_SANITIZED})

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <type_traits>
 
 namespace panwright::image {
 
@@ -98,12 +99,21 @@ class TiffFile {
   std::array<char, 160> message_{};
 };
 
-// Values of a tag of any number of them; empty: it has none.
+// Values of a tag of any number of them; empty: it has none, or of another type.
 template <class T>
 std::span<const T> tiff_values(TIFF* tiff, std::uint32_t tag) {
+  constexpr TIFFDataType kType = std::is_same_v<T, double>          ? TIFF_DOUBLE
+                                 : std::is_same_v<T, std::uint16_t> ? TIFF_SHORT
+                                                                    : TIFF_ASCII;
+  static_assert(kType != TIFF_ASCII || std::is_same_v<T, char>);
+  // libtiff hands out tags that it does not know as they are stored
+  const TIFFField* const field = TIFFFieldWithTag(tiff, tag);
   std::uint32_t count = 0;
   const T* values = nullptr;
-  if (TIFFGetField(tiff, tag, &count, &values) != 1 || values == nullptr) return {};
+  if (field == nullptr || TIFFFieldDataType(field) != kType ||
+      TIFFFieldReadCount(field) != TIFF_VARIABLE2 ||
+      TIFFGetField(tiff, tag, &count, &values) != 1 || values == nullptr)
+    return {};
   return {values, count};
 }
 

@@ -62,6 +62,19 @@ bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds) 
   return WIFSIGNALED(status);
 }
 
+bool run_and_kill(const std::vector<std::string>& words, const std::function<bool()>& when) {
+  const pid_t child = start(words, {}, "/dev/null", "/dev/null");
+  if (child < 0) throw std::runtime_error("cannot fork");
+  int status = 0;
+  while (!when()) {
+    if (waitpid(child, &status, WNOHANG) == child) return false;
+    usleep(1000);
+  }
+  kill(child, SIGKILL);
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
 std::optional<Outcome> run_on_disk(const std::string& folder, unsigned kilobytes,
                                    const std::string& script,
                                    const std::vector<std::string>& words) {

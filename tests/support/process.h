@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ Outcome panwright(std::vector<std::string> words, const std::vector<std::string>
 // Starts a program, kills it after some microseconds (SIGKILL), and waits for it. Returns true if
 // it was still running then.
 bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);
+// The same, once a condition holds that is asked every millisecond.
+bool run_and_kill(const std::vector<std::string>& words, const std::function<bool()>& when);
 
 // Starts a program, sends it a signal after some microseconds, and waits for its end.
 Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds);

@@ -133,10 +133,10 @@ TEST(SkySettings, LastSunlight) {
   for (const char* text :
        {"earth=0 0 -6778km air=sunset", "venus=0 0 -9000km air=sunset radius=6052km albedo=0.7"}) {
     const Settings settings = with(text);
-    const light::Body& body = sky_of(settings)->bodies[0];
+    const light::Body body = sky_of(settings)->bodies[0];
     EXPECT_TRUE(body.air && body.sunset) << text;
     for (const std::string& written : setting_texts(SettingId::planet, settings)) {
-      const light::Body& again = sky_of(with(written))->bodies[0];
+      const light::Body again = sky_of(with(written))->bodies[0];
       EXPECT_TRUE(again.air && again.sunset) << written;
       EXPECT_EQ(again.albedo, body.albedo) << written;
     }
