@@ -96,7 +96,6 @@ class Stage {
   workspace::Frame base_;
   State initial_;
   std::shared_ptr<const light::StarCatalogue> catalogue_;
-  bool catalogue_read_ = false;
   workspace::Runner runner_;
   trace::Scene rays_{{0, true}};
 };
