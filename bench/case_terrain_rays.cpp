@@ -202,7 +202,60 @@ void add_view(const Site& site, const terrain::Ground& ground, double height, bo
   context.add(row);
 }
 
+// Look-ups of an albedo map, at places of another one's pixels, beside means of its numbers.
+void add_albedo(Context& context) {
+  const std::uint32_t side = context.quick() ? 256 : 2048;
+  std::vector<float> values;
+  for (std::uint32_t k = 0; k < side * side; ++k)
+    values.push_back(static_cast<float>(0.1 + (k * 2654435761u >> 8) % 1000 / 1000.0));
+  const auto folder = context.scratch();
+  std::ofstream(folder / "albedo.dat", std::ios::binary)
+      .write(reinterpret_cast<const char*>(values.data()),
+             static_cast<std::streamsize>(4 * values.size()));
+  std::ofstream(folder / "albedo.hdr") << fmt::format(
+      "ENVI\nsamples = {0}\nlines = {0}\nbands = 1\ndata type = 4\nbyte order = 0\n"
+      "map info = {{Local, 1, 1, 0, 0, 1, 1}}\n",
+      side);
+  DiagnosticLog log;
+  terrain::DemOptions reading;
+  reading.unit = 1;
+  reading.quantity = terrain::Quantity::height;
+  const auto dem = terrain::Dem::open(folder / "albedo.hdr", reading, log);
+  reading.quantity = terrain::Quantity::plain;
+  auto map = terrain::Dem::open(folder / "albedo.hdr", reading, log);
+  terrain::TilesOptions options;
+  if (map) options.albedo.push_back({{*std::move(map)}, 1.0, {}});
+  if (!dem || !terrain::write_tiles({&*dem, 1}, folder / "albedo.pan", options, log))
+    return context.note("no albedo map: " + to_text(log));
+  const auto tiles = terrain::Tiles::open(folder / "albedo.pan", log);
+  if (!tiles) return context.note("no albedo map: " + to_text(log));
+  for (const std::uint32_t unit : {1u, 4u, 32u}) {
+    const std::uint32_t across = side / unit;
+    std::vector<double> found(std::size_t{across} * across), wanted(found.size());
+    for (std::uint32_t y = 0; y < across * unit; ++y)
+      for (std::uint32_t x = 0; x < across * unit; ++x)
+        wanted[std::size_t{y / unit} * across + x / unit] +=
+            double(values[std::size_t{y} * side + x]) / (unit * unit);
+    const auto look = [&](std::size_t j) {
+      for (std::uint32_t i = 0; i < across; ++i)
+        found[j * across + i] = tiles->albedo().at({-(j + 0.5) * unit, (i + 0.5) * unit}, unit).y;
+    };
+    Row row{.case_name = "terrain_rays",
+            .setting = fmt::format("albedo, means of {0} x {0} pixels", unit),
+            .speed_unit = "M/s",
+            .error_unit = "largest, of the largest number",
+            .reference = "sums over the source"};
+    set_rate(row, timed([&] { parallel_for(across, look); }, context.runs()),
+             double(found.size()) / 1e6);
+    for (std::size_t k = 0; k < found.size(); ++k)
+      row.error = std::max(row.error, std::fabs(found[k] - wanted[k]) / 1.099);
+    row.must_error = 1e-5;
+    context.add(row);
+  }
+}
+
 void run_rays(Context& context) {
+  add_albedo(context);
   const std::uint32_t side = context.quick() ? 300 : 2049;
   const Site sites[] = {
       {"plane of 5 m", nullptr, side, side, 5, 1.1},

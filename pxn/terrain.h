@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "materials/material.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
@@ -29,9 +30,23 @@ struct DemText {
   double blend = 0;  // metres
 };
 
+// Map of albedos.
+struct AlbedoText {
+  std::string file;  // as DemText::file
+  scene::Source source;
+  std::array<std::uint32_t, 3> bands{1, 1, 1};  // from 1; equal: grey
+  double scale = 1;                             // of its numbers
+  // radians: incidence, emission and phase of radiance factors; none: numbers are relative
+  std::optional<std::array<double, 3>> reflectance;
+  std::optional<double> radius, spacing;  // metres
+  std::optional<double> no_value;         // a number that stands for none, as stored
+};
+
 struct TerrainText {
-  double error = 0;           // metres; 0: floats
-  std::vector<DemText> dems;  // the first that has a height counts
+  double error = 0;                             // metres; 0: floats
+  std::vector<DemText> dems;                    // the first that has a height counts
+  std::vector<AlbedoText> albedo;               // the first that has a value counts
+  std::optional<materials::Material> material;  // none: lunar regolith
   scene::Source source;
 };
 

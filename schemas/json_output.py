@@ -290,6 +290,9 @@ COMMANDS = {
             "radius_m": "number: of the sphere; 0 of a plane", "levels": "integer", "tiles": "integer: of all levels", "step_m": "number: between stored heights; 0: floats",
             "error_m": "number: largest distance of a stored height from its source", "min": "number: lowest height, metres over the sphere", "max": "number: highest",
             "void_tiles": "integer: without any height"}]),
+        "albedo?": ("maps of terrain; the first with a value gives it", [{
+            "width": "integer: pixels", "height": "integer", "bands": "integer: 1, or red, green and blue", "pixel_m": "number[]: metres on the map, along columns and rows",
+            "mean": "number: of the factors of the material's colour, by area", "largest": "number: of the factors"}]),
         "points?": ("with --at, in its order", [{
             "latitude": "number: degrees; of a plane y, metres", "longitude": "number: degrees; of a plane x", "height?": "number: metres over the sphere; absent: no ground",
             "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "chart?": "integer"}]),

@@ -47,6 +47,7 @@ struct DemOptions {
   std::optional<double> unit;                // metres of a number
   std::optional<Quantity> quantity;          // meaning of numbers
   std::optional<double> radius;              // metres, of the sphere
+  std::optional<double> body_radius;         // metres, of images of a whole body
   std::optional<double> spacing;             // metres of a pixel, of files without a map; > 0
   std::optional<double> missing;             // one more value, as stored, that stands for none
   std::optional<bool> positive_west;         // longitudes count to the west

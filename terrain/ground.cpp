@@ -117,6 +117,10 @@ SmoothGround Ground::smooth(const GroundPoint& point) const {
   return state_->charts[point.chart].smooth(point);
 }
 
+Vec3 Ground::albedo(const Vec3& position, double size) const {
+  return tiles().albedo().at(state_->charts.front().place_of(position), size);
+}
+
 GroundRelief Ground::relief(const GroundPoint& point) const {
   return state_->charts[point.chart].relief(point);
 }

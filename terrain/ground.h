@@ -125,6 +125,10 @@ class Ground {
   // chart and a level.
   SmoothGround smooth(const GroundPoint& point) const;
 
+  // Factors of the colour of the ground's material at a point, body-fixed: the mean of albedo maps
+  // over about `size` metres, 0: of the finest pixels. 1 where there is none.
+  Vec3 albedo(const Vec3& position, double size) const;
+
   // Relief that the triangle of a point leaves out; none at level 0, and of files that were written
   // before there were blocks of slopes from level 3 on.
   //

@@ -56,6 +56,12 @@ struct Polar {
 
 }  // namespace
 
+bool Map::is_whole_turn(double width) const {
+  if (kind != Kind::cylindrical) return false;
+  const double turn = 2 * kPi * radius * det::cos(standard_latitude * kDegree);
+  return std::fabs(width * dx / turn - 1) < 1e-6;
+}
+
 LatLon Map::at(double column, double row) const {
   const Vec2 p = point(column, row);
   if (kind == Kind::cylindrical) {

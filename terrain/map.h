@@ -34,6 +34,8 @@ struct Map {
   bool positive_west = false;    // the file counts longitudes to the west
 
   bool is_placed() const { return kind != Kind::none && radius > 0; }
+  // Returns whether the columns of a cylindrical map go once round the body.
+  bool is_whole_turn(double width) const;
   // Metres on the map of a point of the raster.
   Vec2 point(double column, double row) const { return {left + column * dx, top - row * dy}; }
   // Expects: is_placed().

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pan/writer.h"
+#include "terrain/internal/albedo_writer.h"
 #include "terrain/internal/blend.h"
 #include "terrain/internal/tile_levels.h"
 
@@ -23,13 +24,6 @@ namespace {
 
 void fill(std::span<char> field, const std::string& text) {
   std::copy_n(text.begin(), std::min(text.size(), field.size()), field.begin());
-}
-
-// Whether the columns of a map go once round the body.
-bool is_whole_turn(const DemInfo& info) {
-  if (info.map.kind != Map::Kind::cylindrical) return false;
-  const double turn = 2 * kPi * info.map.radius * det::cos(info.map.standard_latitude * kDegree);
-  return std::fabs(info.width * info.map.dx / turn - 1) < 1e-6;
 }
 
 ChartRecord chart_of(const DemInfo& info, double step) {
@@ -50,7 +44,7 @@ ChartRecord chart_of(const DemInfo& info, double step) {
   chart.step = step;
   chart.low = std::numeric_limits<double>::infinity();
   chart.high = -chart.low;
-  const bool wraps = is_whole_turn(info);
+  const bool wraps = info.map.is_whole_turn(info.width);
   chart.flags = (map.north ? kChartNorth : 0) | (wraps ? kChartWraps : 0);
   chart.width = info.width + (wraps ? 1 : 0);
   chart.height = info.height;
@@ -245,23 +239,27 @@ bool same_name(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, folded, folded);
 }
 
-bool same_body(std::span<const DemPart> dems, DiagnosticLog& log) {
-  const DemInfo* first = nullptr;
+bool same_body(std::span<const DemPart> dems, const std::vector<AlbedoPart>& albedo,
+               DiagnosticLog& log) {
+  std::vector<const DemInfo*> all;
   for (const DemPart& dem : dems) {
-    const DemInfo& info = dem.info();
-    if (info.quantity == Quantity::plain) {
-      log.report_file(Code("E9612"), info.files.front(), "its numbers are no elevations",
-                      "--values height or radius says that they are");
-      return false;
-    }
-    if (info.target.empty()) continue;
-    if (first && !same_name(first->target, info.target)) {
-      log.report_file(Code("E9612"), info.files.front(),
-                      fmt::format("it is of {}, but {} of {}", in_quotes(info.target),
+    all.push_back(&dem.info());
+    if (dem.info().quantity != Quantity::plain) continue;
+    log.report_file(Code("E9612"), dem.info().files.front(), "its numbers are no elevations",
+                    "--values height or radius says that they are");
+    return false;
+  }
+  for (const AlbedoPart& part : albedo) all.push_back(&part.bands[0].info());
+  const DemInfo* first = nullptr;
+  for (const DemInfo* info : all) {
+    if (info->target.empty()) continue;
+    if (first && !same_name(first->target, info->target)) {
+      log.report_file(Code("E9612"), info->files.front(),
+                      fmt::format("it is of {}, but {} of {}", in_quotes(info->target),
                                   first->files.front(), in_quotes(first->target)));
       return false;
     }
-    first = &info;
+    first = info;
   }
   return true;
 }
@@ -273,43 +271,70 @@ Result<pan::Contents> frame_of(std::span<const DemPart> dems, const TilesOptions
   contents.version = "panwright " PANWRIGHT_VERSION;
   contents.options = fmt::format("terrain error={}", options.error);
   for (const DemPart& part : dems) contents.options += part.words();
+  for (const AlbedoPart& part : options.albedo)
+    contents.options += fmt::format(" albedo white={}", part.white.value_or(0));
+  if (options.material) contents.materials.push_back(*options.material);
   contents.nodes.emplace_back();
   contents.nodes.back().name = "terrain";
-  for (const DemPart& dem : dems)
-    for (const std::string& file : dem.info().files) {
-      const auto mapped = MappedFile::open(file, log);
-      if (!mapped) return failed;
-      // note: the memory of a part is given back before the next one is read
-      constexpr std::size_t kPart = std::size_t{1} << 24;
-      Hasher hasher;
-      for (std::size_t at = 0; at < mapped->bytes().size(); at += kPart) {
-        const auto rest = mapped->bytes().subspan(at);
-        const auto part = rest.first(std::min(kPart, rest.size()));
-        hasher.update(part);
-        mapped->release(part);
-      }
-      contents.inputs.push_back({std::filesystem::path(file).filename().string(),
-                                 hasher.digest128(), mapped->bytes().size()});
+  std::vector<std::string> files;
+  const auto add = [&](const DemInfo& info) {
+    files.insert(files.end(), info.files.begin(), info.files.end());
+  };
+  for (const DemPart& dem : dems) add(dem.info());
+  for (const AlbedoPart& part : options.albedo) add(part.bands[0].info());
+  for (const std::string& file : files) {
+    const auto mapped = MappedFile::open(file, log);
+    if (!mapped) return failed;
+    // note: the memory of a part is given back before the next one is read
+    constexpr std::size_t kPart = std::size_t{1} << 24;
+    Hasher hasher;
+    for (std::size_t at = 0; at < mapped->bytes().size(); at += kPart) {
+      const auto rest = mapped->bytes().subspan(at);
+      const auto part = rest.first(std::min(kPart, rest.size()));
+      hasher.update(part);
+      mapped->release(part);
     }
+    contents.inputs.push_back({std::filesystem::path(file).filename().string(), hasher.digest128(),
+                               mapped->bytes().size()});
+  }
   return contents;
 }
 
-bool write_tail(std::span<const ChartRecord> charts, std::span<const TileRecord> records,
-                std::uint64_t place, pan::Writer& out, DiagnosticLog& log) {
+// Charts, tiles and albedo maps, in their order.
+struct Written {
+  std::vector<ChartRecord> charts;
+  std::vector<TileRecord> records;
+  std::vector<AlbedoRecord> maps;
+  std::vector<AlbedoTile> albedo;
+  std::uint64_t bytes = 0;  // of tiles
+};
+
+bool write_tail(const Written& written, pan::Writer& out, DiagnosticLog& log) {
+  const std::span charts(written.charts);
+  const std::span records(written.records);
+  std::vector<std::span<const std::byte>> lists = {std::as_bytes(charts), std::as_bytes(records)};
+  AlbedoHead head{};
+  head.map_count = static_cast<std::uint32_t>(written.maps.size());
+  head.tile_count = static_cast<std::uint32_t>(written.albedo.size());
+  if (head.map_count > 0)
+    lists.insert(lists.end(),
+                 {std::as_bytes(std::span(&head, 1)), std::as_bytes(std::span(written.maps)),
+                  std::as_bytes(std::span(written.albedo))});
   TilesTail tail{};
   std::memcpy(tail.magic, "PWTERRA", 8);
-  tail.version = kTilesVersion;
+  tail.version = head.map_count > 0 ? kTilesVersion : kTilesVersion - 1;
   tail.chart_count = static_cast<std::uint32_t>(charts.size());
   tail.tile_count = records.size();
-  tail.charts_offset = place;
-  tail.tiles_offset = place + charts.size_bytes();
+  tail.charts_offset = written.bytes;
+  tail.tiles_offset = written.bytes + charts.size_bytes();
   Hasher hasher;
-  hasher.update(std::as_bytes(charts));
-  hasher.update(std::as_bytes(records));
+  for (const auto& list : lists) {
+    hasher.update(list);
+    if (!out.append(list, log)) return false;
+  }
   hasher.update(std::as_bytes(std::span(&tail, 1)).first(offsetof(TilesTail, hash)));
   tail.hash = hasher.digest64();
-  return out.append(std::as_bytes(charts), log) && out.append(std::as_bytes(records), log) &&
-         out.append(std::as_bytes(std::span(&tail, 1)), log);
+  return out.append(std::as_bytes(std::span(&tail, 1)), log);
 }
 
 }  // namespace
@@ -322,13 +347,6 @@ Result<TilesReport> write_tiles(std::span<const Dem> dems, const std::filesystem
 }
 
 namespace {
-
-// Charts and tiles of all parts, in their order.
-struct Written {
-  std::vector<ChartRecord> charts;
-  std::vector<TileRecord> records;
-  std::uint64_t bytes = 0;  // of tiles
-};
 
 bool write_charts(std::span<const DemPart> parts, const TilesOptions& options, pan::Writer& writer,
                   Written& out, DiagnosticLog& log, const Job& job) {
@@ -364,11 +382,25 @@ bool write_charts(std::span<const DemPart> parts, const TilesOptions& options, p
   return true;
 }
 
+bool write_albedos(const DemInfo& ground, const TilesOptions& options, pan::Writer& writer,
+                   Written& out, DiagnosticLog& log, const Job& job) {
+  const internal::BytesReceiver append =
+      [&](std::span<const std::byte> bytes) -> std::optional<std::uint64_t> {
+    const std::uint64_t at = out.bytes;
+    out.bytes += bytes.size();
+    return writer.append(bytes, log) ? std::optional(at) : std::nullopt;
+  };
+  return std::ranges::all_of(options.albedo, [&](const AlbedoPart& part) {
+    return internal::write_albedo(part, ground.map.is_placed(), out.maps, out.albedo, append, log,
+                                  job);
+  });
+}
+
 }  // namespace
 
 Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::filesystem::path& path,
                                 const TilesOptions& options, DiagnosticLog& log, const Job& job) {
-  if (!same_body(parts, log)) return failed;
+  if (!same_body(parts, options.albedo, log)) return failed;
   return run_job(job, log, [&]() -> Result<TilesReport> {
     const auto contents = frame_of(parts, options, log);
     if (!contents) return failed;
@@ -376,8 +408,8 @@ Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::files
     if (!writer || !writer->begin(kTilesSection, 1, true, log)) return failed;
     Written written;
     if (!write_charts(parts, options, *writer, written, log, job)) return failed;
-    if (!write_tail(written.charts, written.records, written.bytes, *writer, log) ||
-        !writer->end(log))
+    if (!write_albedos(parts[0].info(), options, *writer, written, log, job) ||
+        !write_tail(written, *writer, log) || !writer->end(log))
       return failed;
     // the tables of a model of one node, as they are
     auto rest = pan::Model::from_bytes(pan::write_to_memory(*contents), path.string(), log);
@@ -392,6 +424,7 @@ Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::files
     TilesReport report;
     report.bytes = writer->bytes();
     report.tiles = written.records.size();
+    report.albedo_tiles = written.albedo.size();
     for (const ChartRecord& chart : written.charts)
       report.error = std::max(report.error, chart.error);
     for (const TileRecord& record : written.records)

@@ -144,7 +144,7 @@ Result<std::optional<Tiles>> Tiles::of(std::shared_ptr<const pan::Model> model,
   if (tail.chart_count == 0 || tail.chart_count > kMostCharts || tail.charts_offset % 64 != 0 ||
       tail.tile_count > tail_at / sizeof(TileRecord) || tail.charts_offset > tail_at ||
       tail.tiles_offset != tail.charts_offset + tail.chart_count * sizeof(ChartRecord) ||
-      tail.tiles_offset + tail.tile_count * sizeof(TileRecord) != tail_at)
+      tail.tiles_offset + tail.tile_count * sizeof(TileRecord) > tail_at)
     return refuse("the lengths of its lists of charts and tiles contradict one another");
   const auto lists = out.bytes_.subspan(tail.charts_offset, tail_at - tail.charts_offset);
   Hasher hasher;
@@ -154,6 +154,13 @@ Result<std::optional<Tiles>> Tiles::of(std::shared_ptr<const pan::Model> model,
   out.charts_ = {reinterpret_cast<const ChartRecord*>(lists.data()), tail.chart_count};
   out.records_ = {reinterpret_cast<const TileRecord*>(out.bytes_.data() + tail.tiles_offset),
                   static_cast<std::size_t>(tail.tile_count)};
+  const std::uint64_t end = tail.tiles_offset + tail.tile_count * sizeof(TileRecord);
+  const auto no_albedo =
+      tail.version < 3
+          ? (end == tail_at ? std::nullopt : std::optional<std::string>("its tail is damaged"))
+          : AlbedoMaps::open(out.bytes_.first(tail.charts_offset),
+                             out.bytes_.subspan(end, tail_at - end), out.albedo_);
+  if (no_albedo) return refuse(*no_albedo);
   std::uint64_t next = 0;
   for (std::size_t c = 0; c < out.charts_.size(); ++c) {
     const ChartRecord& chart = out.charts_[c];
@@ -241,12 +248,17 @@ void Tiles::report_damaged(DiagnosticLog& log) const {
     log.report_file(Code("W9615"), name(),
                     fmt::format("{} more tiles are left out", found - kNamed),
                     "panwright check names all that are damaged");
+  albedo_.report_damaged(name(), log);
 }
 
 bool Tiles::check_padding(DiagnosticLog& log) const {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;  // begin, end
   for (const TileRecord& record : records_)
     runs.emplace_back(record.offset, record.offset + record.length);
+  for (std::size_t i = 0; i < albedo_.tiles().size(); ++i) {
+    const std::uint64_t at = albedo_.tiles()[i].offset;
+    runs.emplace_back(at, at + albedo_.bytes(i).size());
+  }
   const auto end = static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(charts_.data()) -
                                               bytes_.data());
   runs.emplace_back(end, end);
@@ -279,6 +291,7 @@ bool Tiles::check(DiagnosticLog& log, const Job& job) const {
         },
         job);
     bool good = check_padding(log);
+    good = check_albedo(log, job) && good;
     for (std::uint32_t i = 0; i < records_.size(); ++i) {
       if (!is_damaged(i)) continue;
       good = false;
@@ -289,6 +302,28 @@ bool Tiles::check(DiagnosticLog& log, const Job& job) const {
     }
     return good;
   });
+}
+
+bool Tiles::check_albedo(DiagnosticLog& log, const Job& job) const {
+  const std::size_t count = albedo_.tiles().size();
+  std::vector<std::uint8_t> good(count);
+  Phase phase(job, "checking albedo maps", count);
+  parallel_for(
+      count,
+      [&](std::size_t i) {
+        good[i] = albedo_.check(i);
+        model_->release(albedo_.bytes(i));
+        phase.advance();
+      },
+      job);
+  for (std::size_t i = 0; i < count; ++i)
+    if (!good[i])
+      log.report_file(Code("E9611"), name(),
+                      fmt::format("tile {} of the albedo maps (bytes {} to {} of section 'tiles') "
+                                  "does not match its hash",
+                                  i, albedo_.tiles()[i].offset,
+                                  albedo_.tiles()[i].offset + albedo_.bytes(i).size()));
+  return std::ranges::find(good, 0) == good.end();
 }
 
 Map map_of(const ChartRecord& c) {

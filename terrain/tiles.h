@@ -17,6 +17,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "pan/model.h"
+#include "terrain/albedo.h"
 #include "terrain/map.h"
 
 namespace panwright::terrain {
@@ -27,7 +28,7 @@ inline constexpr std::uint32_t kTilesSection = 31;  // kind of the section in th
 inline constexpr std::uint32_t kTileCells = 256;    // on a side of a tile
 inline constexpr std::uint32_t kTilePosts = 257;
 inline constexpr std::uint32_t kMipBlocks = 32;    // on a side of a tile, of 8 cells
-inline constexpr std::uint32_t kTilesVersion = 2;  // 1: without blocks of slopes
+inline constexpr std::uint32_t kTilesVersion = 3;  // 1: without blocks of slopes; 2: and albedo
 inline constexpr std::uint16_t kVoidCode = 0xffff;
 inline constexpr std::uint32_t kSlopeLevel = 3;     // the first whose tiles have slopes
 inline constexpr std::uint32_t kSlopeBlocks = 128;  // on a side of a tile, of 2 cells
@@ -95,7 +96,7 @@ struct TilesTail {
   std::uint32_t version, chart_count;
   std::uint64_t tile_count;
   std::uint64_t charts_offset, tiles_offset;  // from the beginning of the section
-  std::uint64_t hash;                         // XXH3-64 of charts, tiles and the 40 bytes above
+  std::uint64_t hash;  // XXH3-64 of charts, tiles, albedo maps and the 40 bytes above
   std::uint64_t reserved[2];
 };
 static_assert(sizeof(TilesTail) == 64);
@@ -166,17 +167,20 @@ class Tiles {
   bool check(DiagnosticLog& log, const Job& job = {}) const;
 
   Map map(std::uint32_t chart) const { return map_of(charts_[chart]); }
+  const AlbedoMaps& albedo() const { return albedo_; }
 
  private:
   Tiles() = default;
   std::uint32_t version_ = kTilesVersion;
   static constexpr std::uint8_t kUnknown = 0, kGood = 1, kDamaged = 2, kReported = 3;
   bool check_padding(DiagnosticLog& log) const;
+  bool check_albedo(DiagnosticLog& log, const Job& job) const;
   std::shared_ptr<const pan::Model> model_;
   std::span<const std::byte> bytes_;  // of the section
   std::span<const ChartRecord> charts_;
   std::span<const TileRecord> records_;
   std::shared_ptr<std::atomic<std::uint8_t>[]> state_;
+  AlbedoMaps albedo_;
 };
 
 // Text of a field filled with zeros.

@@ -63,6 +63,27 @@ void print_chart(std::size_t i, const ChartRecord& chart, std::uint64_t voids) {
         voids > 0 ? fmt::format(", {} of them void", voids) : "");
 }
 
+void report_albedo(const terrain::Tiles& tiles, CommandContext& context) {
+  if (tiles.albedo().empty()) return;
+  Json list = Json::array();
+  for (const terrain::AlbedoRecord& map : tiles.albedo().maps()) {
+    const double largest = map.unit * (terrain::kNoAlbedo - 1);
+    list.push_back({{"width", map.width},
+                    {"height", map.height},
+                    {"bands", map.channels},
+                    {"pixel_m", {map.dx, map.dy}},
+                    {"mean", map.mean},
+                    {"largest", largest}});
+    if (!context.options().json)
+      print(
+          "albedo map {:<5} {} x {} pixels, {}, {:.6g} x {:.6g} m; the ground's colour times "
+          "{:.4g} in the mean, {:.4g} at most\n",
+          list.size() - 1, map.width, map.height, map.channels == 3 ? "RGB" : "grey", map.dx,
+          map.dy, map.mean, largest);
+  }
+  context.result()["albedo"] = std::move(list);
+}
+
 void report(const terrain::Tiles& tiles, CommandContext& context) {
   Json& out = context.result();
   const bool json = context.options().json;
@@ -90,6 +111,7 @@ void report(const terrain::Tiles& tiles, CommandContext& context) {
     if (!json) print_chart(i, chart, voids);
   }
   out["charts"] = std::move(charts);
+  report_albedo(tiles, context);
 }
 
 // Rows of as many numbers of all texts of an option; each is such a row, or a file of rows.

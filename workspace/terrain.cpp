@@ -2,9 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <system_error>
 
+#include "materials/sample.h"
+#include "preview/reference/ground_layer.h"
 #include "terrain/tiles.h"
 #include "workspace/internal/forward.h"
 
@@ -25,6 +30,64 @@ terrain::DemOptions reading_of(const pxn::DemText& dem) {
   out.radius = dem.radius;
   out.spacing = dem.spacing;
   out.missing = dem.no_height;
+  return out;
+}
+
+// Radiance factor of the ground's material at angles of incidence, emission and phase, mean of the
+// channels. None: there are no such angles.
+std::optional<double> radiance_factor(const materials::Material& material,
+                                      const std::array<double, 3>& angles) {
+  const auto& [incidence, emission, phase] = angles;
+  const auto [si, ci] = det::sincos(incidence);
+  const auto [se, ce] = det::sincos(emission);
+  const Vec3 to_light(si, 0, ci);
+  // cos phase = ci ce + si se cos azimuth
+  const double across = si * se, rest = det::cos(phase) - ci * ce;
+  constexpr double kSlack = 1e-9;
+  if (std::fabs(rest) > across + kSlack || !(ci > 0) || !(ce > 0)) return {};
+  const double azimuth = across > 0 ? std::clamp(rest / across, -1.0, 1.0) : 1;
+  const Vec3 to_viewer(se * azimuth, se * std::sqrt(1 - azimuth * azimuth), ce);
+  const Vec3 f =
+      materials::Scattering(material).brdf(to_light, to_viewer, Vec3(0, 0, 1), Vec3(0), Vec3(1));
+  return kPi * ci * (f.x + f.y + f.z) / 3;
+}
+
+Result<terrain::AlbedoPart> albedo_part(const pxn::AlbedoText& text,
+                                        const std::optional<materials::Material>& material,
+                                        const terrain::DemInfo& ground, const fs::path& folder,
+                                        std::vector<std::string>& files, DiagnosticLog& log,
+                                        const Job& job) {
+  terrain::AlbedoPart out;
+  out.place = place_of_dem(text.source);
+  terrain::DemOptions reading;
+  reading.quantity = terrain::Quantity::plain;
+  reading.radius = text.radius;
+  if (ground.map.is_placed()) reading.body_radius = ground.map.radius;
+  reading.spacing = text.spacing;
+  reading.missing = text.no_value;
+  const bool grey = text.bands[0] == text.bands[1] && text.bands[1] == text.bands[2];
+  for (std::size_t k = 0; k < (grey ? 1u : 3u); ++k) {
+    reading.band = text.bands[k];
+    DiagnosticLog apart = log.apart();
+    auto band = terrain::Dem::open(folder / text.file, reading, apart, job);
+    // what is said of the first is said of all
+    if (k == 0 || !band) forward(apart, out.place, {}, log);
+    if (!band) return failed;
+    out.bands.push_back(*std::move(band));
+  }
+  for (const std::string& file : out.bands[0].info().files) files.push_back(file);
+  if (!text.reflectance) return out;
+  const auto factor =
+      radiance_factor(material.value_or(preview::lunar_regolith()), *text.reflectance);
+  if (!factor || !(*factor > 0)) {
+    log.report(Code("E9612"), {},
+               fmt::format("{}: {}", out.place,
+                           factor ? "the material is black at these angles"
+                                  : "there are no such angles: the phase lies between the "
+                                    "difference and the sum of incidence and emission"));
+    return failed;
+  }
+  out.white = *factor / text.scale;
   return out;
 }
 
@@ -64,7 +127,13 @@ Result<TerrainMade> write_terrain(const pxn::TerrainText& text, const fs::path& 
     if (!part) return failed;
     parts.push_back(*std::move(part));
   }
-  const auto written = terrain::write_parts(parts, output, {text.error}, log, job);
+  terrain::TilesOptions options{text.error, text.material, {}};
+  for (const pxn::AlbedoText& albedo : text.albedo) {
+    auto part = albedo_part(albedo, text.material, parts[0].info(), folder, out.files, log, job);
+    if (!part) return failed;
+    options.albedo.push_back(*std::move(part));
+  }
+  const auto written = terrain::write_parts(parts, output, options, log, job);
   if (!written) return failed;
   out.tiles = *written;
   return out;

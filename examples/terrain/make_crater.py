@@ -2,7 +2,8 @@
 """Writes crater.img: 192 x 192 heights of a made crater field near the lunar south pole, 5 m a post, and a filled void.
 
 Craters are bowls with rims that fall off by their third power; the ground is a sum of waves. Numbers are half metres over
-the sphere, 16 bits, the low byte first. crater.lbl describes them. Also body.tab: plates of an ellipsoid with a dent.
+the sphere, 16 bits, the low byte first. crater.lbl describes them. Also albedo.img, bright rays of two young craters and dark
+ground in the west, in percent of reflectance, of albedo.lbl; and body.tab: plates of an ellipsoid with a dent.
 """
 import math
 import pathlib
@@ -26,6 +27,17 @@ def height(x, y):
         rim = 0.2 * depth
         out += (rim + depth) * r * r - depth if r < 1 else rim * max(0.0, r**-3 - 0.01)
     return out
+
+
+def albedo(x, y):
+    mare = 1 / (1 + math.exp((x - 70 + 12 * math.sin(0.06 * y) + 6 * math.sin(0.17 * y + 1)) / 7))
+    out = 12 - 5 * mare
+    for column, row, radius, rays in ((112, 92, 32, 9), (36, 150, 95, 7)):
+        r = math.hypot(x - column, y - row) * POST / radius
+        turn = math.atan2(y - row, x - column)
+        ray = max(0, math.cos(rays * turn + 2 * math.sin(3 * turn)))**4
+        out += 14 * math.exp(-r * r) + 9 * math.exp(-0.45 * r) * (0.25 + 0.75 * ray)
+    return round(min(out, 40) * 5)
 
 
 def body():
@@ -58,6 +70,7 @@ def main():
         for x in range(8, 8 + 3 * (y - 175)):
             posts[y * SIDE + x] = VOID
     (HERE / "crater.img").write_bytes(struct.pack(f"<{len(posts)}h", *posts))
+    (HERE / "albedo.img").write_bytes(bytes(albedo(x, y) for y in range(SIDE) for x in range(SIDE)))
     (HERE / "body.tab").write_text(body())
 
 

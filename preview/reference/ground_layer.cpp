@@ -239,7 +239,8 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
                       const GroundOptions& options, image::Image& image, const Job& job) {
   TraceScene& scene = impl_->scene;
   scene.update(world, job);
-  scene.place_camera(camera, trace::half_pixel(camera));
+  const double half_pixel = trace::half_pixel(camera);
+  scene.place_camera(camera, half_pixel);
   GroundView view{scene, camera, options, {}, {}, {}, {}};
   for (const trace::Scene::Placed& placed : scene.rays().targets()) {
     view.suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
@@ -249,6 +250,9 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
   }
   view.lamps = trace_lamps(world, camera, scene.rays());
   view.path = {world.lamps().empty() ? nullptr : &view.lamps, 0, options.flat, world.white()};
+  const bool parallel = camera.projection == world::Projection::orthographic;
+  view.path.footprint = {parallel ? 1 / (camera.focal.x * options.samples) : 0,
+                         2 * half_pixel / options.samples};
   std::vector<float> depths;  // empty: of no target
   if (std::ranges::any_of(image.coverage, [](float covered) { return covered > 0; }))
     depths = depths_of_targets(image);

@@ -67,7 +67,6 @@ void Loader::read_root(File& file) {
        [&](std::uint32_t c) { define(file, c, attribute::part_name, file.parts); });
   each(ElementId::budget, [&](std::uint32_t c) { read_budget(file, c); });
   each(ElementId::scene, [&](std::uint32_t c) { read_scene(file, c); });
-  each(ElementId::terrain, [&](std::uint32_t c) { read_terrain(file, c); });
 }
 
 // Brings over what a file defines that the root includes. Whatever is wrong with the include itself
@@ -247,6 +246,8 @@ void Loader::read_definitions(File& file) {
                      });
   }
   read_backs(file);
+  for (std::uint32_t c = 1; c < file.document.elements[0].next; c = file.document.elements[c].next)
+    if (file.document.elements[c].id == ElementId::terrain) read_terrain(file, c);
 }
 
 std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Arguments& arguments,

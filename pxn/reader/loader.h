@@ -129,6 +129,8 @@ class Loader {
   void read_keypoint(Work& work, std::uint32_t element);
   // terrain_reader.cpp
   void read_terrain(File& file, std::uint32_t element);
+  std::optional<materials::Material> ground_material(File& file, std::uint32_t element);
+  std::optional<AlbedoText> read_albedo(Work& work, std::uint32_t element);
   std::optional<DemText> read_dem(Work& work, std::uint32_t element);
   // lights.cpp
   void read_lamp(Work& work, std::uint32_t element);

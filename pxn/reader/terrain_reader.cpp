@@ -34,13 +34,65 @@ void Loader::read_terrain(File& file, std::uint32_t element) {
   out.error = file.values->real_or_default(element, attribute::terrain_error);
   const std::uint32_t end = document.elements[element].next;
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) {
+    if (document.elements[c].id == ElementId::albedo) {
+      if (auto albedo = read_albedo(work, c)) {
+        albedo->source = source(c);
+        out.albedo.push_back(*std::move(albedo));
+      }
+      continue;
+    }
     if (document.elements[c].id != ElementId::dem) continue;
     auto dem = read_dem(work, c);
     if (!dem) continue;  // reported
     dem->source = source(c);
     out.dems.push_back(*std::move(dem));
   }
+  out.material = ground_material(file, element);
   *options_.terrain = std::move(out);
+}
+
+std::optional<materials::Material> Loader::ground_material(File& file, std::uint32_t element) {
+  if (!file.values->has(element, attribute::terrain_material)) return std::nullopt;
+  Definition* const found =
+      look_up(file, element, attribute::terrain_material, file.materials, "material");
+  const auto index = found == nullptr ? std::nullopt : material_of(*found);
+  if (!index) return std::nullopt;
+  const NamedMaterial& named = materials_[*index];
+  materials::Material material = materials::resolved(named.fields, named.place, reporter_.log());
+  material.name = named.name;
+  if (material.maps.any() || material.cells) {
+    reporter_.report(Code("N1405"), file.values->value_place(element, attribute::terrain_material),
+                     file.document, element, [] {
+                       return Reporter::Text(
+                           "terrain has no texture coordinates: maps and cells of its material "
+                           "are left out",
+                           "<albedo> is a map of the ground");
+                     });
+    material.maps = {};
+    material.cells.reset();
+    materials::fit(material);
+  }
+  return material;
+}
+
+std::optional<AlbedoText> Loader::read_albedo(Work& work, std::uint32_t element) {
+  Values& values = *work.file.values;
+  const std::size_t before = reporter_.log().errors();
+  AlbedoText out;
+  const auto path = values.text(element, attribute::albedo_file);
+  const auto found = path ? find(work, element, attribute::albedo_file, *path) : std::nullopt;
+  if (!found) return std::nullopt;
+  out.file = found->path;
+  std::array<double, 3> three{};
+  if (values.numbers(element, attribute::albedo_bands, three))
+    for (std::size_t k = 0; k < 3; ++k) out.bands[k] = static_cast<std::uint32_t>(three[k]);
+  out.scale = values.real_or_default(element, attribute::albedo_scale);
+  if (values.numbers(element, attribute::albedo_reflectance, three)) out.reflectance = three;
+  out.radius = values.real(element, attribute::albedo_radius);
+  out.spacing = values.real(element, attribute::albedo_spacing);
+  out.no_value = values.real(element, attribute::albedo_void);
+  if (reporter_.log().errors() > before) return std::nullopt;
+  return out;
 }
 
 std::optional<DemText> Loader::read_dem(Work& work, std::uint32_t element) {

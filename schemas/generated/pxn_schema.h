@@ -82,6 +82,7 @@ enum class ElementId : std::uint16_t {
   keypoint,
   lamp,
   terrain,
+  albedo,
   dem,
   scene,
   sun,
@@ -386,6 +387,14 @@ inline constexpr std::size_t lamp_radius = 8;
 inline constexpr std::size_t lamp_pulse = 9;
 inline constexpr std::size_t lamp_state = 10;
 inline constexpr std::size_t terrain_error = 0;
+inline constexpr std::size_t terrain_material = 1;
+inline constexpr std::size_t albedo_file = 0;
+inline constexpr std::size_t albedo_bands = 1;
+inline constexpr std::size_t albedo_scale = 2;
+inline constexpr std::size_t albedo_reflectance = 3;
+inline constexpr std::size_t albedo_radius = 4;
+inline constexpr std::size_t albedo_spacing = 5;
+inline constexpr std::size_t albedo_void = 6;
 inline constexpr std::size_t dem_file = 0;
 inline constexpr std::size_t dem_unit = 1;
 inline constexpr std::size_t dem_values = 2;
@@ -1824,11 +1833,47 @@ inline constexpr Number kNumbers_terrain_error[] = {
 inline constexpr ElementId kChoice_terrain_0[] = {
     ElementId::dem,
 };
+inline constexpr ElementId kChoice_terrain_1[] = {
+    ElementId::albedo,
+};
 inline constexpr Attribute kAttributes_terrain[] = {
     {"error", 1, true, false, {ValueKind::real, 1, kNumbers_terrain_error, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_terrain[] = {
     {kChoice_terrain_0, "", 1, 0, ""},
+    {kChoice_terrain_1, "", 0, 0, ""},
+};
+inline constexpr Number kNumbers_albedo_bands[] = {
+    {"red", 1, 65535, false, false},
+    {"green", 1, 65535, false, false},
+    {"blue", 1, 65535, false, false},
+};
+inline constexpr Number kNumbers_albedo_scale[] = {
+    {"scale", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_albedo_reflectance[] = {
+    {"incidence", 0, 3.141592653589793, false, false},
+    {"emission", 0, 3.141592653589793, false, false},
+    {"phase", 0, 3.141592653589793, false, false},
+};
+inline constexpr Number kNumbers_albedo_radius[] = {
+    {"radius", 0, 1000000000000.0, true, false},
+};
+inline constexpr Number kNumbers_albedo_spacing[] = {
+    {"spacing", 0, 1000000000.0, true, false},
+};
+inline constexpr Number kNumbers_albedo_void[] = {
+    {"void", -1e+30, 1e+30, false, false},
+};
+inline constexpr Attribute kAttributes_albedo[] = {
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"bands", 1, true, false, {ValueKind::integer, 3, kNumbers_albedo_bands, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_scale, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
+    {"reflectance", 1, true, false, {ValueKind::real, 3, kNumbers_albedo_reflectance, {}, Dimension::angle, false, false, 1, 0}, {}, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"spacing", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_spacing, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"void", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_void, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr std::string_view kWords_dem_unit[] = {
     "m",
@@ -1837,15 +1882,6 @@ inline constexpr std::string_view kWords_dem_unit[] = {
 inline constexpr std::string_view kWords_dem_values[] = {
     "height",
     "radius",
-};
-inline constexpr Number kNumbers_dem_radius[] = {
-    {"radius", 0, 1000000000000.0, true, false},
-};
-inline constexpr Number kNumbers_dem_spacing[] = {
-    {"spacing", 0, 1000000000.0, true, false},
-};
-inline constexpr Number kNumbers_dem_void[] = {
-    {"void", -1e+30, 1e+30, false, false},
 };
 inline constexpr Number kNumbers_dem_pixels[] = {
     {"column", 0, 4294967295, false, false},
@@ -1876,9 +1912,9 @@ inline constexpr Attribute kAttributes_dem[] = {
     {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"unit", 1, true, false, {ValueKind::word, 1, {}, kWords_dem_unit, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"values", 1, true, false, {ValueKind::word, 1, {}, kWords_dem_values, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_dem_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
-    {"spacing", 1, true, false, {ValueKind::real, 1, kNumbers_dem_spacing, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
-    {"void", 1, true, false, {ValueKind::real, 1, kNumbers_dem_void, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"spacing", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_spacing, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"void", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_void, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"pixels", 1, true, false, {ValueKind::real, 4, kNumbers_dem_pixels, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"bounds", 1, true, false, {ValueKind::real, 4, kNumbers_dem_bounds, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"reduce", 1, true, false, {ValueKind::integer, 1, kNumbers_dem_reduce, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
@@ -2917,6 +2953,9 @@ inline constexpr Element kElements[] = {
     {"terrain", 1, true,
      {},
      kAttributes_terrain, kSlots_terrain, {}, false},
+    {"albedo", 1, true,
+     {},
+     kAttributes_albedo, {}, {}, false},
     {"dem", 1, true,
      {},
      kAttributes_dem, {}, kRules_dem, false},

@@ -106,9 +106,9 @@ const std::map<ElementId, std::string>& models() {
 // Elements whose defaults no scene shows: they are held elsewhere.
 //   budget, decal   the compiler takes them: tests/compiler
 //   planet          a scene keeps its words as they are given
-//   terrain, dem    are no part of a scene: terrain_test.cpp
-const std::set<ElementId> kElsewhere = {ElementId::budget, ElementId::decal, ElementId::planet,
-                                        ElementId::terrain, ElementId::dem};
+//   terrain, dem, albedo   are no part of a scene: terrain_test.cpp
+const std::set<ElementId> kElsewhere = {ElementId::budget,  ElementId::decal, ElementId::planet,
+                                        ElementId::terrain, ElementId::dem,   ElementId::albedo};
 
 Reading read_model(const std::string& nodes, const std::string& root = "") {
   std::string texture = "P6 2 2 255\n";

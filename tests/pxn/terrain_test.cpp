@@ -66,6 +66,36 @@ TEST(TerrainText, EveryAttribute) {
   EXPECT_EQ(b.raise + b.blend, 0);
 }
 
+TEST(TerrainText, MaterialAndAlbedo) {
+  const Read r = read_terrain(
+      R"(<terrain material="m"><dem file="a.lbl"/>
+  <albedo file="a.lbl" bands="3 2 1" scale="1e-4" reflectance="30 0 30" radius="1737.4km"
+          spacing="5" void="-1"/>
+  <albedo file="maps/b.img" bands="2"/>
+</terrain><material name="m"><diffuse> 0.1 0.2 0.3 </diffuse></material>)");
+  EXPECT_EQ(r.reading.summary(), "");
+  ASSERT_TRUE(r.terrain && r.terrain->material);
+  EXPECT_EQ(r.terrain->material->name, "m");
+  EXPECT_EQ(r.terrain->material->diffuse, Vec3(0.1, 0.2, 0.3));
+  ASSERT_EQ(r.terrain->albedo.size(), 2u);
+  const AlbedoText& a = r.terrain->albedo[0];
+  EXPECT_EQ(a.file, "a.lbl");
+  EXPECT_EQ(a.source.line, 3u);
+  EXPECT_EQ(a.bands, (std::array<std::uint32_t, 3>{3, 2, 1}));
+  EXPECT_EQ(a.scale, 1e-4);
+  ASSERT_TRUE(a.reflectance);
+  EXPECT_DOUBLE_EQ((*a.reflectance)[0], 30 * kDegree);
+  EXPECT_EQ((*a.reflectance)[1], 0);
+  EXPECT_DOUBLE_EQ((*a.reflectance)[2], 30 * kDegree);
+  EXPECT_EQ(a.radius, 1737400);
+  EXPECT_EQ(a.spacing, 5);
+  EXPECT_EQ(a.no_value, -1);
+  const AlbedoText& b = r.terrain->albedo[1];
+  EXPECT_EQ(b.bands, (std::array<std::uint32_t, 3>{2, 2, 2}));
+  EXPECT_EQ(b.scale, 1);
+  EXPECT_FALSE(b.reflectance || b.radius || b.spacing || b.no_value);
+}
+
 TEST(TerrainText, Defaults) {
   const Read r = read_terrain(R"(<terrain><dem file="a.lbl"/></terrain>)");
   ASSERT_TRUE(r.terrain);

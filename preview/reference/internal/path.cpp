@@ -230,7 +230,8 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
   double u_survival = 0;
   for (std::uint32_t depth = 0;; ++depth) {
     const Sun& sun = suns[hit->target];
-    const Point point = scene.point(*hit, options.flat);
+    const Point point =
+        scene.point(*hit, options.flat, depth == 0 ? options.footprint.of(hit->distance) : 0);
     const Bodies* of_target = bodies.empty() ? nullptr : &bodies[hit->target];
     const Lit lit{scene, hit->target, sun, of_target, point, options.beams};
     result.radiance += share * point.emitted * options.white;

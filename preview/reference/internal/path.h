@@ -39,12 +39,20 @@ struct FirstRandoms {
   double lobe = 0;
 };
 
+// Width of the ground that a ray of the camera stands for.
+struct Footprint {
+  double metres = 0;  // of parallel rays
+  double angle = 0;   // radians between rays
+  double of(double distance) const { return metres + angle * distance; }
+};
+
 struct PathOptions {
   const TraceLamps* lamps = nullptr;  // null: none
   std::uint32_t bounces = 0;
   bool flat = false;
   Vec3 white{1};                              // of emission 1, times π
   const trace::GroundBeams* beams = nullptr;  // of rays to the Sun; null: none
+  Footprint footprint{};                      // of means of albedo maps; 0: the finest pixels
 };
 
 // Traces the light along a ray from the camera: emission, and at every surface on the way the Sun

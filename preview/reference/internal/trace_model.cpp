@@ -34,7 +34,7 @@ TraceModel::TraceModel(std::shared_ptr<const trace::Model> traced, const Job& jo
     for (const materials::Material& part : materials::cell_parts(material))
       scatters_.emplace_back(part);
   }
-  if (traced_->ground() != nullptr) regolith_.emplace(lunar_regolith());
+  if (traced_->ground() != nullptr && scatters_.empty()) scatters_.emplace_back(lunar_regolith());
   add_parts();
   add_tangents(job);
   add_decals();
@@ -219,8 +219,8 @@ Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& n
   return color;
 }
 
-Point TraceModel::ground_point(const trace::Target& target, const trace::Hit& hit,
-                               bool flat) const {
+Point TraceModel::ground_point(const trace::Target& target, const trace::Hit& hit, bool flat,
+                               double size) const {
   Point result;
   terrain::SmoothGround smooth{hit.normal, 0};
   if (!flat && hit.front) {
@@ -235,7 +235,9 @@ Point TraceModel::ground_point(const trace::Target& target, const trace::Hit& hi
   // far past the rounding of a body's radius
   const double offset = 1e-4 + 1e-9 * glm::length(hit.position) + smooth.rise;
   result.start = hit.position + offset * result.normal;
-  result.scatter = &*regolith_;
+  result.scatter = &scatters_.front();
+  if (!target.ground()->tiles().albedo().empty())
+    result.tint = target.ground()->albedo(hit.position, size);
   return result;
 }
 

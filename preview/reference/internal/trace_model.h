@@ -68,7 +68,9 @@ class TraceModel {
   Point point(const trace::Placement& placement, const trace::Hit& hit, bool flat) const;
 
   // Expects: a hit on terrain of the target. flat: as point().
-  Point ground_point(const trace::Target& target, const trace::Hit& hit, bool flat) const;
+  //   size  metres of the ground that albedo maps are a mean of; 0: the finest
+  Point ground_point(const trace::Target& target, const trace::Hit& hit, bool flat,
+                     double size) const;
 
   // Scatters of materials, cells and parts with decals.
   std::span<const Scatter> scatters() const { return scatters_; }
@@ -116,7 +118,6 @@ class TraceModel {
   std::vector<materials::Material> materials_;  // the model's
   // one for each of materials_, then the parts of solar cells and those of parts with decals
   std::vector<Scatter> scatters_;
-  std::optional<Scatter> regolith_;      // of terrain
   std::vector<std::uint32_t> parts_of_;  // Part::cell_parts of each of materials_
   std::vector<Part> parts_;
   std::vector<Part> backs_;

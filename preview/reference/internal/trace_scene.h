@@ -36,10 +36,11 @@ class TraceScene {
   }
 
   bool is_inside(const trace::Hit& hit) const { return rays_.is_inside(hit); }
-  Point point(const trace::Hit& hit, bool flat) const {
+  //   size  metres of the ground that albedo maps are a mean of; 0: the finest
+  Point point(const trace::Hit& hit, bool flat, double size = 0) const {
     const trace::Target& target = *rays_.targets()[hit.target].target;
     if (hit.part == trace::Hit::kGround)
-      return models_[hit.target]->ground_point(target, hit, flat);
+      return models_[hit.target]->ground_point(target, hit, flat, size);
     return models_[hit.target]->point(target.placement(hit.part), hit, flat);
   }
   const std::shared_ptr<const TraceModel>& model(std::uint32_t target) const {
