@@ -135,7 +135,8 @@ SourcePtr views(const std::string& text) {
 
 std::string problem_of_views(const std::string& text) {
   DiagnosticLog log;
-  EXPECT_EQ(read_views(memory_text("t.jsonl", text), {}, log).ok(), !log.has_errors());
+  const bool read = read_views(memory_text("t.jsonl", text), {}, log).ok();
+  EXPECT_EQ(read, !log.has_errors());
   return codes(log) + ":" + std::to_string(first_line(log));
 }
 
