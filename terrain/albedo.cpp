@@ -46,13 +46,18 @@ std::optional<std::string> albedo_problem(const AlbedoRecord& map) {
 AlbedoSide albedo_side(std::uint32_t pixels, std::uint32_t level) {
   const std::uint64_t unit = std::uint64_t{1} << level;
   const auto here = static_cast<std::uint32_t>((pixels + unit - 1) / unit);
-  return {here, (here + kAlbedoPixels - 1) / kAlbedoPixels};
+  return {here, (here + kAlbedoPixels - 1) / kAlbedoPixels, std::min(here, kAlbedoPixels)};
 }
 
 std::uint32_t albedo_levels(std::uint32_t width, std::uint32_t height) {
   std::uint32_t level = 0;
-  while (albedo_side(width, level).tiles > 1 || albedo_side(height, level).tiles > 1) ++level;
+  while (albedo_side(std::max(width, height), level).pixels > 1) ++level;
   return level + 1;
+}
+
+std::uint64_t albedo_bytes(const AlbedoRecord& map, std::uint32_t level) {
+  return std::uint64_t{2} * map.channels * albedo_side(map.width, level).stride *
+         albedo_side(map.height, level).stride;
 }
 
 std::uint64_t albedo_tiles(const AlbedoRecord& map) {
@@ -96,18 +101,22 @@ std::optional<std::string> AlbedoMaps::open(std::span<const std::byte> section,
   for (std::uint32_t m = 0; m < head.map_count; ++m) {
     const AlbedoRecord& map = out.maps_[m];
     auto problem = albedo_problem(map);
-    if (!problem && (map.first_tile != out.map_of_tile_.size() ||
+    if (!problem && (map.first_tile != out.lengths_.size() ||
                      albedo_tiles(map) > head.tile_count - map.first_tile))
       problem = "its tiles are missing";
     if (problem) return fmt::format("albedo map {}: {}", m, *problem);
-    out.map_of_tile_.resize(map.first_tile + albedo_tiles(map), m);
+    for (std::uint32_t k = 0; k < map.levels; ++k)
+      out.lengths_.insert(
+          out.lengths_.end(),
+          std::size_t{albedo_side(map.width, k).tiles} * albedo_side(map.height, k).tiles,
+          static_cast<std::uint32_t>(albedo_bytes(map, k)));
   }
-  if (out.map_of_tile_.size() != head.tile_count) return "it has tiles of no albedo map";
+  if (out.lengths_.size() != head.tile_count) return "it has tiles of no albedo map";
   for (std::uint32_t t = 0; t < head.tile_count; ++t) {
     const AlbedoTile& tile = out.tiles_[t];
-    const std::uint64_t length = tile.hash == 0 ? 0 : albedo_bytes(out.maps_[out.map_of_tile_[t]]);
+    if (tile.hash == 0) out.lengths_[t] = 0;
     if (tile.offset % 64 != 0 || tile.offset > section.size() ||
-        length > section.size() - tile.offset)
+        out.lengths_[t] > section.size() - tile.offset)
       return fmt::format("tile {} of the albedo maps is at {} of {}", t, tile.offset,
                          section.size());
   }
@@ -116,8 +125,7 @@ std::optional<std::string> AlbedoMaps::open(std::span<const std::byte> section,
 }
 
 std::span<const std::byte> AlbedoMaps::bytes(std::size_t tile) const {
-  if (tiles_[tile].hash == 0) return {};
-  return section_.subspan(tiles_[tile].offset, albedo_bytes(maps_[map_of_tile_[tile]]));
+  return section_.subspan(tiles_[tile].offset, lengths_[tile]);
 }
 
 bool AlbedoMaps::check(std::size_t tile) const {
@@ -161,7 +169,7 @@ void AlbedoMaps::add(const AlbedoRecord& map, std::uint32_t level, const Vec2& p
         codes(first + std::size_t{r / kAlbedoPixels} * across.tiles + c / kAlbedoPixels);
     if (tile == nullptr) continue;
     const std::uint16_t* const code =
-        tile + (std::size_t{r % kAlbedoPixels} * kAlbedoPixels + c % kAlbedoPixels) * map.channels;
+        tile + (std::size_t{r % kAlbedoPixels} * across.stride + c % kAlbedoPixels) * map.channels;
     if (*code == kNoAlbedo) continue;
     const double unit = weight * share * map.unit;
     to.value += map.channels == 3 ? unit * Vec3(code[0], code[1], code[2]) : Vec3(unit * code[0]);

@@ -30,6 +30,7 @@ struct AlbedoHead {
 static_assert(sizeof(AlbedoHead) == 64);
 
 // A map. Level k has means of 2^k x 2^k pixels, those of the last column and row of what is left.
+// The last level is one pixel.
 struct AlbedoRecord {
   double radius;        // metres, at the equator; 0 of a plane
   double polar_radius;  // metres
@@ -43,7 +44,7 @@ struct AlbedoRecord {
   std::uint32_t flags;       // kAlbedoNorth, kAlbedoWraps
   std::uint32_t width, height;
   std::uint32_t channels;  // 1 or 3
-  std::uint32_t levels;    // the last one is one tile
+  std::uint32_t levels;
   std::uint32_t first_tile;
   std::uint32_t domain;  // longitudes: 180 or 360
   std::uint64_t reserved[2];
@@ -51,23 +52,22 @@ struct AlbedoRecord {
 static_assert(sizeof(AlbedoRecord) == 128);
 inline constexpr std::uint32_t kAlbedoNorth = 1, kAlbedoWraps = 2;
 
-// Pixels of kAlbedoPixels², u16 codes by channel; those beyond the map have none.
+// u16 codes by channel, of kAlbedoPixels² pixels, or of all of a level with fewer along a side;
+// pixels beyond the map have none.
 struct AlbedoTile {
   std::uint64_t offset;  // bytes from the beginning of the section, a multiple of 64
   std::uint64_t hash;    // XXH3-64 of its bytes; 0 and no bytes: no pixel has a value
 };
 static_assert(sizeof(AlbedoTile) == 16);
 
-// Pixels along a side of level k, and of tiles.
+// Along a side of level k: pixels, tiles, and pixels of a tile.
 struct AlbedoSide {
-  std::uint32_t pixels, tiles;
+  std::uint32_t pixels, tiles, stride;
 };
 AlbedoSide albedo_side(std::uint32_t pixels, std::uint32_t level);
 std::uint32_t albedo_levels(std::uint32_t width, std::uint32_t height);
-std::uint64_t albedo_tiles(const AlbedoRecord& map);  // of all levels
-inline std::uint64_t albedo_bytes(const AlbedoRecord& map) {
-  return std::uint64_t{2} * kAlbedoPixels * kAlbedoPixels * map.channels;
-}
+std::uint64_t albedo_tiles(const AlbedoRecord& map);                       // of all levels
+std::uint64_t albedo_bytes(const AlbedoRecord& map, std::uint32_t level);  // of a tile
 Map map_of(const AlbedoRecord& albedo);
 
 // ---- reading
@@ -111,7 +111,7 @@ class AlbedoMaps {
   std::span<const std::byte> section_;
   std::span<const AlbedoRecord> maps_;
   std::span<const AlbedoTile> tiles_;
-  std::vector<std::uint32_t> map_of_tile_;
+  std::vector<std::uint32_t> lengths_;  // of tiles, bytes
   std::shared_ptr<std::atomic<std::uint8_t>[]> state_;
 };
 

@@ -53,6 +53,15 @@ ChartRecord chart_of(const DemInfo& info, double step) {
   return chart;
 }
 
+// Appends bytes up to a multiple of 64.
+bool append_padded(std::span<const std::byte> bytes, pan::Writer& out, std::uint64_t& place,
+                   DiagnosticLog& log) {
+  static constexpr std::byte kZeros[64] = {};
+  const std::size_t pad = (64 - bytes.size() % 64) % 64;
+  place += bytes.size() + pad;
+  return out.append(bytes, log) && out.append(std::span(kZeros).first(pad), log);
+}
+
 // The largest power of two whose half is within an error; 0 for floats.
 double step_of(double error) {
   if (!(error > 0)) return 0;
@@ -145,16 +154,13 @@ class ChartWriter {
       kinds_.push_back(kinds_.front());
     }
     for (internal::HeightWindow* window : windows_) window->push(row_);
-    return levels_.push(
-        row_, kinds_, job_, [&](TileRecord& record, std::span<const std::byte> bytes) {
-          record.offset = place_;
-          record.hash = hash64(bytes);
-          record.length = static_cast<std::uint32_t>(bytes.size());
-          static constexpr std::byte kZeros[64] = {};
-          const std::size_t pad = (64 - bytes.size() % 64) % 64;
-          place_ += bytes.size() + pad;
-          return out_.append(bytes, log_) && out_.append(std::span(kZeros).first(pad), log_);
-        });
+    return levels_.push(row_, kinds_, job_,
+                        [&](TileRecord& record, std::span<const std::byte> bytes) {
+                          record.offset = place_;
+                          record.hash = hash64(bytes);
+                          record.length = static_cast<std::uint32_t>(bytes.size());
+                          return append_padded(bytes, out_, place_, log_);
+                        });
   }
 
   const DemPart& dem_;
@@ -387,8 +393,7 @@ bool write_albedos(const DemInfo& ground, const TilesOptions& options, pan::Writ
   const internal::BytesReceiver append =
       [&](std::span<const std::byte> bytes) -> std::optional<std::uint64_t> {
     const std::uint64_t at = out.bytes;
-    out.bytes += bytes.size();
-    return writer.append(bytes, log) ? std::optional(at) : std::nullopt;
+    return append_padded(bytes, writer, out.bytes, log) ? std::optional(at) : std::nullopt;
   };
   return std::ranges::all_of(options.albedo, [&](const AlbedoPart& part) {
     return internal::write_albedo(part, ground.map.is_placed(), out.maps, out.albedo, append, log,

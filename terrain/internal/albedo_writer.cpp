@@ -124,7 +124,7 @@ class AlbedoLevels {
     const std::size_t rows = level.rows.size() / stride;
     std::vector<std::uint16_t> codes;
     for (std::uint32_t t = 0; t < level.across.tiles; ++t) {
-      codes.assign(std::size_t{kAlbedoPixels} * kAlbedoPixels * channels_, kNoAlbedo);
+      codes.assign(std::size_t{level.across.stride} * level.down.stride * channels_, kNoAlbedo);
       const std::size_t begin = std::size_t{t} * kAlbedoPixels;
       const std::size_t columns = std::min<std::size_t>(kAlbedoPixels, level.across.pixels - begin);
       bool any = false;
@@ -133,7 +133,7 @@ class AlbedoLevels {
           const float value = level.rows[y * stride + begin * channels_ + i];
           if (!(value == value)) continue;
           any = true;
-          codes[y * kAlbedoPixels * channels_ + i] =
+          codes[y * level.across.stride * channels_ + i] =
               static_cast<std::uint16_t>(std::nearbyint((kNoAlbedo - 1) * (double(value) / most_)));
         }
       if (!any) continue;

@@ -110,7 +110,7 @@ TEST_P(EveryKind, MeansOfEveryLevel) {
   ASSERT_TRUE(m->tiles) << to_text(m->log);
   ASSERT_EQ(m->albedo().maps().size(), 1u);
   const AlbedoRecord& record = m->albedo().maps()[0];
-  EXPECT_EQ(record.levels, 3u);
+  EXPECT_EQ(record.levels, 11u);
   const Map map = map_of(record);
   double worst = 0;
   for (std::uint32_t level = 0; level < record.levels; ++level) {
@@ -220,7 +220,7 @@ TEST(Albedo, DamagedTilesAreNamedAndLeftOut) {
   const auto m = made(Kind::plane, {{300, 300, {random_number}, 1.0}});
   ASSERT_TRUE(m->tiles) << to_text(m->log);
   const AlbedoMaps& whole = m->albedo();
-  ASSERT_EQ(whole.tiles().size(), 5u);
+  ASSERT_EQ(whole.tiles().size(), 13u);
   const auto offset =
       static_cast<std::size_t>(whole.bytes(1).data() - m->tiles->model().bytes().data());
   std::string bytes(reinterpret_cast<const char*>(m->tiles->model().bytes().data()),
@@ -248,7 +248,7 @@ TEST(Albedo, DamagedListsAreRefused) {
       static_cast<std::size_t>(reinterpret_cast<const std::byte*>(m->albedo().maps().data()) -
                                all.data()) -
       sizeof(AlbedoHead);
-  const std::size_t size = sizeof(AlbedoHead) + sizeof(AlbedoRecord) + 5 * sizeof(AlbedoTile);
+  const std::size_t size = sizeof(AlbedoHead) + sizeof(AlbedoRecord) + 13 * sizeof(AlbedoTile);
   for (std::size_t k = 0; k < size; k += 3) {
     std::string bytes(reinterpret_cast<const char*>(all.data()), all.size());
     bytes[begin + k] = static_cast<char>(bytes[begin + k] + 1);
