@@ -19,7 +19,8 @@ using support::TemporaryFolder;
 
 class LampPoints : public testing::TestWithParam<Engine> {
  protected:
-  LampPoints() {
+  void SetUp() override {
+    if (GetParam() == Engine::gl && !PANWRIGHT_GL) GTEST_SKIP() << "built without OpenGL";
     const std::string box =
         folder_.write("box.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>");
     auto model = open(box, {}, log_);
