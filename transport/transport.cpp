@@ -232,7 +232,7 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
 
 Transport::Change Transport::change_seen(const world::World& world,
                                          const world::Camera& camera) const {
-  double flux = 0, added = 0, square = 0, added_square = 0;
+  Change sum;
   for (const Slot& slot : slots_) {
     const world::Pose& pose = world[slot.target].pose();
     const Quat back = glm::conjugate(pose.rotation);
@@ -246,15 +246,14 @@ Transport::Change Transport::change_seen(const world::World& world,
       const double cosine = glm::dot(surfels[s].normal, way) / std::sqrt(squared);
       if (!(cosine > 0)) continue;
       const double angle = slot.shape->set->area(s) * cosine / (parallel ? 1 : squared);
-      const double sent = double{slot.sent[s][0]}, again = double{slot.sent[s][1]};
-      flux += angle * sent;
-      added += angle * again;
-      square += angle * sent * sent;
-      added_square += angle * again * again;
+      const double sent = double{slot.sent[s][0]} / kPi, again = double{slot.sent[s][1]} / kPi;
+      sum.flux += angle * sent;
+      sum.added += angle * again;
+      sum.square += angle * sent * sent;
+      sum.added_square += angle * again * again;
     }
   }
-  if (!(flux > 0)) return {};
-  return {std::sqrt(added_square / square), added / flux};
+  return sum;
 }
 
 void Transport::update(const world::World& world, std::span<const light::Source> lamps,

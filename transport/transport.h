@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -53,10 +54,16 @@ class Transport {
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
-  // Share of interreflections in an image: RMS over its radiance, and flux.
+  // What interreflections add to an image, and all that it shows: sums over solid angles (areas, of
+  // parallel rays) of radiance and of its square.
   struct Change {
-    double rms = 0;
-    double flux = 0;
+    double added = 0, added_square = 0;
+    double flux = 0, square = 0;
+    // shares of the image
+    double of_flux() const { return flux > 0 ? added / flux : added > 0 ? 1 : 0; }
+    double rms() const {
+      return square > 0 ? std::sqrt(added_square / square) : added_square > 0 ? 1 : 0;
+    }
   };
   // Estimates it from surfels that face a camera, as if nothing stood before them and all sent
   // evenly; means of the channels. 0: none faces it. Expects: update() of the same world.

@@ -100,6 +100,9 @@ struct Drawer::Impl {
   std::optional<LightBetween> told;  // of the last image that was begun
   bool find_light_between(const world::World& world, const world::Camera& camera,
                           DiagnosticLog& log, const Job& job);
+  bool add_mirrored_change(const world::World& world, const world::Camera& camera,
+                           transport::Transport::Change& change, DiagnosticLog& log,
+                           const Job& job);
 
   world::Evaluation evaluation;
   bool may_stand_before(const sky::Sky& sky, const world::World& world, const Vec3& camera);
@@ -220,6 +223,40 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
   return true;
 }
 
+// Adds what mirrors show, of an image of a few thousand pixels.
+bool Drawer::Impl::add_mirrored_change(const world::World& world, const world::Camera& camera,
+                                       transport::Transport::Change& change, DiagnosticLog& log,
+                                       const Job& job) {
+  constexpr double kSide = 64;
+  const double scale = std::min(1.0, kSide / std::max(camera.width, camera.height));
+  world::Camera small = camera;
+  const auto scaled = [&](std::uint32_t pixels) {
+    return std::max(1u, static_cast<std::uint32_t>(std::lround(pixels * scale)));
+  };
+  small.width = scaled(camera.width);
+  small.height = scaled(camera.height);
+  small.focal *= scale;
+  small.principal *= scale;
+  image::Image shown;
+  shown.width = small.width;
+  shown.height = small.height;
+  shown.radiance.assign(3 * shown.pixels(), 0);
+  const preview::MirrorOptions mirrors{options.gl.flat, 0, between->transport->light()};
+  if (!reference.add_mirrored(world, small, mirrors, shown, log, job)) return false;
+  const bool parallel = camera.projection == world::Projection::orthographic;
+  for (std::uint32_t y = 0; y < small.height; ++y)
+    for (std::uint32_t x = 0; x < small.width; ++x) {
+      const float* const rgb = &shown.radiance[3 * (std::size_t{y} * small.width + x)];
+      const double light = (double(rgb[0]) + double(rgb[1]) + double(rgb[2])) / 3;
+      if (!(light > 0)) continue;
+      const double size =
+          parallel ? world::pixel_area(small) : world::pixel_solid_angle(small, x, y);
+      change.added += size * light;
+      change.added_square += size * light * light;
+    }
+  return true;
+}
+
 // Sets options.gl.indirect, and tells of it.
 bool Drawer::Impl::find_light_between(const world::World& world, const world::Camera& camera,
                                       DiagnosticLog& log, const Job& job) {
@@ -237,13 +274,20 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
   });
   if (!good) return false;
   LightBetween& tell = told.emplace();
-  const transport::Transport::Change change = transport.change_seen(world, camera);
-  tell.rms = change.rms;
-  tell.flux = change.flux;
+  transport::Transport::Change change = transport.change_seen(world, camera);
+  const auto changes = [&] {
+    tell.rms = change.rms();
+    tell.flux = change.of_flux();
+    return std::max(tell.rms, tell.flux) > options.gl.pixel_error;
+  };
+  const bool mirrors = preview::has_mirrors(world);
+  tell.drawn = changes() || options.indirect == Indirect::on;
+  if (!tell.drawn && mirrors) {
+    if (!add_mirrored_change(world, camera, change, log, job)) return false;
+    tell.drawn = changes();
+  }
   if (transport.counts().lights != lights) tell.seconds = seconds_since(start);
   for (const light::SurfelLight& light : transport.light()) tell.surfels += light.irradiance.size();
-  tell.drawn = options.indirect == Indirect::on ||
-               std::max(change.rms, change.flux) > options.gl.pixel_error;
   if (!tell.drawn) return true;
   if (!between->light || between->lights != transport.counts().lights) {
     const auto light = transport.light();
@@ -252,7 +296,7 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
     between->lights = transport.counts().lights;
   }
   options.gl.indirect = between->light;
-  options.gl.mirrors_apart = tell.mirrors = preview::has_mirrors(world);
+  options.gl.mirrors_apart = tell.mirrors = mirrors;
   return true;
 }
 

@@ -30,9 +30,11 @@ using Indirect = Settings::Indirect;
 
 // Light between surfaces of an image.
 struct LightBetween {
-  bool drawn = false;        // false: it changes too little
-  bool mirrors = false;      // targets have mirrors or smooth coats, which show others
-  double rms = 0, flux = 0;  // estimates of what it adds without mirrors, in parts of the image's
+  bool drawn = false;    // false: it changes too little
+  bool mirrors = false;  // targets have mirrors or smooth coats, which show others
+  // Estimates of what it adds, in parts of the image's; of what mirrors show only where automatic
+  // needs it.
+  double rms = 0, flux = 0;
   std::uint64_t surfels = 0;
   double seconds = 0;  // spent on finding it; 0: known
 };
