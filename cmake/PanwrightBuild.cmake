@@ -163,13 +163,14 @@ function(panwright_library name)
 endfunction()
 
 # panwright_test(name SOURCES ... LINK ... LABELS ... [SHARDS n] [TIMEOUT s] [OPTIMISED] [PARALLEL]
-# [NIGHTLY ...] [SLOW_SANITIZED ...]): one program, one ctest entry, or n that share its tests (name.1, name.2, ...).
+# [NIGHTLY ...] [SLOW_SANITIZED ...] [GL ...]): one program, one ctest entry, or n that share its tests (name.1, name.2, ...).
 # NIGHTLY: slow tests that run in an entry of their own, name_nightly, in scripts/nightly alone. OPTIMISED: the test itself computes much.
 # PARALLEL: of the preset tsan too. SLOW_SANITIZED: tests that take long under AddressSanitizer and run
 # code that others run too; they are left out there unless PANWRIGHT_SLOW_SANITIZED is set (scripts/nightly).
+# GL: tests that need OpenGL, left out of builds without.
 # The label untrusted: code that reads bytes of files, which scripts/test runs under AddressSanitizer.
 function(panwright_test name)
-  cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;NIGHTLY;SLOW_SANITIZED" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;NIGHTLY;SLOW_SANITIZED;GL" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   set_target_properties(${name}_tests PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
@@ -189,6 +190,9 @@ function(panwright_test name)
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0"
     "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
   set(slow ${ARG_NIGHTLY})
+  if(NOT PANWRIGHT_GL)
+    list(APPEND slow ${ARG_GL})
+  endif()
   if(PANWRIGHT_SLOW_SANITIZED OR PANWRIGHT_SANITIZE MATCHES "thread")
     set(ARG_TIMEOUT 5000)
   elseif(PANWRIGHT_SANITIZE MATCHES "address")

@@ -54,8 +54,8 @@ class Transport {
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
-  // What interreflections add to an image, and all that it shows: sums over solid angles (areas, of
-  // parallel rays) of radiance and of its square.
+  // Light that interreflections add to an image, and all that it shows: sums over solid angles
+  // (areas, of parallel rays) of radiance and of its square.
   struct Change {
     double added = 0, added_square = 0;
     double flux = 0, square = 0;

@@ -139,9 +139,6 @@ camera_file = "camera.toml"
 
 // A contact sheet is for people: numbers of 12 bits are not black in it; the files keep them.
 TEST(DetectorFiles, AreSeenInContactSheets) {
-#ifndef PANWRIGHT_GL
-  GTEST_SKIP() << "built without OpenGL";
-#endif
   const TemporaryFolder folder;
   folder.write("ball.pxn", kBall);
   folder.write("camera.toml", std::string(kCamera) + kDetector);

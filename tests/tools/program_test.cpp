@@ -34,9 +34,6 @@ std::string model(const std::string& body) {
 
 // Commands that draw start again with large pages, unless the user sets the allocator.
 TEST(Program, LargePagesChangeNoImage) {
-#ifndef PANWRIGHT_GL
-  GTEST_SKIP() << "built without OpenGL";
-#endif
   const TemporaryFolder folder;
   std::vector<std::string> images;
   for (const std::string variable : {"GLIBC_TUNABLES", "GLIBC_TUNABLES=glibc.malloc.perturb=0"}) {

@@ -49,9 +49,6 @@ TEST(SkyByDateProgram, ListsStarsBesideTheEarth) {
 }
 
 TEST(SkyByDateProgram, DrawsTheEarthHalfLit) {
-#ifndef PANWRIGHT_GL
-  GTEST_SKIP() << "built without OpenGL";
-#endif
   const TemporaryFolder folder;
   const std::string image = folder / "earth.npy";
   // the Sun stands at longitude 0 on the equator of J2000, 90 degrees from the radius

@@ -19,8 +19,7 @@ using support::TemporaryFolder;
 
 class LampPoints : public testing::TestWithParam<Engine> {
  protected:
-  void SetUp() override {
-    if (GetParam() == Engine::gl && !PANWRIGHT_GL) GTEST_SKIP() << "built without OpenGL";
+  LampPoints() {
     const std::string box =
         folder_.write("box.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>");
     auto model = open(box, {}, log_);

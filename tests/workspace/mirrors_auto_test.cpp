@@ -47,7 +47,6 @@ class MirrorsAuto : public testing::Test {
 };
 
 TEST_F(MirrorsAuto, AreDrawnWhereTheyShowMuch) {
-  if (!PANWRIGHT_GL) GTEST_SKIP() << "built without OpenGL";
   const auto automatic = drawn(Indirect::automatic, true), on = drawn(Indirect::on, true);
   ASSERT_TRUE(automatic && on);
   ASSERT_TRUE(automatic->between && on->between);
