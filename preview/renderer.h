@@ -10,6 +10,7 @@
 #include "base/job.h"
 #include "base/result.h"
 #include "image/image.h"
+#include "light/ground_shine.h"
 #include "light/surfels.h"
 #include "preview/device.h"
 #include "world/camera.h"
@@ -131,10 +132,13 @@ struct RenderOptions {
   // Targets wide relative to their visible part have several; beyond the limit visible targets
   // share maps, and there is always one map
   std::uint64_t max_shadow_bytes = 1ull << 29;
-  // false: nothing of the Sun arrives from itself; planets, lamps and other surfaces give theirs.
+  // false: nothing of the Sun arrives from itself; planets, terrain, lamps and other surfaces give
+  // theirs.
   bool sunlight = true;
   // Light that other surfaces send each target of the world (transport/transport.h); null: none.
   std::shared_ptr<const std::vector<light::SurfelLight>> indirect;
+  // Light that terrain sends each target of the world (GroundLayer::shine()); null: none.
+  std::shared_ptr<const std::vector<light::GroundShine>> ground_shine;
   // With `indirect`: mirrors and smooth coats show the Sun and lamps alone, as
   // Reference::add_mirrored() adds the rest.
   bool mirrors_apart = false;

@@ -18,7 +18,7 @@ struct Cell {
 };
 
 // Sum of a cell: its light, with the second moment of a disc.
-materials::Incidence light_of(const Cell& cell, const std::vector<Part>& parts) {
+materials::Incidence light_of(const Cell& cell, const std::vector<light::ShinePart>& parts) {
   Vec3 toward(0), total(0);
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
     toward += parts[i].flux * parts[i].direction;
@@ -39,7 +39,7 @@ materials::Incidence light_of(const Cell& cell, const std::vector<Part>& parts) 
   return light;
 }
 
-void measure(Cell& cell, const std::vector<Part>& parts) {
+void measure(Cell& cell, const std::vector<light::ShinePart>& parts) {
   Vec3 middle(0);
   cell.flux = 0;
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
@@ -63,10 +63,10 @@ void measure(Cell& cell, const std::vector<Part>& parts) {
 }
 
 // Splits a cell at half its flux, across its longest axis.
-Cell split(Cell& cell, std::vector<Part>& parts) {
+Cell split(Cell& cell, std::vector<light::ShinePart>& parts) {
   const auto first = parts.begin() + static_cast<std::ptrdiff_t>(cell.begin);
   const auto last = parts.begin() + static_cast<std::ptrdiff_t>(cell.end);
-  std::stable_sort(first, last, [&](const Part& a, const Part& b) {
+  std::stable_sort(first, last, [&](const light::ShinePart& a, const light::ShinePart& b) {
     return glm::dot(a.direction, cell.axis) < glm::dot(b.direction, cell.axis);
   });
   double sum = 0;
@@ -86,27 +86,37 @@ Cell split(Cell& cell, std::vector<Part>& parts) {
 Vec3 irradiance(const Sky& sky, const Vec3& point, const Vec3& normal, const CapGrid& grid) {
   Vec3 sum(0);
   for (std::size_t i = 0; i < sky.size(); ++i)
-    for_parts(sky, i, point, grid, [&](const Part& part) {
+    for_parts(sky, i, point, grid, [&](const light::ShinePart& part) {
       sum += part.irradiance * std::max(0.0, glm::dot(normal, part.direction));
     });
   return sum;
 }
 
 std::vector<materials::Incidence> planet_lights(const Sky& sky, const Vec3& point,
-                                                std::size_t count) {
+                                                std::size_t count,
+                                                const light::GroundShine* ground) {
   constexpr double kSmall = kDegree;
   constexpr double kNothing = 1e-9;  // of the Sun's irradiance, that no image shows
-  std::vector<Part> parts;
+  std::vector<light::ShinePart> parts;
   std::vector<Cell> cells;
-  for (std::size_t i = 0; i < sky.size(); ++i) {
-    Cell cell{parts.size(), 0};
-    for_parts(sky, i, point, {48, 96}, [&](const Part& part) { parts.push_back(part); });
-    cell.end = parts.size();
-    if (cell.begin == cell.end) continue;
+  const auto add_cell = [&](std::size_t begin) {
+    Cell cell{begin, parts.size()};
+    if (cell.begin == cell.end) return;
     measure(cell, parts);
     const Vec3& sun = sky.irradiance();
-    if (!(cell.flux > kNothing * (sun.x + sun.y + sun.z))) continue;
-    cells.push_back(cell);
+    if (cell.flux > kNothing * (sun.x + sun.y + sun.z)) cells.push_back(cell);
+  };
+  for (std::size_t i = 0; i < sky.size(); ++i) {
+    const std::size_t begin = parts.size();
+    for_parts(sky, i, point, {48, 96}, [&](const light::ShinePart& part) {
+      if (ground == nullptr || !ground->hides(part.direction)) parts.push_back(part);
+    });
+    add_cell(begin);
+  }
+  if (ground != nullptr) {
+    const std::size_t begin = parts.size();
+    parts.insert(parts.end(), ground->parts.begin(), ground->parts.end());
+    add_cell(begin);
   }
   while (!cells.empty() && cells.size() < count) {
     Cell* worst = nullptr;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "light/ground_shine.h"
 #include "materials/incidence.h"
 #include "sky/sky.h"
 
@@ -27,10 +28,12 @@ Vec3 irradiance(const Sky& sky, const Vec3& point, const Vec3& normal, const Cap
 // are exact on plates that see a whole cell. Bodies smaller than a degree are one light each.
 // The same point makes the same lights; no body in view: none.
 //
-//   count  upper bound, at least 1
+//   count   upper bound, at least 1
+//   ground  terrain, whose light is among them and which hides bodies; null: none
 // Error: worst and rms irradiance of plates over all tilts, in parts of the largest (docs/sky.md).
 // Cost: 4,608 radiances for each body.
 std::vector<materials::Incidence> planet_lights(const Sky& sky, const Vec3& point,
-                                                std::size_t count);
+                                                std::size_t count,
+                                                const light::GroundShine* ground = nullptr);
 
 }  // namespace panwright::sky

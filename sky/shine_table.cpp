@@ -22,20 +22,6 @@ struct ShineGrid {
   std::vector<Vec3> values;
 };
 
-// A place of the square, −1 to 1, on the octahedron.
-Vec3 unfolded(double x, double y) {
-  const double z = 1 - std::fabs(x) - std::fabs(y);
-  if (z >= 0) return {x, y, z};
-  return {std::copysign(1 - std::fabs(y), x), std::copysign(1 - std::fabs(x), y), z};
-}
-
-Vec2 folded(const Vec3& direction) {
-  const Vec3 d =
-      direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
-  if (d.z >= 0) return {d.x, d.y};
-  return {std::copysign(1 - std::fabs(d.y), d.x), std::copysign(1 - std::fabs(d.x), d.y)};
-}
-
 double place_of(int texel, int side) { return (2 * texel + 1.0) / side - 1; }
 
 // Directions of a grid's texels, and their solid angles.
@@ -43,7 +29,7 @@ struct ShineDirections {
   explicit ShineDirections(int side) {
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        const Vec3 at = unfolded(place_of(x, side), place_of(y, side));
+        const Vec3 at = light::octahedron_direction({place_of(x, side), place_of(y, side)});
         const double square = glm::dot(at, at);
         unit.push_back(at / std::sqrt(square));
         solid.push_back(4.0 / (side * side) / (square * std::sqrt(square)));
@@ -109,12 +95,28 @@ Vec3 radiance_along(const Sky& sky, const std::vector<ShineBody>& bodies, const 
   return light;
 }
 
+// A part's light in the texels around it.
+void add_part(const light::ShinePart& part, const ShineDirections& directions, ShineGrid& grid) {
+  around(light::octahedron_place(part.direction), grid.side, [&](int x, int y, double share) {
+    Vec3& texel = const_cast<Vec3&>(continued(grid, x, y));
+    const auto index = static_cast<std::size_t>(&texel - grid.values.data());
+    texel += part.irradiance * (share / directions.solid[index]);
+  });
+}
+
 // The radiance itself, by the mean of 2×2 directions of a texel. Small bodies have all of their
 // light in the texels around them.
-ShineGrid sharp_radiance(const Sky& sky, const Vec3& point) {
+ShineGrid sharp_radiance(const Sky& sky, const Vec3& point, const light::GroundShine* ground) {
   constexpr double kSmall = 6 * kDegree;
   ShineGrid grid(ShineTable::kSide);
   const ShineDirections directions(grid.side);
+  const auto hidden = [&](const Vec3& direction) {
+    return ground != nullptr && ground->hides(direction);
+  };
+  if (ground != nullptr && ground->radiance.empty())
+    for (const light::ShinePart& part : ground->parts) add_part(part, directions, grid);
+  else if (ground != nullptr)
+    grid.values = ground->radiance;
   std::vector<ShineBody> large;
   for (std::size_t i = 0; i < sky.size(); ++i) {
     const Vec3 toward = sky.shape(i).centre - point;
@@ -122,12 +124,8 @@ ShineGrid sharp_radiance(const Sky& sky, const Vec3& point) {
     const Vec3& radii = sky.body(i).radii;
     const double sine = std::max({radii.x, radii.y, radii.z}) / std::max(distance, 1e-300);
     if (sine < std::sin(kSmall)) {
-      for_parts(sky, i, point, {12, 24}, [&](const Part& part) {
-        around(folded(part.direction), grid.side, [&](int x, int y, double share) {
-          Vec3& texel = const_cast<Vec3&>(continued(grid, x, y));
-          const auto index = static_cast<std::size_t>(&texel - grid.values.data());
-          texel += part.irradiance * (share / directions.solid[index]);
-        });
+      for_parts(sky, i, point, {12, 24}, [&](const light::ShinePart& part) {
+        if (!hidden(part.direction)) add_part(part, directions, grid);
       });
       continue;
     }
@@ -143,8 +141,9 @@ ShineGrid sharp_radiance(const Sky& sky, const Vec3& point) {
       for (int k = 0; k < 4; ++k) {
         const double u = place_of(2 * x + (k & 1), 2 * grid.side);
         const double v = place_of(2 * y + k / 2, 2 * grid.side);
-        grid.at(x, y) +=
-            0.25 * radiance_along(sky, large, glm::normalize(unfolded(u, v)), kFootprint);
+        const Vec3 direction = glm::normalize(light::octahedron_direction({u, v}));
+        if (!hidden(direction))
+          grid.at(x, y) += 0.25 * radiance_along(sky, large, direction, kFootprint);
       }
   return grid;
 }
@@ -166,23 +165,54 @@ ShineGrid halved(const ShineGrid& grid) {
   return out;
 }
 
-// The mean about each direction by a Gaussian on the sphere, exp((cos − 1)/σ²).
-ShineGrid blurred(const ShineGrid& grid, double sigma, const ShineDirections& out_directions) {
-  constexpr double kLeast = 1e-4;  // weights below change nothing
-  const ShineDirections directions(grid.side);
-  const double scale = 1 / (sigma * sigma);
-  const double furthest = 1 + det::log(kLeast) / scale;
-  ShineGrid out(static_cast<int>(std::lround(std::sqrt(double(out_directions.unit.size())))));
-  for (std::size_t i = 0; i < out.values.size(); ++i) {
-    double sum = 0;
-    for (std::size_t j = 0; j < grid.values.size(); ++j) {
-      const double cosine = glm::dot(out_directions.unit[i], directions.unit[j]);
-      if (cosine < furthest) continue;
-      const double weight = directions.solid[j] * det::exp((cosine - 1) * scale);
-      sum += weight;
-      out.values[i] += weight * grid.values[j];
+// Weights of a blur on the sphere by a Gaussian, exp((cos − 1)/σ²), from a grid to one of half the
+// table's side.
+struct BlurWeights {
+  BlurWeights(int side, double sigma) {
+    constexpr double kLeast = 1e-4;  // weights below change nothing
+    const ShineDirections directions(side), out(ShineTable::kSide / 2);
+    const double scale = 1 / (sigma * sigma);
+    const double furthest = 1 + det::log(kLeast) / scale;
+    for (const Vec3& to : out.unit) {
+      double sum = 0;
+      for (std::size_t j = 0; j < directions.unit.size(); ++j) {
+        const double cosine = glm::dot(to, directions.unit[j]);
+        if (cosine < furthest) continue;
+        const double weight = directions.solid[j] * det::exp((cosine - 1) * scale);
+        sum += weight;
+        from.push_back(static_cast<std::uint16_t>(j));
+        weights.push_back(weight);
+      }
+      ends.push_back(from.size());
+      sums.push_back(sum);
     }
-    out.values[i] /= sum;
+  }
+  // Those of a layer, from the one before; 6 MB together, made once.
+  static const BlurWeights& of_layer(int layer) {
+    constexpr int kSide = ShineTable::kSide;
+    static const BlurWeights all[] = {between(0, kSide / 2), between(1, kSide / 4),
+                                      between(2, kSide / 4)};
+    return all[layer - 1];
+  }
+
+  std::vector<std::uint16_t> from;
+  std::vector<double> weights;
+  std::vector<std::size_t> ends;  // of each direction
+  std::vector<double> sums;
+
+ private:
+  static BlurWeights between(int layer, int side) {
+    const double width = kShineWidths[layer], wanted = kShineWidths[layer + 1];
+    return BlurWeights(side, std::sqrt(wanted * wanted - width * width));
+  }
+};
+
+ShineGrid blurred(const ShineGrid& grid, const BlurWeights& blur) {
+  ShineGrid out(ShineTable::kSide / 2);
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    for (; k < blur.ends[i]; ++k) out.values[i] += blur.weights[k] * grid.values[blur.from[k]];
+    out.values[i] /= blur.sums[i];
   }
   return out;
 }
@@ -211,18 +241,14 @@ void store(const ShineGrid& grid, int layer, ShineTable& table) {
 
 }  // namespace
 
-ShineTable shine_table(const Sky& sky, const Vec3& point) {
+ShineTable shine_table(const Sky& sky, const Vec3& point, const light::GroundShine* ground) {
   ShineTable table;
   table.rgba.resize(std::size_t{4} * ShineTable::kLayers * ShineTable::kRow * ShineTable::kRow);
-  const ShineDirections half(ShineTable::kSide / 2);
-  ShineGrid radiance = sharp_radiance(sky, point);
+  ShineGrid radiance = sharp_radiance(sky, point, ground);
   store(radiance, 0, table);
-  double width = 0;
   for (int k = 1; k < ShineTable::kLayers; ++k) {
-    const double wanted = kShineWidths[k];
-    radiance = blurred(halved(radiance), std::sqrt(wanted * wanted - width * width), half);
+    radiance = blurred(halved(radiance), BlurWeights::of_layer(k));
     store(radiance, k, table);
-    width = wanted;
   }
   return table;
 }

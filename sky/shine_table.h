@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "light/ground_shine.h"
 #include "sky/sky.h"
 
 namespace panwright::sky {
@@ -14,7 +15,7 @@ namespace panwright::sky {
 //
 // Each is the radiance, blurred by a Gaussian of kShineWidths, radians along each axis.
 struct ShineTable {
-  static constexpr int kSide = 64;  // texels
+  static constexpr int kSide = light::GroundShine::kSide;  // texels
   static constexpr int kRow = kSide + 2;
   static constexpr int kLayers = 4;
   std::vector<float> rgba;  // kLayers·kRow·kRow·4; the last channel is 0
@@ -24,7 +25,9 @@ inline constexpr double kShineWidths[] = {0, 0.2, 0.4, 0.8};
 
 // Returns the light of all bodies at a point. Those smaller than 6 degrees are as wide as a texel.
 //
+//   ground  terrain, whose light is added and which hides bodies; null: none
 // Error: 2 % of the flux. Cost: 16,000 radiances.
-ShineTable shine_table(const Sky& sky, const Vec3& point);
+ShineTable shine_table(const Sky& sky, const Vec3& point,
+                       const light::GroundShine* ground = nullptr);
 
 }  // namespace panwright::sky

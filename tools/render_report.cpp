@@ -118,6 +118,12 @@ std::string explained_models(const Written& image) {
 std::string explained(const Written& image) {
   std::string text = explained_models(image);
   for (const std::string& line : image.sky) text += "  " + line + "\n";
+  if (image.ground_light) {
+    const workspace::GroundLight& light = *image.ground_light;
+    text +=
+        fmt::format("  light of terrain on targets: at most {:.2g} % of the Sun's{}\n",
+                    100 * light.share, light.seconds > 0 ? ", " + milliseconds(light.seconds) : "");
+  }
   if (image.between) {
     const workspace::LightBetween& between = *image.between;
     text += fmt::format(

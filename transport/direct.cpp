@@ -47,11 +47,7 @@ LampPlace place_of(const light::Source& source) {
 
 // The sharpest layer of a table in a direction of the world.
 Vec3 shine(const sky::ShineTable& table, const Vec3& direction) {
-  const Vec3 d =
-      direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
-  Vec2 at(d.x, d.y);
-  if (d.z < 0)
-    at = {std::copysign(1 - std::fabs(d.y), d.x), std::copysign(1 - std::fabs(d.x), d.y)};
+  const Vec2 at = light::octahedron_place(direction);
   const auto texel = [](double v) {
     constexpr int kSide = sky::ShineTable::kSide;
     return static_cast<std::size_t>(
@@ -124,7 +120,7 @@ struct OnSurfel {
     return cosine * from.irradiance * surface.reflectance->directional(cosine, surface.tint);
   }
 
-  // of bodies, by the rays that lead to the sky
+  // of bodies and terrain, by the rays that lead to the sky
   Vec3 planetshine(std::size_t surfel, const TransportLists& lists) const {
     Vec3 sum(0);
     const std::uint32_t begin = set.first(surfel), end = set.first(surfel + 1);
@@ -140,7 +136,7 @@ struct OnSurfel {
 }  // namespace
 
 DirectLights direct_lights(const world::World& world, const Vec3& point,
-                           std::span<const light::Source> lamps) {
+                           std::span<const light::Source> lamps, const light::GroundShine* ground) {
   DirectLights lights;
   const light::Incidence sun = light::incidence(world.sun(), point);
   lights.to_sun = sun.to_light;
@@ -148,11 +144,10 @@ DirectLights direct_lights(const world::World& world, const Vec3& point,
   lights.sun_irradiance = sun.irradiance;
   lights.lamps = lamps;
   lights.white = world.white();
-  if (!world.bodies().empty()) {
-    const sky::Sky sky(world);
-    lights.sun_irradiance *= sky.sunlight(point);
-    lights.bodies = sky::shine_table(sky, point);
-  }
+  if (world.bodies().empty() && ground == nullptr) return lights;
+  const sky::Sky sky(world);
+  if (!world.bodies().empty()) lights.sun_irradiance *= sky.sunlight(point);
+  lights.bodies = sky::shine_table(sky, point, ground);
   return lights;
 }
 

@@ -188,7 +188,7 @@ bool Transport::trace_lists(const world::World& world, const Job& job) {
 }
 
 void Transport::find_light(const world::World& world, std::span<const light::Source> lamps,
-                           const Job& job) {
+                           std::span<const light::GroundShine> ground, const Job& job) {
   std::vector<Sources> sources;
   std::vector<DirectLights> lights;
   std::vector<const Sources*> each;
@@ -196,7 +196,9 @@ void Transport::find_light(const world::World& world, std::span<const light::Sou
   std::vector<const SurfelSet*> sets;
   for (const Slot& slot : slots_) {
     const Ball ball = ball_of(scene_->targets()[slot.target]);
-    lights.push_back(direct_lights(world, ball.centre, lamps));
+    const bool shone = slot.target < ground.size() && ground[slot.target].stamp != 0;
+    lights.push_back(
+        direct_lights(world, ball.centre, lamps, shone ? &ground[slot.target] : nullptr));
     sources.push_back(direct_sources(*scene_, slot.target, *slot.shape->set, *slot.lists,
                                      slot.shape->surfaces, lights.back(), job));
     lists.push_back(slot.lists.get());
@@ -257,22 +259,26 @@ Transport::Change Transport::change_seen(const world::World& world,
 }
 
 void Transport::update(const world::World& world, std::span<const light::Source> lamps,
-                       const Job& job) {
+                       std::span<const light::GroundShine> ground, const Job& job) {
   const std::vector<light::Source> now(lamps.begin(), lamps.end());
-  if (stamp_ == world.stamp() && now == lamps_) return;
+  std::vector<Stamp> shone;
+  for (const light::GroundShine& shine : ground) shone.push_back(shine.stamp);
+  if (stamp_ == world.stamp() && now == lamps_ && shone == ground_) return;
   std::vector<std::uint64_t> stamps{world.sun_stamp(), world.sky_stamp()};
   for (const world::Instance& target : world.instances())
     stamps.insert(stamps.end(), {target.shape_stamp(), target.pose_stamp()});
   stamp_ = 0;
-  if (stamps != stamps_ || now != lamps_ || world.white() != white_ || light_.empty()) {
+  if (stamps != stamps_ || now != lamps_ || world.white() != white_ || shone != ground_ ||
+      light_.empty()) {
     stamps_.clear();
     place(world, job);
     trace_lists(world, job);
-    find_light(world, lamps, job);
+    find_light(world, lamps, ground, job);
     ++counts_.lights;
     stamps_ = std::move(stamps);
     white_ = world.white();
     lamps_ = now;
+    ground_ = std::move(shone);
   }
   stamp_ = world.stamp();
 }

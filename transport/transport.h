@@ -17,6 +17,7 @@
 #include "base/job.h"
 #include "base/stamp.h"
 #include "base/work_cache.h"
+#include "light/ground_shine.h"
 #include "light/light.h"
 #include "light/surfels.h"
 #include "trace/scene.h"
@@ -37,7 +38,7 @@ struct TransportOptions {
 // directions (Reflectance::lobe); all surfaces are diffuse after that, and to other light.
 //
 // Visibility among surfels depends on shapes and on targets close by alone, and is kept until these
-// change. Light of the Sun, of bodies and of lamps reaches surfels by shadow rays when it
+// change. Light of the Sun, of bodies, terrain and lamps reaches surfels by shadow rays when it
 // changes. Nothing depends on a camera, on threads or on former worlds: the same bits.
 class Transport {
  public:
@@ -47,10 +48,12 @@ class Transport {
 
   // Finds the light of a world.
   //
-  //   lamps  in world axes (world/lamps.h)
+  //   lamps   in world axes (world/lamps.h)
+  //   ground  light of terrain on each target (preview::GroundLayer::shine()); empty: none
   // Throws Cancelled: may be called again then. Cost: for a new shape some million rays; for other
   // light some ten thousand.
-  void update(const world::World& world, std::span<const light::Source> lamps, const Job& job = {});
+  void update(const world::World& world, std::span<const light::Source> lamps,
+              std::span<const light::GroundShine> ground = {}, const Job& job = {});
 
   // Of each target of the world, in its model's frame.
   std::span<const light::SurfelLight> light() const { return light_; }
@@ -109,7 +112,8 @@ class Transport {
 
   void place(const world::World& world, const Job& job);
   ShapePtr make_shape(std::uint32_t target, const Job& job);
-  void find_light(const world::World& world, std::span<const light::Source> lamps, const Job& job);
+  void find_light(const world::World& world, std::span<const light::Source> lamps,
+                  std::span<const light::GroundShine> ground, const Job& job);
   bool trace_lists(const world::World& world, const Job& job);
   TransportLists kept_lists(const Slot& slot, std::span<const SurfelSet* const> sets, bool alone,
                             const Job& job);
@@ -125,6 +129,7 @@ class Transport {
   std::vector<std::uint64_t> stamps_;  // of what lights depend on
   Vec3 white_{0};
   std::vector<light::Source> lamps_;
+  std::vector<Stamp> ground_;  // of its light
   Counts counts_;
 };
 

@@ -204,6 +204,7 @@ class CameraRun : public InstrumentRun {
     what.saturated = detected.saturated;
     what.sampling = drawn.sampling;
     what.between = drawn.between;
+    what.ground_light = drawn.ground_light;
     what.ground_rays = drawn.ground_rays;
     what.record = drawing.metadata.back().second;
     add_names(scope_.world, image, what.record);

@@ -55,6 +55,7 @@ struct Drawer::Impl {
   Result<image::Image> draw_now(const world::World& world, const world::Camera& camera,
                                 const preview::RenderOptions& own, DiagnosticLog& log,
                                 const Job& job);
+  bool find_ground_light(const world::World& world, DiagnosticLog& log, const Job& job);
   bool shade_by_ground(const world::World& world, const world::Camera& camera, image::Image& image,
                        DiagnosticLog& log, const Job& job);
 
@@ -81,6 +82,7 @@ struct Drawer::Impl {
     preview::GroundOptions ground_options;
     std::shared_ptr<const std::vector<light::SurfelLight>> mirrored;  // none: no mirrors
     std::optional<LightBetween> between;
+    std::optional<GroundLight> ground_light;
   };
   std::deque<Behind> behind;
   preview::GroundLayer ground;
@@ -97,7 +99,8 @@ struct Drawer::Impl {
     std::shared_ptr<const std::vector<light::SurfelLight>> light;
   };
   std::unique_ptr<Between> between;
-  std::optional<LightBetween> told;  // of the last image that was begun
+  std::optional<LightBetween> told;        // of the last image that was begun
+  std::optional<GroundLight> ground_told;  // the same
   bool find_light_between(const world::World& world, const world::Camera& camera,
                           DiagnosticLog& log, const Job& job);
   bool add_mirrored_change(const world::World& world, const world::Camera& camera,
@@ -119,6 +122,30 @@ Result<image::Image> Drawer::Impl::draw_now(const world::World& world, const wor
                                             const Job& job) {
   return camera.distortion != nullptr ? lens.render(*renderer, world, camera, own, log, job)
                                       : renderer->render(world, camera, own, log, job);
+}
+
+// Sets options.gl.ground_shine, and tells of it.
+bool Drawer::Impl::find_ground_light(const world::World& world, DiagnosticLog& log,
+                                     const Job& job) {
+  const auto before = std::exchange(options.gl.ground_shine, nullptr);
+  ground_told.reset();
+  if (!has_targets_on_ground(world)) return true;
+  const auto start = std::chrono::steady_clock::now();
+  const bool good = run_job(job, log, [&] {
+    options.gl.ground_shine = ground.shine(world, job);
+    return true;
+  });
+  if (!good) return false;
+  ground_told.emplace();
+  if (options.gl.ground_shine != before) ground_told->seconds = seconds_since(start);
+  const Vec3 sun = light::incidence(world.sun(), Vec3(0)).irradiance;
+  for (const light::GroundShine& shine : *options.gl.ground_shine) {
+    Vec3 sum(0);
+    for (const light::ShinePart& part : shine.parts) sum += part.flux * part.direction;
+    ground_told->share =
+        std::max(ground_told->share, glm::length(sum) / std::max(sun.x + sun.y + sun.z, 1e-300));
+  }
+  return true;
 }
 
 // Terrain's shadow on targets: the Sun's part of their light is what an image without it lacks.
@@ -160,7 +187,7 @@ bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera
       done.clear();
       return false;
     }
-    done.push_back({{*std::move(image), {}, renderer->sampling(), {}}, std::move(apart)});
+    done.push_back({{*std::move(image), {}, renderer->sampling(), {}, {}}, std::move(apart)});
   }
   preview::RenderOptions own = options.gl;
   own.ground_truth = ground_truth;
@@ -175,7 +202,7 @@ bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera
     if (job.cancelled()) done.clear();
     return false;
   }
-  done.push_back({{*std::move(image), {}, sampling, {}}, std::move(apart)});
+  done.push_back({{*std::move(image), {}, sampling, {}, {}}, std::move(apart)});
   return true;
 }
 
@@ -269,7 +296,9 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t lights = transport.counts().lights;
   const bool good = run_job(job, log, [&] {
-    transport.update(world, world::placed_lamps(world, camera), job);
+    const auto& shine = options.gl.ground_shine;
+    transport.update(world, world::placed_lamps(world, camera),
+                     shine ? std::span(*shine) : std::span<const light::GroundShine>(), job);
     return true;
   });
   if (!good) return false;
@@ -303,7 +332,8 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
 bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                           DiagnosticLog& log, const Job& job) {
   if (renderer) {
-    if (!find_light_between(world, camera, log, job)) return false;
+    if (!find_ground_light(world, log, job) || !find_light_between(world, camera, log, job))
+      return false;
     if (camera.distortion != nullptr || has_targets_on_ground(world))
       return submit_at_once(world, camera, ground_truth, log, job);
     preview::RenderOptions own = options.gl;
@@ -323,6 +353,7 @@ bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera
       {{std::move(traced->image),
         Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
         {},
+        {},
         {}},
        log.apart()});
   return true;
@@ -332,7 +363,7 @@ Result<Drawn> Drawer::Impl::collect(DiagnosticLog& log, const Job& job) {
   if (done.empty()) {
     auto image = renderer->collect(log, job);
     if (!image) return failed;
-    return Drawn{*std::move(image), {}, renderer->sampling(), {}};
+    return Drawn{*std::move(image), {}, renderer->sampling(), {}, {}};
   }
   Done oldest = std::move(done.front());
   done.pop_front();
@@ -385,7 +416,7 @@ void Drawer::Impl::add_sky(const Behind& here, image::Image& image, const Job& j
 bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   constexpr double kReach = 6;  // of a PSF, in sigma
-  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, false,
+  Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, false, {},
                     {}, {},    {}};
   next.psf_sigma =
       impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
@@ -412,6 +443,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
       impl_->submit(world, camera, ground_truth || next.before || next.ground, log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   next.between = impl_->told;
+  next.ground_light = impl_->ground_told;
   if (impl_->options.gl.mirrors_apart) {
     next.world = world;
     next.mirrored = impl_->options.gl.indirect;
@@ -429,6 +461,7 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   const bool fills = drawn && behind.front().ground;
   forward(apart, {}, {}, log, fills ? std::optional(Code("W5006")) : std::nullopt);
   if (drawn) drawn->between = behind.front().between;
+  if (drawn) drawn->ground_light = behind.front().ground_light;
   if (drawn && (behind.front().sky || behind.front().world || !behind.front().lamps.empty())) {
     const Impl::Behind& here = behind.front();
     const preview::MirrorOptions mirrors{

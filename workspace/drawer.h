@@ -45,7 +45,7 @@ struct DrawOptions {
   unsigned samples = 0;  // N: N×N in each pixel; 0: by the engine's own options, which may set an
                          // error (preview::RenderOptions)
   // `ground_truth` of both is that of the call.
-  preview::RenderOptions gl;  // without `indirect`
+  preview::RenderOptions gl;  // without `indirect` and `ground_shine`
   preview::ReferenceOptions reference;
   Indirect indirect = Indirect::off;
   std::filesystem::path cache;  // OpenOptions
@@ -75,11 +75,18 @@ struct Measured {
   double seconds = 0;
 };
 
+// Light that terrain sends to targets.
+struct GroundLight {
+  double share = 0;    // of the Sun's irradiance, on a plate that faces it, of the target with most
+  double seconds = 0;  // 0: found before
+};
+
 struct Drawn {
   image::Image image;
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
   std::optional<LightBetween> between;              // none: not asked for
+  std::optional<GroundLight> ground_light;          // only by OpenGL, of targets beside terrain
   double ground_rays = 0;  // a pixel, of terrain beside OpenGL; 0: it has none
 };
 

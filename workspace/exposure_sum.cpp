@@ -124,6 +124,7 @@ void ExposureSum::add_reports(std::size_t moment, const Drawn& drawn) {
     all.program_seconds += one.program_seconds;
     if (frame_.shutter->middle(sum_.image.height / 2) == moment) all.imposters = one.imposters;
   }
+  if (drawn.ground_light) sum_.ground_light = drawn.ground_light;
   sum_.ground_rays += share * drawn.ground_rays;
   if (drawn.measured) {
     if (!sum_.measured) sum_.measured.emplace();

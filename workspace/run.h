@@ -51,6 +51,7 @@ struct Written {
   std::optional<Measured> measured;                 // only by the reference
   std::optional<preview::SamplingReport> sampling;  // only by OpenGL
   std::optional<LightBetween> between;              // none: not asked for
+  std::optional<GroundLight> ground_light;          // as Drawn::ground_light
   double ground_rays = 0;                           // as Drawn::ground_rays
 };
 

@@ -1,6 +1,7 @@
 #include "preview/frame/planetshine.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -50,6 +51,7 @@ LampMap map_of(const FrameScene& scene, std::size_t r, const Vec3& to_light) {
 
 void Planetshine::begin_image(const world::World& world, const RenderOptions& options) {
   const std::size_t groups = planet_groups_for(options);
+  ground_ = options.ground_shine;
   if (groups == groups_ && sky_stamp_ == world.sky_stamp() && sun_stamp_ == world.sun_stamp())
     return;
   groups_ = groups;
@@ -60,33 +62,53 @@ void Planetshine::begin_image(const world::World& world, const RenderOptions& op
   lights_.clear();
 }
 
-// The index of the light that serves a point.
-std::size_t Planetshine::light_at(const world::World& world, const Vec3& point) {
-  for (std::size_t i = 0; i < lights_.size(); ++i)
-    if (glm::length(point - lights_[i].point) <= lights_[i].reach) return i;
+// Light of bodies and terrain in parts and groups.
+Planetshine::Light Planetshine::found(const sky::Sky& sky, const Vec3& point,
+                                      const light::GroundShine* ground, std::size_t groups) {
   Light light;
   light.point = point;
-  light.reach = reach_of_light(world, point);
-  const sky::Sky sky(world);
-  light.groups = sky::planet_lights(sky, point, groups_);
-  if (!light.groups.empty()) {
-    const auto parts = sky::planet_lights(sky, point, kMostPlanetParts);
-    // each part to the group nearest to it
-    std::vector<std::size_t> groups;
-    for (const materials::Incidence& part : parts)
-      groups.push_back(static_cast<std::size_t>(
-          std::ranges::max_element(light.groups, {},
-                                   [&](const materials::Incidence& group) {
-                                     return glm::dot(group.to_light, part.to_light);
-                                   }) -
-          light.groups.begin()));
-    for (std::size_t g = 0; g < light.groups.size(); ++g) {
-      for (std::size_t k = 0; k < parts.size(); ++k)
-        if (groups[k] == g) light.parts.push_back(parts[k]);
-      light.ends.push_back(light.parts.size());
-    }
-    light.table = sky::shine_table(sky, point);
+  light.groups = sky::planet_lights(sky, point, groups, ground);
+  if (light.groups.empty()) return light;
+  const auto nearest = [&](const Vec3& direction) {
+    return static_cast<std::size_t>(
+        std::ranges::max_element(light.groups, {},
+                                 [&](const materials::Incidence& group) {
+                                   return glm::dot(group.to_light, direction);
+                                 }) -
+        light.groups.begin());
+  };
+  const std::size_t most = ground != nullptr ? kMostGroundParts : kMostPlanetParts;
+  const auto parts = sky::planet_lights(sky, point, most, ground);
+  // each part to the group nearest to it
+  std::vector<std::size_t> of_parts, of_shadows;
+  for (const materials::Incidence& part : parts) of_parts.push_back(nearest(part.to_light));
+  const std::vector<light::ShineShadow> none;
+  const std::vector<light::ShineShadow>& shadows = ground != nullptr ? ground->shadows : none;
+  assert(shadows.size() <= kMostGroundParts);
+  for (const light::ShineShadow& shadow : shadows)
+    of_shadows.push_back(nearest(shadow.place - point));
+  for (std::size_t g = 0; g < light.groups.size(); ++g) {
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (of_parts[k] == g) light.parts.push_back(parts[k]);
+    light.ends.push_back(light.parts.size());
+    for (std::size_t k = 0; k < shadows.size(); ++k)
+      if (of_shadows[k] == g) light.shadows.push_back(shadows[k]);
+    light.shadow_ends.push_back(light.shadows.size());
   }
+  light.table = sky::shine_table(sky, point, ground);
+  return light;
+}
+
+// The index of the light that serves a point.
+std::size_t Planetshine::light_at(const world::World& world, const Vec3& point,
+                                  const light::GroundShine* ground) {
+  const Stamp stamp = ground != nullptr ? ground->stamp : 0;
+  for (std::size_t i = 0; i < lights_.size(); ++i)
+    if (lights_[i].ground == stamp && glm::length(point - lights_[i].point) <= lights_[i].reach)
+      return i;
+  Light light = found(sky::Sky(world), point, ground, groups_);
+  light.ground = stamp;
+  light.reach = ground != nullptr ? 0 : reach_of_light(world, point);
   lights_.push_back(std::move(light));
   return lights_.size() - 1;
 }
@@ -95,7 +117,7 @@ void Planetshine::begin_scene(const FrameScene& scene) {
   constexpr std::size_t kMostKept = 64;
   any_ = false;
   receivers_.clear();
-  if (scene.world.bodies().empty()) return;
+  if (scene.world.bodies().empty() && ground_ == nullptr) return;
   if (lights_.size() > kMostKept) {
     for (Light& light : lights_)
       if (light.texture) spare_.push_back(std::move(light.texture));
@@ -103,7 +125,15 @@ void Planetshine::begin_scene(const FrameScene& scene) {
   }
   for (const VisibleTarget& visible : scene.visible.targets) {
     Receiver receiver;
-    receiver.light = light_at(scene.world, scene.world[visible.target].pose().translation);
+    const light::GroundShine* ground = nullptr;
+    if (ground_ != nullptr && visible.target < ground_->size()) {
+      const light::GroundShine& shine = (*ground_)[visible.target];
+      if (shine.stamp != 0) ground = &shine;
+    }
+    receiver.light = light_at(
+        scene.world,
+        ground != nullptr ? ground->middle : scene.world[visible.target].pose().translation,
+        ground);
     any_ = any_ || !lights_[receiver.light].groups.empty();
     receivers_.push_back(receiver);
   }
@@ -142,6 +172,7 @@ void Planetshine::fill(const FrameScene& scene, std::size_t r, const Mat4& model
     copy_disc(light.groups[g], block.group + 4 * g);
     block.members[4 * g] = static_cast<float>(irradiance.x + irradiance.y + irradiance.z);
     block.members[4 * g + 1] = static_cast<float>(light.ends[g]);
+    block.members[4 * g + 2] = receiver.maps == 0 ? 0 : static_cast<float>(light.shadow_ends[g]);
     block.map[4 * g] = -1;
   }
   if (receiver.maps == 0) return;
@@ -151,6 +182,13 @@ void Planetshine::fill(const FrameScene& scene, std::size_t r, const Mat4& model
   block.texel_size[1] = 1 / static_cast<float>(maps_.layers().height);
   Mat4 world_from_sample(1);
   world_from_sample[3] = Vec4(pose.rotation * Vec3(model_from_sample[3]) + pose.translation, 1);
+  for (std::size_t k = 0; k < light.shadows.size(); ++k) {
+    const light::ShineShadow& shadow = light.shadows[k];
+    copy_floats(shadow.place - Vec3(world_from_sample[3]), block.shadow_place + 4 * k);
+    block.shadow_place[4 * k + 3] = static_cast<float>(shadow.area / kPi);
+    copy_floats(shadow.normal, block.shadow_normal + 4 * k);
+    copy_floats(shadow.light, block.shadow_light + 4 * k);
+  }
   for (std::size_t k = 0; k < receiver.maps; ++k) {
     const LampMap& map = wanted_[receiver.first_map + k];
     const Tile whole{0, 0, map.camera.width, map.camera.height};

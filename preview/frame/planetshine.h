@@ -1,4 +1,4 @@
-// Light of planets on the targets of a view. Private to preview.
+// Light of planets and terrain on the targets of a view. Private to preview.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,8 @@ namespace panwright::preview {
 
 // Parts of it, each a distant disc, light diffuse surfaces; lobes read a table of directions
 // (sky/shine_table.h). Groups of parts have shadow maps. Shading adds it in the Sun's pass
-// (shaders/planets.glsl). Targets so close that the light is the same have it once.
+// (shaders/planets.glsl). Targets so close that the light is the same have it once. Terrain sends
+// each target its own.
 class Planetshine {
  public:
   // Begins another image.
@@ -53,6 +54,9 @@ class Planetshine {
     std::vector<materials::Incidence> groups;
     std::vector<materials::Incidence> parts;  // those of a group together
     std::vector<std::size_t> ends;            // of each group's parts
+    Stamp ground = 0;                         // light::GroundShine::stamp
+    std::vector<light::ShineShadow> shadows;  // on the ground, those of a group together
+    std::vector<std::size_t> shadow_ends;
     sky::ShineTable table;
     GlTexture texture;  // none: the table is yet to be uploaded
   };
@@ -61,12 +65,17 @@ class Planetshine {
     std::size_t first_map = 0;
     std::size_t maps = 0;
   };
-  std::size_t light_at(const world::World& world, const Vec3& point);
+  // ground: null: none
+  std::size_t light_at(const world::World& world, const Vec3& point,
+                       const light::GroundShine* ground);
+  static Light found(const sky::Sky& sky, const Vec3& point, const light::GroundShine* ground,
+                     std::size_t groups);
   void upload(const GladGLContext& gl, Light& light);
   void fill(const FrameScene& scene, std::size_t receiver, const Mat4& model_from_sample,
             PlanetsBlock& block) const;
 
   std::size_t groups_ = 0;  // at most
+  std::shared_ptr<const std::vector<light::GroundShine>> ground_;
   Stamp sky_stamp_ = 0;
   Stamp sun_stamp_ = 0;
   std::vector<Light> lights_;

@@ -15,6 +15,7 @@ inline constexpr unsigned kInstancesAtOnce = 64;  // items of one draw: blocks t
 inline constexpr unsigned kMostLamps = 64;  // lights after the Sun on one target
 inline constexpr unsigned kMostLampMaps = 64;  // layers of their shadow maps
 inline constexpr unsigned kMostPlanetParts = 16;  // parts of the light of planets, and groups of them, each with a shadow map
+inline constexpr unsigned kMostGroundParts = 32;  // parts of the light of planets and terrain together, and shadows on the ground
 inline constexpr unsigned kPlanetTableSide = 64;  // of a layer of planet_light, without the border of a texel all round
 inline constexpr unsigned kSunsetNodes = 64;  // of the light through the air of a planet by the place beside its limb
 inline constexpr unsigned kMostItems = 1073741823;  // of an image: ids of samples have 30 bits
@@ -242,23 +243,29 @@ struct alignas(16) PlanetsBlock {
   std::int32_t groups;  // of parts; 0: no light
   float half_map;  // half the side of a map, texels
   float texel_size[2];  // in the texture, which may be larger than the maps
-  float part[64];  // of each: unit direction, angular radius
-  float irradiance[64];  // of each: RGB
+  float part[128];  // of each: unit direction, angular radius
+  float irradiance[128];  // of each: RGB
   float group[64];  // of each: unit direction, angular radius
-  float members[64];  // of each: irradiance, end of its parts
+  float members[64];  // of each: irradiance, ends of its parts and of its shadows on the ground
   float map[64];  // of each: layer, below 0: none; depth of a texel's width; square of depths over widths
   float map_from_sample[192];  // rows, three of each map
+  float shadow_place[128];  // of shadows of the receiver on the ground: their middle, area over pi
+  float shadow_normal[128];  // of each: unit, of the ground
+  float shadow_light[128];  // of each: pi times the radiance that is missing
 };
-static_assert(sizeof(PlanetsBlock) == 2064);
+static_assert(sizeof(PlanetsBlock) == 4112);
 static_assert(offsetof(PlanetsBlock, groups) == 0);
 static_assert(offsetof(PlanetsBlock, half_map) == 4);
 static_assert(offsetof(PlanetsBlock, texel_size) == 8);
 static_assert(offsetof(PlanetsBlock, part) == 16);
-static_assert(offsetof(PlanetsBlock, irradiance) == 272);
-static_assert(offsetof(PlanetsBlock, group) == 528);
-static_assert(offsetof(PlanetsBlock, members) == 784);
-static_assert(offsetof(PlanetsBlock, map) == 1040);
-static_assert(offsetof(PlanetsBlock, map_from_sample) == 1296);
+static_assert(offsetof(PlanetsBlock, irradiance) == 528);
+static_assert(offsetof(PlanetsBlock, group) == 1040);
+static_assert(offsetof(PlanetsBlock, members) == 1296);
+static_assert(offsetof(PlanetsBlock, map) == 1552);
+static_assert(offsetof(PlanetsBlock, map_from_sample) == 1808);
+static_assert(offsetof(PlanetsBlock, shadow_place) == 2576);
+static_assert(offsetof(PlanetsBlock, shadow_normal) == 3088);
+static_assert(offsetof(PlanetsBlock, shadow_light) == 3600);
 
 // Grid of a receiver's surfels (indirect.h). std140.
 struct alignas(16) IndirectBlock {

@@ -7,6 +7,7 @@
 
 #include "base/axis_box.h"
 #include "base/parallel.h"
+#include "preview/reference/internal/ground_shine.h"
 #include "preview/reference/internal/path.h"
 #include "preview/reference/internal/trace_scene.h"
 #include "preview/reference/internal/view_rays.h"
@@ -206,6 +207,8 @@ struct GroundView {
 
 struct GroundLayer::Impl {
   TraceScene scene{true};
+  std::vector<Stamp> shine_key;  // what `shine` depends on
+  std::shared_ptr<const std::vector<light::GroundShine>> shine;
 };
 
 GroundLayer::GroundLayer() : impl_(std::make_unique<Impl>()) {}
@@ -267,6 +270,35 @@ void GroundLayer::add(const world::World& world, const world::Camera& camera,
         view.add_square(i % across * side, i / across * side, side, depths, image);
       },
       job);
+}
+
+std::shared_ptr<const std::vector<light::GroundShine>> GroundLayer::shine(const world::World& world,
+                                                                          const Job& job) {
+  if (!has_ground(world)) return nullptr;
+  std::vector<Stamp> key{world.sun_stamp(), world.sky_stamp()};
+  for (const world::Instance& target : world.instances()) {
+    key.push_back(target.shape_stamp());
+    key.push_back(target.pose_stamp());
+  }
+  if (impl_->shine && key == impl_->shine_key) return impl_->shine;
+  TraceScene& scene = impl_->scene;
+  scene.update(world, job);
+  std::vector<Sun> suns;
+  std::vector<Bodies> bodies;
+  for (const trace::Scene::Placed& placed : scene.rays().targets()) {
+    suns.emplace_back(world.sun(), placed.frame.world_from, true);
+    if (!world.bodies().empty())
+      bodies.emplace_back(world.bodies(), placed.frame, suns.back(), radiance_unit(world));
+  }
+  auto shine = std::make_shared<std::vector<light::GroundShine>>(world.size());
+  for (std::uint32_t i = 0; i < world.size(); ++i) {
+    const trace::Target& target = *scene.rays().targets()[i].target;
+    if (target.ground() == nullptr && !target.bounds().empty())
+      (*shine)[i] = ground_shine(scene, suns, bodies, i, job);
+  }
+  impl_->shine_key = std::move(key);
+  impl_->shine = std::move(shine);
+  return impl_->shine;
 }
 
 void GroundLayer::report_damaged(DiagnosticLog& log) const {

@@ -9,6 +9,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "image/image.h"
+#include "light/ground_shine.h"
 #include "materials/material.h"
 #include "world/camera.h"
 #include "world/world.h"
@@ -31,8 +32,8 @@ bool has_ground(const world::World& world);
 // (docs/terrain-images.md).
 materials::Material lunar_regolith();
 
-// Terrain by rays, lit by the Sun, lamps and bodies, with the shadows of terrain and targets on it,
-// and its shadow on targets. It throws no light on them.
+// Terrain by rays, lit by the Sun, lamps and bodies, with the shadows of terrain and targets on it.
+// Its shadow and its light on targets.
 //
 // Levels of detail are within half a pixel (terrain::Ground::levels()); those of an orthographic
 // camera the finest.
@@ -60,6 +61,13 @@ class GroundLayer {
   // rays a pixel of targets, 73 in penumbrae; none where terrain cannot reach their light.
   std::vector<float> sun_shares(const world::World& world, const world::Camera& camera,
                                 bool sun_disc, const image::Image& image, const Job& job = {});
+  // The Sun's light that terrain sends to each target of a world, for RenderOptions::ground_shine;
+  // null: there is no terrain. Kept until anything but the camera changes.
+  //
+  // Lets Cancelled pass. The same bits for any number of threads, but for stamps. Cost: for each
+  // target 4,096 rays, and as many to the Sun at most.
+  std::shared_ptr<const std::vector<light::GroundShine>> shine(const world::World& world,
+                                                               const Job& job = {});
 
  private:
   struct Impl;

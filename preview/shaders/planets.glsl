@@ -61,6 +61,31 @@ float planet_visibility(int group, vec3 at, vec3 normal) {
 }
 #endif
 
+// Mean cosine of a disc of a radius, which the horizon may cut: see to_mean_light() in shading.frag.
+float planet_cosine(float cosine, float radius) {
+  float t = cosine / radius;
+  float square = t * t;
+  float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
+  return square < 1.0 ? max(mean, 0.0) * radius : max(cosine, 0.0);
+}
+
+#ifdef SHADOWED
+// Light that a plate lacks, as a shadow lies on the ground before it: a disc, exactly for plates along the ground.
+vec3 ground_shadow(int number, vec3 at, vec3 normal) {
+  vec4 place = planets.shadow_place[number];
+  vec3 way = place.xyz - at;
+  float square = dot(way, way);
+  float shorter = inversesqrt(max(square, 1e-30));
+  vec3 toward = way * shorter;
+  float height = max(-dot(planets.shadow_normal[number].xyz, way), 0.0);
+  float sum = square + place.w;
+  float root = sqrt(max(sum * sum - 4.0 * place.w * (square - height * height), 1e-30));
+  float share = 2.0 * place.w * height / max(shorter * root * (root + square - place.w), 1e-30);
+  share = min(share, 1.0);
+  return share * planet_cosine(dot(normal, toward), sqrt(max(share, 1e-12))) * planets.shadow_light[number].rgb;
+}
+#endif
+
 // Of a plate with a normal, and of a lobe about the direction of a mirror.
 struct PlanetSums {
   vec3 irradiance;
@@ -76,6 +101,10 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
   vec3 own_normal = unpacked_normal(found.w);
 #endif
   int part = 0;
+#ifdef SHADOWED
+  int shadow = 0;
+  vec3 dark = vec3(0.0);
+#endif
   for (int group = 0; group < planets.groups; ++group) {
     vec4 disc = planets.group[group];
     float visible = 1.0;
@@ -84,7 +113,7 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
     float above = clamp(3.0 * dot(normal, disc.xyz) / disc.w, 0.0, 1.0);
     if (above > 0.0) visible = mix(1.0, planet_visibility(group, at, own_normal), above);
 #endif
-    vec2 members = planets.members[group].xy;
+    vec4 members = planets.members[group];
     float near = 0.5 + 0.5 * dot(mirror, disc.xyz);
     near *= near;
     near *= near;
@@ -94,17 +123,18 @@ PlanetSums planet_sums(ivec2 sample_at, vec3 normal, vec3 mirror) {
     sums.mirrored += weight * visible;
     for (; part < int(members.y); ++part) {
       vec4 its_disc = planets.part[part];
-      float cosine = dot(normal, its_disc.xyz);
-      float t = cosine / its_disc.w;
-      float square = t * t;
-      // of a disc that the horizon cuts: see to_mean_light() in shading.frag
-      float mean = 0.5 * t + 0.212227 + square * (0.317672 - square * (0.0236467 + square * 0.00623719));
-      float lit = square < 1.0 ? max(mean, 0.0) * its_disc.w : max(cosine, 0.0);
+      float lit = planet_cosine(dot(normal, its_disc.xyz), its_disc.w);
       vec3 arriving = lit * visible * planets.irradiance[part].rgb;
       sums.irradiance += arriving;
       sums.middle += (arriving.r + arriving.g + arriving.b) * its_disc.xyz;
     }
+#ifdef SHADOWED
+    for (; shadow < int(members.z); ++shadow) dark += visible * ground_shadow(shadow, at, normal);
+#endif
   }
+#ifdef SHADOWED
+  sums.irradiance = max(sums.irradiance - dark, vec3(0.0));
+#endif
   sums.mirrored /= all;
   return sums;
 }

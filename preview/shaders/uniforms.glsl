@@ -5,6 +5,7 @@ const int kInstancesAtOnce = 64;
 const int kMostLamps = 64;
 const int kMostLampMaps = 64;
 const int kMostPlanetParts = 16;
+const int kMostGroundParts = 32;
 const int kPlanetTableSide = 64;
 const int kSunsetNodes = 64;
 const int kMostItems = 1073741823;
@@ -137,12 +138,15 @@ const int kPlanetsBinding = 6;
   int groups; \
   float half_map; \
   vec2 texel_size; \
-  vec4 part[16]; \
-  vec4 irradiance[16]; \
+  vec4 part[32]; \
+  vec4 irradiance[32]; \
   vec4 group[16]; \
   vec4 members[16]; \
   vec4 map[16]; \
   vec4 map_from_sample[48]; \
+  vec4 shadow_place[32]; \
+  vec4 shadow_normal[32]; \
+  vec4 shadow_light[32]; \
 } planets;
 const int kIndirectBinding = 7;
 #define INDIRECT_BLOCK layout(std140, binding = 7) uniform Indirect { \

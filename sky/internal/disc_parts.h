@@ -10,13 +10,6 @@
 
 namespace panwright::sky {
 
-// A part of a disc: its direction, and its irradiance on a plane that faces it.
-struct Part {
-  Vec3 direction;  // unit
-  Vec3 irradiance;
-  double flux = 0;  // the sum over the bands
-};
-
 inline Vec3 perpendicular(const Vec3& axis) {
   const Vec3 other = std::fabs(axis.z) < 0.6 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
   return glm::normalize(glm::cross(axis, other));
@@ -82,7 +75,7 @@ void for_air(const Sky& sky, std::size_t index, const Vec3& point, const PartAxe
       const Vec3 direction = toward / stretch;
       // air is seen as far away as the limb
       if (flux > 0 && !is_hidden(sky, index, point, direction, distance * along * stretch))
-        f(Part{direction, light, flux});
+        f(light::ShinePart{direction, light, flux});
     }
   }
 }
@@ -121,7 +114,7 @@ void for_parts(const Sky& sky, std::size_t index, const Vec3& point, const CapGr
           (solid * shape.volume / (stretch * stretch * stretch));
       const double flux = light.x + light.y + light.z;
       if (flux > 0 && !is_hidden(sky, index, point, direction, way * stretch))
-        f(Part{direction, light, flux});
+        f(light::ShinePart{direction, light, flux});
     }
   }
 }

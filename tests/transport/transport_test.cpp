@@ -231,6 +231,41 @@ TEST(Transport, SunAndEmissionAreThoseOfTheOracles) {
   EXPECT_NEAR(mean, expected, 0.02 * expected);
 }
 
+// In even light from all sides white surfaces send as much as they would get from there: what comes
+// from others is the share of the view that they take. Perpendicular squares: J. Howell's C-15.
+TEST(Transport, EvenLightOfTerrain) {
+  const geometry::Mesh both[] = {sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                                 sheet({0, 0, 0}, {0, 1, 0}, {0, 0, 1})};
+  world::World world = world_of(both, 1);
+  world.set_sun({.direction = {0, 0, 1}, .irradiance = Vec3(0)});
+  light::GroundShine shine;
+  shine.stamp = next_stamp();
+  constexpr std::size_t kTexels =
+      std::size_t{light::GroundShine::kSide} * light::GroundShine::kSide;
+  constexpr double kRadiance = 0.3;
+  shine.radiance.assign(kTexels, Vec3(kRadiance));
+  shine.is_ground.assign(kTexels, 1);
+  Transport transport({{3000, 64}, 16});
+  const auto mean = [&] {
+    double sum = 0, area = 0;
+    const SurfelSet& set = transport.surfels(0);
+    for (std::size_t s = 0; s < set.surfels().size(); ++s) {
+      // their backs see light alone
+      const Vec3& normal = set.surfels()[s].normal;
+      if (normal.x + normal.z < 0) continue;
+      sum += set.area(s) * double(transport.light()[0].irradiance[s][0]);
+      area += set.area(s);
+    }
+    return sum / area;
+  };
+  transport.update(world, {}, {&shine, 1});
+  const double share = mean() / (kPi * kRadiance);
+  printf("perpendicular squares: %.5f\n", share);
+  EXPECT_NEAR(share, 0.2000438, 0.004);
+  transport.update(world, {});
+  EXPECT_EQ(mean(), 0);
+}
+
 TEST(Transport, SameBitsWhateverWasBefore) {
   Transport kept(kFew);
   kept.update(corner(), {});

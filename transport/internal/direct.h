@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/job.h"
+#include "light/ground_shine.h"
 #include "light/light.h"
 #include "sky/shine_table.h"
 #include "trace/scene.h"
@@ -20,13 +21,14 @@ struct DirectLights {
   Vec3 to_sun{0, 0, 1};    // world axes, unit
   Vec3 sun_irradiance{0};  // less eclipses
   double sun_sine = 0;
-  std::optional<sky::ShineTable> bodies;
+  std::optional<sky::ShineTable> bodies;  // and terrain
   std::span<const light::Source> lamps;
   Vec3 white{1};
 };
-// point: of the world, metres
+//   point   of the world, metres
+//   ground  null: none
 DirectLights direct_lights(const world::World& world, const Vec3& point,
-                           std::span<const light::Source> lamps);
+                           std::span<const light::Source> lamps, const light::GroundShine* ground);
 
 // Returns the light that surfels reflect of it, and their emission.
 //

@@ -50,21 +50,6 @@ struct Lit {
   }
 };
 
-// BRDF times the cosine of incidence, the mean of facets.
-Vec3 reflected(const Point& point, const Vec3& to_light, const Vec3& to_viewer) {
-  const auto of = [&](const Vec3& normal) {
-    const double cosine = glm::dot(normal, to_light);
-    if (!(cosine > 0)) return Vec3(0);
-    return cosine *
-           point.surface().scattering.brdf(to_light, to_viewer, normal, point.tangent, point.tint);
-  };
-  if (!point.facets) return of(point.normal);
-  Vec3 sum(0);
-  for (std::size_t k = 0; k < point.facets->count; ++k)
-    sum += point.facets->weights[k] * of(point.facets->normals[k]);
-  return sum;
-}
-
 // The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe
 // sees it; none elsewhere
 Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
@@ -189,6 +174,20 @@ Vec3 body_seen(const Lit& lit, const materials::Sampled& sampled, const Vec2& u)
 constexpr std::uint32_t kBodyUse = 1u << 20;
 
 }  // namespace
+
+Vec3 reflected(const Point& point, const Vec3& to_light, const Vec3& to_viewer) {
+  const auto of = [&](const Vec3& normal) {
+    const double cosine = glm::dot(normal, to_light);
+    if (!(cosine > 0)) return Vec3(0);
+    return cosine *
+           point.surface().scattering.brdf(to_light, to_viewer, normal, point.tangent, point.tint);
+  };
+  if (!point.facets) return of(point.normal);
+  Vec3 sum(0);
+  for (std::size_t k = 0; k < point.facets->count; ++k)
+    sum += point.facets->weights[k] * of(point.facets->normals[k]);
+  return sum;
+}
 
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
   const std::array<std::uint32_t, 4> words =

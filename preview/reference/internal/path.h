@@ -73,6 +73,9 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
                        const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                        RayCounts& counts);
 
+// BRDF times the cosine of incidence, the mean of facets.
+Vec3 reflected(const Point& point, const Vec3& to_light, const Vec3& to_viewer);
+
 // Returns the numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use);
 // Uses: 0 and 1 are free for the ray's maker; traced() has those from 2.

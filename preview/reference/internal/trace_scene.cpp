@@ -27,8 +27,8 @@ void TraceScene::place_camera(const world::Camera& camera, double ground_angle) 
   rays_.place_observer({camera.position, camera.world_from_camera}, ground_angle);
 }
 
-void TraceScene::place_observer(const world::Pose& world_from_observer) {
-  rays_.place_observer(world_from_observer);
+void TraceScene::place_observer(const world::Pose& world_from_observer, double ground_angle) {
+  rays_.place_observer(world_from_observer, ground_angle);
 }
 
 std::optional<trace::Hit> TraceScene::seen(const trace::Ray& ray) const {

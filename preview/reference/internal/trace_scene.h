@@ -23,7 +23,7 @@ class TraceScene {
   // Sets the camera, the observer of the rays; after update().
   //   ground_angle  as trace::Scene::place_observer()
   void place_camera(const world::Camera& camera, double ground_angle = 0);
-  void place_observer(const world::Pose& world_from_observer);
+  void place_observer(const world::Pose& world_from_observer, double ground_angle = 0);
 
   const trace::Scene& rays() const { return rays_; }
 
