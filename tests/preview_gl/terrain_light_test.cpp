@@ -253,6 +253,12 @@ TEST(TerrainLight, HardCases) {
   EXPECT_EQ((*shine)[0].stamp, 0u);
   EXPECT_NE((*shine)[1].stamp, 0u);
   EXPECT_FALSE((*shine)[1].shadows.empty());
+  // the same bits on any number of threads
+  const auto alone = GroundLayer().shine(world, Job({1, {}}));
+  const auto many = GroundLayer().shine(world, Job({3, {}}));
+  EXPECT_EQ((*alone)[1].radiance, (*many)[1].radiance);
+  EXPECT_EQ((*alone)[1].is_ground, (*many)[1].is_ground);
+  EXPECT_EQ((*alone)[1].parts.size(), (*many)[1].parts.size());
   // kept until something changes
   EXPECT_EQ(layer.shine(world), shine);
   world.set_pose(1, {Vec3(0, 0, 4), Quat(1, 0, 0, 0)});
