@@ -62,6 +62,7 @@ struct GroundShineRays {
   std::span<const Sun> suns;
   std::span<const Bodies> bodies;
   std::uint32_t target;
+  double step;  // radians between rays
 
   bool blocks(std::uint32_t other, const trace::Ray& ray) const {
     const auto targets = scene.rays().targets();
@@ -76,7 +77,7 @@ struct GroundShineRays {
     SentLight out;
     out.met = true;
     out.hit = hit;
-    const Point point = scene.point(hit, false);
+    const Point point = scene.point(hit, false, step * hit.distance);
     const Sun::Sample light = suns[hit.target].sample(place_in_square(number));
     out.to_light = light.to_light;
     out.radiance = reflected(point, light.to_light, -hit.direction) * light.irradiance;
@@ -335,7 +336,7 @@ light::GroundShine ground_shine(TraceScene& scene, std::span<const Sun> suns,
     caps.push_back({glm::normalize(toward), std::sqrt(1 - sine * sine) - 1e-9});
   }
   scene.place_observer({shine.middle, Quat(1, 0, 0, 0)}, far ? kAngle * widest : kAngle);
-  const GroundShineRays rays{scene, suns, bodies, target};
+  const GroundShineRays rays{scene, suns, bodies, target, 2 * (far ? kAngle * widest : kAngle)};
   if (far) {
     for (std::size_t k = 0; k < grounds.size(); ++k)
       if (look_at_cap(rays, grounds[k], caps[k], shine, job)) shine.caps.push_back(caps[k]);
