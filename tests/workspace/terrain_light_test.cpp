@@ -89,7 +89,6 @@ Drawer drawer_of_gl() {
 }
 
 TEST(TerrainLight, OfDrawers) {
-  if (!PANWRIGHT_GL) GTEST_SKIP() << "built without OpenGL";
   PlateView view(
       support::plane_model(kPosts, std::vector<float>(std::size_t{kPosts} * kPosts, 0.0f)), 1, 5,
       {0, 0, -1});
@@ -116,7 +115,6 @@ TEST(TerrainLight, OfDrawers) {
 // Over a wide Lambert plain a plate that faces down gets albedo times the Sun's light on the
 // ground, a plate that stands on end half of it.
 TEST(TerrainLight, OfALambertPlain) {
-  if (!PANWRIGHT_GL) GTEST_SKIP() << "built without OpenGL";
   const world::ModelPtr ground = plain_of("<lambert/><diffuse> 0.3 0.2 0.1 </diffuse>");
   ASSERT_NE(ground, nullptr);
   Drawer drawer = drawer_of_gl();
