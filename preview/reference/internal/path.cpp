@@ -96,11 +96,8 @@ Vec3 lamplight(const Lit& lit, const TraceLamp& lamp, const Vec3& to_viewer, con
   const materials::Scattering& scattering = point.surface().scattering;
   Vec3 result(0);
   const TraceLamp::Sample light = lamp.sample(point.start, u);
-  const double cosine = glm::dot(point.normal, light.to_light);
-  if (cosine > 0 && !is_black(light.irradiance)) {
-    const Vec3 sent =
-        scattering.brdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint) *
-        cosine * light.irradiance;
+  if (!is_black(light.irradiance)) {
+    const Vec3 sent = reflected(point, light.to_light, to_viewer) * light.irradiance;
     if (!is_black(sent)) {
       ++counts.shadow;
       if (lit.reaches(light)) result += sent;
@@ -148,16 +145,14 @@ Vec3 planetshine(const Lit& lit, const Vec3& to_viewer, const std::array<double,
   const Point& point = lit.point;
   const auto light = lit.bodies->sample(point.start, {u[0], u[1]}, u_body);
   if (!light) return Vec3(0);
-  const double cosine = glm::dot(point.normal, light->direction);
-  if (!(cosine > 0)) return Vec3(0);
-  const materials::Scattering& scattering = point.surface().scattering;
-  Vec3 result =
-      scattering.brdf(light->direction, to_viewer, point.normal, point.tangent, point.tint) *
-      (cosine / light->pdf);
+  Vec3 result = reflected(point, light->direction, to_viewer) / light->pdf;
   if (is_black(result)) return Vec3(0);
-  result *= lit.bodies->light(point.start, light->direction, {u[2], u[3]}) *
-            power_weight(light->pdf, scattering.pdf(light->direction, to_viewer, point.normal,
-                                                    point.tangent, point.tint));
+  result *= lit.bodies->light(point.start, light->direction, {u[2], u[3]});
+  // facets are lit by this alone: no lobe is drawn about their normals
+  if (!point.facets)
+    result *= power_weight(light->pdf,
+                           point.surface().scattering.pdf(light->direction, to_viewer, point.normal,
+                                                          point.tangent, point.tint));
   if (is_black(result)) return Vec3(0);
   ++counts.shadow;
   return lit.open(light->direction) ? result : Vec3(0);
@@ -269,7 +264,7 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
     Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
     if (lit.bodies != nullptr) {
       if (!is_black(disc)) disc *= lit.bodies->passes(point.start, sampled->to_light);
-      disc += body_seen(lit, *sampled, {w[1], w[2]});
+      if (!point.facets) disc += body_seen(lit, *sampled, {w[1], w[2]});
     }
     if (last && is_black(disc)) break;
     const trace::Ray onward{{point.start, sampled->to_light}, hit->target};
