@@ -192,9 +192,10 @@ std::optional<int> iau_frame_of(int body) {
 }
 
 std::optional<int> body_of_iau_frame(int frame) {
-  const int at = frame - kFirstIau;
-  if (at < 0 || at >= static_cast<int>(kIauBodies.size())) return std::nullopt;
-  return kIauBodies[static_cast<std::size_t>(at)];
+  if (frame < kFirstIau) return std::nullopt;
+  const auto at = static_cast<std::size_t>(frame - kFirstIau);
+  if (at >= kIauBodies.size()) return std::nullopt;
+  return kIauBodies[at];
 }
 
 Mat3 turned_axes(double angle, int axis) {
