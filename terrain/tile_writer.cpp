@@ -247,22 +247,23 @@ bool same_name(std::string_view a, std::string_view b) {
 
 bool same_body(std::span<const DemPart> dems, const std::vector<AlbedoPart>& albedo,
                DiagnosticLog& log) {
-  std::vector<const DemInfo*> all;
+  std::vector<std::pair<const DemInfo*, std::string>> all;  // and their places
   for (const DemPart& dem : dems) {
-    all.push_back(&dem.info());
+    all.emplace_back(&dem.info(), dem.place());
     if (dem.info().quantity != Quantity::plain) continue;
     log.report_file(Code("E9612"), dem.info().files.front(), "its numbers are no elevations",
                     "--values height or radius says that they are");
     return false;
   }
-  for (const AlbedoPart& part : albedo) all.push_back(&part.bands[0].info());
+  for (const AlbedoPart& part : albedo) all.emplace_back(&part.bands[0].info(), part.place);
   const DemInfo* first = nullptr;
-  for (const DemInfo* info : all) {
+  for (const auto& [info, place] : all) {
     if (info->target.empty()) continue;
     if (first && !same_name(first->target, info->target)) {
-      log.report_file(Code("E9612"), info->files.front(),
-                      fmt::format("it is of {}, but {} of {}", in_quotes(info->target),
-                                  first->files.front(), in_quotes(first->target)));
+      log.report_file(
+          Code("E9612"), info->files.front(),
+          fmt::format("{}it is of {}, but {} of {}", place.empty() ? "" : place + ": ",
+                      in_quotes(info->target), first->files.front(), in_quotes(first->target)));
       return false;
     }
     first = info;
@@ -430,6 +431,8 @@ Result<TilesReport> write_parts(std::span<const DemPart> parts, const std::files
     report.bytes = writer->bytes();
     report.tiles = written.records.size();
     report.albedo_tiles = written.albedo.size();
+    for (const AlbedoRecord& map : written.maps)
+      report.largest_albedo = std::max(report.largest_albedo, map.unit * (kNoAlbedo - 1));
     for (const ChartRecord& chart : written.charts)
       report.error = std::max(report.error, chart.error);
     for (const TileRecord& record : written.records)

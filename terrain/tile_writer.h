@@ -23,6 +23,7 @@ struct AlbedoPart {
   std::vector<Dem> bands;  // one, or red, green and blue: linear numbers, Quantity::plain
   // Number that leaves the colour of the material as it is; none: their mean by area.
   std::optional<double> white;
+  double scale = 1;   // from the numbers to radiance factors, with white
   std::string place;  // of its text; empty: none
 };
 
@@ -41,6 +42,7 @@ struct TilesReport {
   std::uint64_t float_tiles = 0;  // those whose relief is too large for codes included
   double error = 0;               // metres, measured: the largest of all charts
   std::uint64_t albedo_tiles = 0;
+  double largest_albedo = 1;  // factor of the material's colour
 };
 
 // Writes one chart for each elevation file, in their order: where charts overlap, the first that

@@ -76,19 +76,59 @@ Result<terrain::AlbedoPart> albedo_part(const pxn::AlbedoText& text,
     out.bands.push_back(*std::move(band));
   }
   for (const std::string& file : out.bands[0].info().files) files.push_back(file);
-  if (!text.reflectance) return out;
+  out.scale = text.scale;
+  const terrain::DemInfo& info = out.bands[0].info();
+  if (grey && info.bands == 3 && text.bands[0] == 1)
+    log.report(Code("N9604"), {},
+               fmt::format("{}: {}: the first of three bands is taken as grey", out.place,
+                           in_quotes(info.files.front())),
+               "bands=\"1 2 3\" takes colours");
+  if (!text.reflectance) {
+    if (text.scale != 1)
+      log.report(Code("W9603"), {},
+                 fmt::format("{}: scale has no effect on relative numbers", out.place),
+                 "reflectance= says that they are radiance factors");
+    return out;
+  }
+  if ((*text.reflectance)[0] >= kPi / 2 || (*text.reflectance)[1] >= kPi / 2) {
+    log.report(
+        Code("E9612"), {},
+        fmt::format("{}: incidence and emission of reflectance lie below 90 degrees", out.place));
+    return failed;
+  }
   const auto factor =
       radiance_factor(material.value_or(preview::lunar_regolith()), *text.reflectance);
   if (!factor || !(*factor > 0)) {
-    log.report(Code("E9612"), {},
-               fmt::format("{}: {}", out.place,
-                           factor ? "the material is black at these angles"
-                                  : "there are no such angles: the phase lies between the "
-                                    "difference and the sum of incidence and emission"));
+    log.report(
+        Code("E9612"), {},
+        fmt::format(
+            "{}: {}", out.place,
+            factor
+                ? "the material is black at these angles"
+                : fmt::format("there are no such angles: the phase lies between "
+                              "{:.4g} and {:.4g} degrees, the difference and the "
+                              "sum of incidence and emission",
+                              std::fabs((*text.reflectance)[0] - (*text.reflectance)[1]) / kDegree,
+                              ((*text.reflectance)[0] + (*text.reflectance)[1]) / kDegree)));
     return failed;
   }
   out.white = *factor / text.scale;
   return out;
+}
+
+// A diffuse law of 1 returns all light.
+void warn_of_brightness(const pxn::TerrainText& text, double largest, DiagnosticLog& log) {
+  if (!text.material ||
+      materials::brdf_model_of(*text.material).diffuse == materials::DiffuseModel::hapke)
+    return;
+  const double most = text.material->weights.x * max_component(text.material->diffuse) * largest;
+  if (!(most > 1.001)) return;
+  log.report(
+      Code("W9603"), {},
+      fmt::format("{}: where its map is brightest the ground reflects {:.3g} times the light "
+                  "that it gets",
+                  place_of_dem(text.source), most),
+      "a darker material, or reflectance=");
 }
 
 // A folder that goes with all it holds.
@@ -136,6 +176,7 @@ Result<TerrainMade> write_terrain(const pxn::TerrainText& text, const fs::path& 
   const auto written = terrain::write_parts(parts, output, options, log, job);
   if (!written) return failed;
   out.tiles = *written;
+  warn_of_brightness(text, written->largest_albedo, log);
   return out;
 }
 
@@ -148,7 +189,8 @@ Result<world::ModelPtr> terrain_model(const pxn::TerrainText& text, const fs::pa
     log.report_file(Code("E0103"), temporary.string(), "no folder can be made here");
     return failed;
   }
-  const fs::path file = fs::path(own.path()) / "terrain.pan";
+  // of a name of its own: a run that makes several knows files by their names
+  const fs::path file = fs::path(own.path()) / (fs::path(own.path()).filename().string() + ".pan");
   if (!write_terrain(text, folder, file, log, job)) return failed;
   auto model = pan::Model::open(file, log);
   if (!model || !model->check(log, job, terrain::kTilesSection)) return failed;

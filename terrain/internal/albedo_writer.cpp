@@ -225,8 +225,9 @@ bool write_albedo(const AlbedoPart& part, bool placed, std::vector<AlbedoRecord>
     return false;
   };
   if (info.map.is_placed() != placed)
-    return refuse(placed ? "it has no places on a body, which the terrain has"
-                         : "it has places on a body, but the terrain is a plane");
+    return placed ? refuse("it has no places on a body, which the terrain has",
+                           "a file with a map projection, or an image twice as wide as high")
+                  : refuse("it has places on a body, but the terrain is a plane");
   Found found;
   for (const Dem& band : part.bands)
     if (!look_at(band, found, log, job)) return false;
@@ -235,6 +236,12 @@ bool write_albedo(const AlbedoPart& part, bool placed, std::vector<AlbedoRecord>
   if (found.negative > 0)
     log.report(Code("W9603"), {},
                fmt::format("{}: {} numbers are negative: 0 is taken", name, found.negative));
+  constexpr double kMostFactor = 2;  // of bright ground at opposition
+  if (part.white && found.most * part.scale > kMostFactor)
+    log.report(Code("W9603"), {},
+               fmt::format("{}: its largest radiance factor is {:.4g}, of white about 1", name,
+                           found.most * part.scale),
+               "scale= makes radiance factors of its numbers");
   if (!part.white)
     log.report(Code("N9604"), {},
                fmt::format("{}: its numbers are relative: their mean by area, {:.6g}, stands for "

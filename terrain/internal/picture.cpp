@@ -1,4 +1,6 @@
 // Rows of PNG and JPEG images: linear values of their codes.
+#include <fmt/core.h>
+
 #include <array>
 #include <limits>
 #include <vector>
@@ -72,7 +74,8 @@ Result<Found> read_picture(const Opening& opening, MappedFile file) {
   info.sample = "8-bit sRGB";
   info.bands = 3;
   info.quantity = Quantity::plain;
-  if (opening.options.band > 3) return opening.fail("it has three bands");
+  if (opening.options.band > 3)
+    return opening.fail(fmt::format("there is no band {}: it has three", opening.options.band));
   const auto picture = std::make_shared<Picture>(opening.options.band - 1, opening.options.memory);
   const image::ImageProblem problem =
       image::decode_rows(file.bytes(), opening.options.memory, *picture);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_uses.h"
 #include "pxn/pxn.h"
 #include "tests/support/process.h"
 #include "workspace/drawer.h"
@@ -144,6 +145,30 @@ TEST(GroundColour, PixelsAreMeansOfTheMap) {
   EXPECT_LT(std::sqrt(squares / apart), 0.01);  // of the contrast; measured 0.0063
 }
 
+// A map that is three times its mean in places, on ground of albedo 0.5.
+TEST(GroundColour, MoreLightThanThereIsIsSaid) {
+  std::vector<float> values(kSide * kSide, 1.0f);
+  for (std::size_t k = 0; k < values.size(); k += 8) values[k] = 4;
+  const auto m = ground_of(
+      R"(<material name="m"><diffuse> 0.5 0.5 0.5 </diffuse></material><terrain material="m"><dem file="flat.hdr" unit="m" values="height"/><albedo file="albedo.hdr"/></terrain>)",
+      values);
+  ASSERT_TRUE(m->made) << to_text(m->log);
+  EXPECT_THAT(to_text(m->log), HasSubstr("reflects 1.45 times the light"));
+}
+
+// Two terrains of one run are two files.
+TEST(GroundColour, TwoTextsOfOneRun) {
+  DiagnosticLog log;
+  log.set_files(std::make_shared<FileUses>());
+  for (int k = 0; k < 3; ++k) {
+    const support::TemporaryFolder folder;
+    write_map(folder, "flat", std::vector<float>(kSide * kSide, 0.0f));
+    pxn::TerrainText text;
+    text.dems.push_back({.file = "flat.hdr", .unit = 1, .radii = false});
+    EXPECT_TRUE(terrain_model(text, folder.path(), log)) << to_text(log);
+  }
+}
+
 TEST(GroundColour, WhatCannotBeIsSaid) {
   const auto told = [](const std::string& albedo, const std::string& material = "") {
     return to_text(
@@ -160,6 +185,11 @@ TEST(GroundColour, WhatCannotBeIsSaid) {
   EXPECT_THAT(told(R"( reflectance="30deg 0 30deg")", R"( material="black")"),
               HasSubstr("black at these angles"));
   EXPECT_THAT(told("", R"( material="blck")"), HasSubstr("did you mean 'black'?"));
+  EXPECT_THAT(told(R"( reflectance="30deg 0 40deg")"), HasSubstr("between 30 and 30 degrees"));
+  EXPECT_THAT(told(R"( reflectance="95deg 0 95deg")"), HasSubstr("below 90 degrees"));
+  EXPECT_THAT(told(R"( scale="40" reflectance="30deg 0 30deg")"),
+              HasSubstr("its largest radiance factor is 40"));
+  EXPECT_THAT(told(R"( scale="40")"), HasSubstr("scale has no effect"));
   EXPECT_THAT(told("", R"( material="maps")"), HasSubstr("N1405"));
   EXPECT_THAT(told(R"( bands="2")"), HasSubstr("band"));
   EXPECT_THAT(told(R"( bands="1 2")"), HasSubstr("E1203"));
