@@ -130,6 +130,8 @@ class Loader {
   // terrain_reader.cpp
   void read_terrain(File& file, std::uint32_t element);
   std::optional<materials::Material> ground_material(File& file, std::uint32_t element);
+  bool whole(Work& work, std::uint32_t element, std::size_t attribute, const char* what,
+             std::span<const double> numbers, std::span<std::uint32_t> out);
   std::optional<AlbedoText> read_albedo(Work& work, std::uint32_t element);
   std::optional<DemText> read_dem(Work& work, std::uint32_t element);
   // lights.cpp

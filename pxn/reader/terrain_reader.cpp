@@ -84,8 +84,9 @@ std::optional<AlbedoText> Loader::read_albedo(Work& work, std::uint32_t element)
   if (!found) return std::nullopt;
   out.file = found->path;
   std::array<double, 3> three{};
-  if (values.numbers(element, attribute::albedo_bands, three))
-    for (std::size_t k = 0; k < 3; ++k) out.bands[k] = static_cast<std::uint32_t>(three[k]);
+  if (values.numbers(element, attribute::albedo_bands, three) &&
+      !whole(work, element, attribute::albedo_bands, "bands", three, out.bands))
+    return std::nullopt;
   out.scale = values.real_or_default(element, attribute::albedo_scale);
   if (values.numbers(element, attribute::albedo_reflectance, three)) out.reflectance = three;
   out.radius = values.real(element, attribute::albedo_radius);
@@ -93,6 +94,21 @@ std::optional<AlbedoText> Loader::read_albedo(Work& work, std::uint32_t element)
   out.no_value = values.real(element, attribute::albedo_void);
   if (reporter_.log().errors() > before) return std::nullopt;
   return out;
+}
+
+bool Loader::whole(Work& work, std::uint32_t element, std::size_t attribute, const char* what,
+                   std::span<const double> numbers, std::span<std::uint32_t> out) {
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    out[k] = static_cast<std::uint32_t>(numbers[k]);
+    if (numbers[k] == std::floor(numbers[k])) continue;
+    reporter_.report(
+        Code("E1202"), work.file.values->value_place(element, attribute), work.file.document,
+        element, [&] {
+          return Reporter::Text(fmt::format("{} are whole numbers, found {}", what, numbers[k]));
+        });
+    return false;
+  }
+  return true;
 }
 
 std::optional<DemText> Loader::read_dem(Work& work, std::uint32_t element) {
@@ -115,16 +131,8 @@ std::optional<DemText> Loader::read_dem(Work& work, std::uint32_t element) {
   std::array<double, 4> four{};
   if (values.numbers(element, attribute::dem_pixels, four)) {
     out.pixels.emplace();
-    for (std::size_t k = 0; k < 4; ++k) {
-      (*out.pixels)[k] = static_cast<std::uint32_t>(four[k]);
-      if (four[k] == std::floor(four[k])) continue;
-      reporter_.report(
-          Code("E1202"), values.value_place(element, attribute::dem_pixels), work.file.document,
-          element, [&] {
-            return Reporter::Text(fmt::format("pixels are whole numbers, found {}", four[k]));
-          });
+    if (!whole(work, element, attribute::dem_pixels, "pixels", four, *out.pixels))
       return std::nullopt;
-    }
   }
   if (values.numbers(element, attribute::dem_bounds, four)) {
     out.bounds = four;

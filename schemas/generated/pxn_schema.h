@@ -1868,7 +1868,7 @@ inline constexpr Number kNumbers_albedo_void[] = {
 };
 inline constexpr Attribute kAttributes_albedo[] = {
     {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"bands", 1, true, false, {ValueKind::integer, 3, kNumbers_albedo_bands, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
+    {"bands", 1, true, false, {ValueKind::real, 3, kNumbers_albedo_bands, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
     {"scale", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_scale, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
     {"reflectance", 1, true, false, {ValueKind::real, 3, kNumbers_albedo_reflectance, {}, Dimension::angle, false, false, 1, 0}, {}, "", false},
     {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_albedo_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},

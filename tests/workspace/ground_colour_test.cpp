@@ -193,6 +193,7 @@ TEST(GroundColour, WhatCannotBeIsSaid) {
   EXPECT_THAT(told("", R"( material="maps")"), HasSubstr("N1405"));
   EXPECT_THAT(told(R"( bands="2")"), HasSubstr("band"));
   EXPECT_THAT(told(R"( bands="1 2")"), HasSubstr("E1203"));
+  EXPECT_THAT(told(R"( bands="1 1.5 2")"), HasSubstr("bands are whole numbers, found 1.5"));
 }
 
 }  // namespace
