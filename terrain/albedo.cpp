@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "terrain/internal/stored_map.h"
 
 namespace panwright::terrain {
 
@@ -68,19 +69,11 @@ std::uint64_t albedo_tiles(const AlbedoRecord& map) {
   return sum;
 }
 
-Map map_of(const AlbedoRecord& a) {
-  Map map;
-  map.kind = static_cast<Map::Kind>(a.kind);
-  map.radius = a.radius;
-  map.polar_radius = a.polar_radius;
-  map.center_longitude = a.center_longitude;
-  map.standard_latitude = a.standard_latitude;
-  map.north = a.flags & kAlbedoNorth;
-  map.left = a.left;
-  map.top = a.top;
-  map.dx = a.dx;
-  map.dy = a.dy;
-  map.domain = static_cast<int>(a.domain);
+Map map_of(const AlbedoRecord& albedo) {
+  Map map = internal::stored_map(albedo);
+  map.north = albedo.flags & kAlbedoNorth;
+  map.left = albedo.left;
+  map.top = albedo.top;
   return map;
 }
 

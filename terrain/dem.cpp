@@ -37,13 +37,13 @@ std::optional<fs::path> in_folder(const fs::path& folder, const std::string& nam
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-enum class FileKind { pds3, pds4, isis, tiff, envi, picture, other };
+enum class FileKind { pds3, pds4, isis, tiff, envi, image, other };
 
 FileKind kind_of(std::string_view bytes) {
   if (starts_with_any(bytes, {std::string_view("II*\0", 4), std::string_view("MM\0*", 4),
                               std::string_view("II+\0", 4), std::string_view("MM\0+", 4)}))
     return FileKind::tiff;
-  if (starts_with_any(bytes, {"\x89PNG", "\xff\xd8\xff"})) return FileKind::picture;
+  if (starts_with_any(bytes, {"\x89PNG", "\xff\xd8\xff"})) return FileKind::image;
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
@@ -84,10 +84,9 @@ Result<Found> read_found(const Opening& opening, bool may_look_beside, fs::path&
       return read_geotiff(opening, std::move(*file));
     case FileKind::envi:
       return read_envi(opening, std::move(*file));
-    case FileKind::picture:
-      // heights in pictures have no scale
-      if (opening.options.quantity == Quantity::plain)
-        return read_picture(opening, std::move(*file));
+    case FileKind::image:
+      // heights in images have no scale
+      if (opening.options.quantity == Quantity::plain) return read_image(opening, std::move(*file));
       break;
     case FileKind::other:
       break;

@@ -16,6 +16,7 @@
 #include "pan/writer.h"
 #include "terrain/internal/albedo_writer.h"
 #include "terrain/internal/blend.h"
+#include "terrain/internal/stored_map.h"
 #include "terrain/internal/tile_levels.h"
 
 namespace panwright::terrain {
@@ -31,14 +32,7 @@ ChartRecord chart_of(const DemInfo& info, double step) {
   fill(chart.body, info.target);
   fill(chart.frame, info.frame);
   const Map& map = info.map;
-  const bool placed = map.is_placed();
-  chart.kind = static_cast<std::uint32_t>(placed ? map.kind : Map::Kind::none);
-  chart.radius = placed ? map.radius : 0;
-  chart.polar_radius = !placed ? 0 : map.polar_radius > 0 ? map.polar_radius : map.radius;
-  chart.center_longitude = map.center_longitude;
-  chart.standard_latitude = map.standard_latitude;
-  chart.dx = map.dx > 0 ? map.dx : 1;
-  chart.dy = map.dy > 0 ? map.dy : 1;
+  internal::store_map(map, chart);
   chart.left = map.left + chart.dx / 2;
   chart.top = map.top - chart.dy / 2;
   chart.step = step;
@@ -49,7 +43,6 @@ ChartRecord chart_of(const DemInfo& info, double step) {
   chart.width = info.width + (wraps ? 1 : 0);
   chart.height = info.height;
   chart.levels = level_count(chart.width, chart.height);
-  chart.domain = static_cast<std::uint32_t>(map.domain);
   return chart;
 }
 

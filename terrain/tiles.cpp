@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "terrain/internal/stored_map.h"
 
 namespace panwright::terrain {
 
@@ -326,19 +327,11 @@ bool Tiles::check_albedo(DiagnosticLog& log, const Job& job) const {
   return std::ranges::find(good, 0) == good.end();
 }
 
-Map map_of(const ChartRecord& c) {
-  Map map;
-  map.kind = static_cast<Map::Kind>(c.kind);
-  map.radius = c.radius;
-  map.polar_radius = c.polar_radius;
-  map.center_longitude = c.center_longitude;
-  map.standard_latitude = c.standard_latitude;
-  map.north = c.flags & kChartNorth;
-  map.dx = c.dx;
-  map.dy = c.dy;
-  map.left = c.left - c.dx / 2;
-  map.top = c.top + c.dy / 2;
-  map.domain = static_cast<int>(c.domain);
+Map map_of(const ChartRecord& chart) {
+  Map map = internal::stored_map(chart);
+  map.north = chart.flags & kChartNorth;
+  map.left = chart.left - chart.dx / 2;
+  map.top = chart.top + chart.dy / 2;
   return map;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "base/text.h"
+#include "terrain/internal/stored_map.h"
 
 namespace panwright::terrain::internal {
 
@@ -157,22 +158,14 @@ class AlbedoLevels {
 AlbedoRecord record_of(const DemInfo& info, std::uint32_t channels) {
   AlbedoRecord out{};
   const Map& map = info.map;
-  const bool placed = map.is_placed();
-  out.kind = static_cast<std::uint32_t>(placed ? map.kind : Map::Kind::none);
-  out.radius = placed ? map.radius : 0;
-  out.polar_radius = !placed ? 0 : map.polar_radius > 0 ? map.polar_radius : map.radius;
-  out.center_longitude = map.center_longitude;
-  out.standard_latitude = map.standard_latitude;
+  store_map(map, out);
   out.left = map.left;
   out.top = map.top;
-  out.dx = map.dx > 0 ? map.dx : 1;
-  out.dy = map.dy > 0 ? map.dy : 1;
   out.flags = (map.north ? kAlbedoNorth : 0) | (map.is_whole_turn(info.width) ? kAlbedoWraps : 0);
   out.width = info.width;
   out.height = info.height;
   out.channels = channels;
   out.levels = albedo_levels(info.width, info.height);
-  out.domain = static_cast<std::uint32_t>(map.domain);
   return out;
 }
 

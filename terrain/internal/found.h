@@ -63,7 +63,7 @@ Result<Found> read_isis(const Opening& opening, MappedFile file);
 Result<Found> read_geotiff(const Opening& opening, MappedFile file);
 Result<Found> read_envi(const Opening& opening, MappedFile file);
 // Of numbers that are no elevations.
-Result<Found> read_picture(const Opening& opening, MappedFile file);
+Result<Found> read_image(const Opening& opening, MappedFile file);
 // By the program panwright-gdal.
 Result<Found> read_gdal(const Opening& opening);
 

@@ -14,9 +14,9 @@ namespace panwright::terrain {
 namespace {
 
 // One channel of an image; pixels without alpha are voids.
-class Picture : public RowSource, public image::RowReceiver {
+class ImageRows : public RowSource, public image::RowReceiver {
  public:
-  Picture(std::size_t channel, std::uint64_t memory) : channel_(channel), memory_(memory) {
+  ImageRows(std::size_t channel, std::uint64_t memory) : channel_(channel), memory_(memory) {
     for (std::size_t k = 0; k < linear_.size(); ++k)
       linear_[k] = image::srgb_decoded(static_cast<std::uint8_t>(k));
   }
@@ -66,7 +66,7 @@ class Picture : public RowSource, public image::RowReceiver {
 
 }  // namespace
 
-Result<Found> read_picture(const Opening& opening, MappedFile file) {
+Result<Found> read_image(const Opening& opening, MappedFile file) {
   Found out;
   DemInfo& info = out.info;
   info.files = {opening.path.string()};
@@ -76,14 +76,14 @@ Result<Found> read_picture(const Opening& opening, MappedFile file) {
   info.quantity = Quantity::plain;
   if (opening.options.band > 3)
     return opening.fail(fmt::format("there is no band {}: it has three", opening.options.band));
-  const auto picture = std::make_shared<Picture>(opening.options.band - 1, opening.options.memory);
+  const auto rows = std::make_shared<ImageRows>(opening.options.band - 1, opening.options.memory);
   const image::ImageProblem problem =
-      image::decode_rows(file.bytes(), opening.options.memory, *picture);
+      image::decode_rows(file.bytes(), opening.options.memory, *rows);
   if (problem.code) return opening.fail(problem.message);
-  info.width = picture->width();
-  info.height = picture->height();
+  info.width = rows->width();
+  info.height = rows->height();
   if (!opening.check_size(info)) return failed;
-  out.rows = picture;
+  out.rows = rows;
   const auto radius = opening.options.radius ? opening.options.radius : opening.options.body_radius;
   if (info.width != 2 * info.height || !radius) return out;
   info.map.radius = *radius;
