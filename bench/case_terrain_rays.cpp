@@ -224,7 +224,7 @@ void add_albedo(Context& context) {
   reading.quantity = terrain::Quantity::plain;
   auto map = terrain::Dem::open(folder / "albedo.hdr", reading, log);
   terrain::TilesOptions options;
-  if (map) options.albedo.push_back({{*std::move(map)}, 1.0, {}});
+  if (map) options.albedo.push_back({{*std::move(map)}, 1.0, {}, {}});
   if (!dem || !terrain::write_tiles({&*dem, 1}, folder / "albedo.pan", options, log))
     return context.note("no albedo map: " + to_text(log));
   const auto tiles = terrain::Tiles::open(folder / "albedo.pan", log);
