@@ -45,6 +45,11 @@ void OrbitCamera::frame_all(const workspace::BoundingSphere& sphere, double aspe
   const double across = std::atan(std::tan(fov * kDegree / 2) * std::min(1.0, aspect));
   range = std::clamp(1.05 * sphere.radius / std::sin(across), kNearest, kFarthest);
   frame.clear();
+  if (sphere.up == Vec3(0, 0, 1) || glm::dot(direction(), sphere.up) > 0.1) return;
+  // not from below the ground
+  const Vec3 from = workspace::from_local(sphere.up, {-0.5, -1, 1});
+  azimuth = std::atan2(from.y, from.x) / kDegree;
+  elevation = std::clamp(std::asin(from.z) / kDegree, -kSteepest, kSteepest);
 }
 
 }  // namespace panwright::studio

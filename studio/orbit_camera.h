@@ -38,7 +38,7 @@ struct OrbitCamera {
   void fly(double ahead, double right, double up);
   // Multiplies the range.
   void zoom(double factor);
-  // Fits the sphere into the image. aspect: height over width
+  // Fits the sphere into the image, from above its ground. aspect: height over width
   void frame_all(const workspace::BoundingSphere& sphere, double aspect);
 };
 

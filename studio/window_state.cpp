@@ -21,7 +21,7 @@ workspace::BoundingSphere around(const workspace::BoundingSphere& sphere,
       low = glm::min(low, point);
       high = glm::max(high, point);
     }
-  workspace::BoundingSphere out{0.5 * (low + high), 0};
+  workspace::BoundingSphere out{0.5 * (low + high), 0, sphere.up};
   out.radius = glm::length(sphere.centre - out.centre) + sphere.radius;
   for (const Track& track : tracks)
     for (const Vec3& point : track.points)

@@ -191,17 +191,33 @@ void warn_of_places(const terrain::Tiles& tiles, const std::vector<terrain::LatL
   warn(voids, "is in a void");
 }
 
-void report_points(const std::vector<terrain::LatLon>& places,
+// Attitude of what stands upright on the ground: x east, y north, z up.
+Quat upright(const terrain::Tiles& tiles, const terrain::GroundPoint& point) {
+  if (!(tiles.charts()[point.chart].radius > 0)) return {1, 0, 0, 0};
+  const Vec3 up = glm::normalize(point.position);
+  Vec3 east(-up.y, up.x, 0);  // at a pole along y
+  east = glm::length(east) > 1e-12 ? glm::normalize(east) : Vec3(0, 1, 0);
+  return glm::normalize(glm::quat_cast(Mat3(east, glm::cross(up, east), up)));
+}
+
+void report_points(const terrain::Tiles& tiles, const std::vector<terrain::LatLon>& places,
                    const std::vector<terrain::GroundPoint>& points, CommandContext& context) {
+  constexpr std::size_t kMostPoses = 16;
   Json list = Json::array();
   const bool json = context.options().json;
   if (!json)
     print("\n{:>11} {:>11} {:>14} {:>9}  normal\n", "latitude", "longitude", "height", "slope");
   for (std::size_t i = 0; i < places.size(); ++i) {
     const terrain::GroundPoint& p = points[i];
+    const Quat q = p ? upright(tiles, p) : Quat(1, 0, 0, 0);
     if (!json && p)
       print("{:>11.6f} {:>11.6f} {:>14.4f} {:>9.4f}  {:.6f} {:.6f} {:.6f}\n", places[i].latitude,
             places[i].longitude, p.height, p.slope / kDegree, p.normal.x, p.normal.y, p.normal.z);
+    if (!json && p && places.size() <= kMostPoses)
+      print(
+          "  upright there: --pose NAME=\"{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
+          "{:.10g}\"\n",
+          p.position.x, p.position.y, p.position.z, q.w, q.x, q.y, q.z);
     else if (!json)
       print("{:>11.6f} {:>11.6f} {:>14}\n", places[i].latitude, places[i].longitude, "none");
     if (!json) continue;
@@ -211,6 +227,7 @@ void report_points(const std::vector<terrain::LatLon>& places,
                   {"slope_deg", p.slope / kDegree},
                   {"normal", {p.normal.x, p.normal.y, p.normal.z}},
                   {"position", {p.position.x, p.position.y, p.position.z}},
+                  {"upright", {q.w, q.x, q.y, q.z}},
                   {"chart", p.chart}});
     list.push_back(std::move(one));
   }
@@ -342,7 +359,7 @@ void show_terrain(const std::string& file, const TerrainQuestions& questions,
   });
   if (!done) return;
   report(ground.tiles(), context);
-  if (!wanted.empty()) report_points(wanted, points, context);
+  if (!wanted.empty()) report_points(ground.tiles(), wanted, points, context);
   warn_of_places(ground.tiles(), wanted, points, context.log());
   Looking looking(ground, context);
   looking.sights(sights);

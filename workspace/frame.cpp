@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "light/light.h"
 #include "preview/lens_renderer.h"
+#include "preview/reference/ground_layer.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/setting_bounds.h"
 #include "workspace/lamp_text.h"
@@ -195,8 +196,8 @@ bool set_pose(const PoseSetting& given, world::World& world, Frame& frame, Diagn
 
 // Position and attitude; `sphere` returns what is around the targets.
 template <class Sphere>
-bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera& camera,
-                  DiagnosticLog& log) {
+bool place_camera(const Settings& settings, const Sphere& sphere, bool has_ground,
+                  world::Camera& camera, DiagnosticLog& log) {
   if (settings.camera) {
     camera.position = *settings.camera;
   } else {
@@ -208,17 +209,24 @@ bool place_camera(const Settings& settings, const Sphere& sphere, world::Camera&
       return false;
     }
     const double distance = kMargin * around.radius / std::sin(0.5 * kDefaultFieldOfView);
-    camera.position = around.centre + distance * glm::normalize(Vec3(-0.5, -1, 0.4));
+    // ground is looked upon from higher up
+    camera.position =
+        around.centre + distance * from_local(around.up, {-0.5, -1, around.ground ? 1 : 0.4});
   }
   if (settings.quat) {
     camera.world_from_camera = *unit_quaternion(*settings.quat);
     return true;
   }
-  const Vec3 aim = settings.look_at  ? *settings.look_at
-                   : settings.camera ? Vec3(0)
-                                     : sphere().centre;
-  const auto attitude = world::looking_at(
-      camera.position, aim, settings.up ? scaled_direction(*settings.up) : std::nullopt, log);
+  std::optional<Vec3> up = settings.up ? scaled_direction(*settings.up) : std::nullopt;
+  Vec3 aim(0);
+  if (settings.look_at) {
+    aim = *settings.look_at;
+  } else if (!settings.camera || has_ground) {
+    const BoundingSphere around = sphere();
+    aim = around.centre;
+    if (!settings.up && has_ground) up = around.up;
+  }
+  const auto attitude = world::looking_at(camera.position, aim, up, log);
   if (attitude) camera.world_from_camera = *attitude;
   return bool(attitude);
 }
@@ -449,8 +457,9 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
     if (!settings.camera) settings.camera = Vec3(0);
   }
   const auto sphere = [&] { return spheres_.of(posed); };
-  good = settings.camera_frame ? place_in_frame(*settings.camera_frame, posed, camera, log)
-                               : place_camera(settings, sphere, camera, log);
+  good = settings.camera_frame
+             ? place_in_frame(*settings.camera_frame, posed, camera, log)
+             : place_camera(settings, sphere, preview::has_ground(posed), camera, log);
   if (!good) return failed;
   const bool placed = settings.camera || settings.look_at || settings.quat || settings.camera_frame;
   if (!lens && !settings.camera_frame && (placed || !fit_outline(posed, camera)))

@@ -82,10 +82,10 @@ void show(const WorldState& state, const world::World& world, world::World& show
 // Maker of frames of one world from views. What they leave out is that of the scene of the first
 // target that has one. Without a lens, the visible targets fill the image,
 // by their outline if the camera is not given either, else by their sphere.
-// Without a position, the camera is in front of them; without a direction, it looks at the origin
-// if a position is given, else at their centre; without a Sun, it shines from behind the camera's
-// left shoulder. From one moment of an exposure over time to the next, the image moves by half a
-// pixel, with quality draft by one.
+// Without a position, the camera is in front of them, above the ground. Without a direction, it
+// looks at the origin if a position is given and there is no terrain, else at their centre. Without
+// a Sun, it shines from behind the camera's left shoulder. From one moment of an exposure over time
+// to the next, the image moves by half a pixel, with quality draft by one.
 class FrameMaker {
  public:
   // Expects: world outlives the maker.

@@ -120,6 +120,13 @@ std::optional<Outline> outline(const world::World& world, const world::Camera& c
   return out;
 }
 
+Vec3 from_local(const Vec3& up, const Vec3& direction) {
+  Vec3 east = glm::cross(Vec3(0, 0, 1), up);
+  const double length = glm::length(east);
+  east = length > 1e-9 ? east / length : Vec3(1, 0, 0);
+  return glm::normalize(direction.x * east + direction.y * glm::cross(up, east) + direction.z * up);
+}
+
 void warn_of_terrain(const world::World& world, std::string_view what, DiagnosticLog& log) {
   for (const world::Instance& target : world.instances()) {
     if (!preview::has_ground(target)) continue;
@@ -132,19 +139,56 @@ void warn_of_terrain(const world::World& world, std::string_view what, Diagnosti
 
 namespace {
 
-// The sphere about the terrain of a model; none: it has no terrain.
+// Adds places of a chart on a body, evenly over it.
+void add_places(const terrain::ChartRecord& chart, AxisBox& box) {
+  constexpr int kSteps = 8;
+  const terrain::Map map = terrain::map_of(chart);
+  for (int row = 0; row <= kSteps; ++row)
+    for (int column = 0; column <= kSteps; ++column) {
+      const terrain::LatLon at = map.at(0.5 + (chart.width - 1.0) * column / kSteps,
+                                        0.5 + (chart.height - 1.0) * row / kSteps);
+      const double latitude = at.latitude * kDegree, longitude = at.longitude * kDegree;
+      const Vec3 up(std::cos(latitude) * std::cos(longitude),
+                    std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+      for (const double height : {chart.low, chart.high}) box.add((chart.radius + height) * up);
+    }
+}
+
+// The sphere about the terrain of a model, of less than a body about that part; none: it has no
+// terrain.
 std::optional<BoundingSphere> terrain_sphere(const world::ModelPtr& model) {
-  DiagnosticLog log;  // whoever opened the file has said what is wrong
+  constexpr double kMostOfBody = 0.7;  // of its radius
+  DiagnosticLog log;                   // whoever opened the file has said what is wrong
   const auto tiles = terrain::Tiles::of(model, log);
   if (!tiles || !*tiles) return std::nullopt;
   AxisBox box;
+  double body = 0;
   for (const terrain::ChartRecord& chart : (*tiles)->charts()) {
-    if (chart.radius > 0)
-      return BoundingSphere{Vec3(0), std::max(chart.radius, chart.polar_radius) + chart.high};
-    box.add(Vec3(chart.left, chart.top - (chart.height - 1) * chart.dy, chart.low));
-    box.add(Vec3(chart.left + (chart.width - 1) * chart.dx, chart.top, chart.high));
+    if (chart.radius > 0) {
+      body = std::max(body, std::max(chart.radius, chart.polar_radius) + chart.high);
+      add_places(chart, box);
+    } else {
+      box.add(Vec3(chart.left, chart.top - (chart.height - 1) * chart.dy, chart.low));
+      box.add(Vec3(chart.left + (chart.width - 1) * chart.dx, chart.top, chart.high));
+    }
   }
-  return BoundingSphere{box.centre(), std::max(0.5 * box.diagonal(), 1.0)};
+  const double radius = std::max(0.5 * box.diagonal(), 1.0);
+  if (body > 0 && radius > kMostOfBody * body) return BoundingSphere{Vec3(0), body};
+  return BoundingSphere{box.centre(), radius,
+                        body > 0 ? glm::normalize(box.centre()) : Vec3(0, 0, 1), true};
+}
+
+// The vertical of terrain at a place that is no further above it than its body's radius.
+std::optional<Vec3> vertical_at(const world::Instance& target, const Vec3& place) {
+  DiagnosticLog log;
+  const auto tiles = terrain::Tiles::of(target.model(), log);
+  if (!tiles || !*tiles || (*tiles)->charts().empty()) return std::nullopt;
+  const double radius = (*tiles)->charts().front().radius;
+  if (!(radius > 0)) return target.pose().rotation * Vec3(0, 0, 1);
+  const Vec3 up = place - target.pose().translation;
+  const double length = glm::length(up);
+  if (!(length > 0 && length < 2 * radius)) return std::nullopt;
+  return up / length;
 }
 
 }  // namespace
@@ -164,24 +208,37 @@ BoundingSphere BoundingSpheres::of(const world::Instance& target) {
   }
   BoundingSphere sphere = known->sphere.value_or(BoundingSphere{});
   sphere.centre = Vec3(target.pose().matrix() * Vec4(sphere.centre, 1));
+  if (sphere.ground) sphere.up = target.pose().rotation * sphere.up;
   return sphere;
 }
 
 BoundingSphere BoundingSpheres::of(const world::World& world) {
   std::vector<BoundingSphere> spheres;
-  for (const world::Instance& target : world.instances())
-    if (target.visible()) spheres.push_back(of(target));
-  if (spheres.empty()) return {};
-  if (spheres.size() == 1) return spheres[0];
-  Vec3 low = spheres[0].centre;
-  Vec3 high = low;
-  for (const BoundingSphere& each : spheres) {
-    low = glm::min(low, each.centre - Vec3(each.radius));
-    high = glm::max(high, each.centre + Vec3(each.radius));
+  std::vector<const world::Instance*> grounds;
+  for (const world::Instance& target : world.instances()) {
+    if (!target.visible()) continue;
+    const bool ground = preview::has_ground(target);
+    if (ground) grounds.push_back(&target);
+    if (!ground || !target.model()->meshes().empty()) spheres.push_back(of(target));
   }
-  BoundingSphere all{0.5 * low + 0.5 * high, 0};
-  for (const BoundingSphere& each : spheres)
-    all.radius = std::max(all.radius, glm::length(each.centre - all.centre) + each.radius);
+  const bool alone = spheres.empty();
+  if (alone)
+    for (const world::Instance* target : grounds) spheres.push_back(of(*target));
+  if (spheres.empty()) return {};
+  if (alone && spheres.size() == 1) return spheres[0];
+  BoundingSphere all = spheres[0];
+  if (spheres.size() > 1) {
+    Vec3 low = all.centre, high = all.centre;
+    for (const BoundingSphere& each : spheres) {
+      low = glm::min(low, each.centre - Vec3(each.radius));
+      high = glm::max(high, each.centre + Vec3(each.radius));
+    }
+    all = {0.5 * low + 0.5 * high, 0};
+    for (const BoundingSphere& each : spheres)
+      all.radius = std::max(all.radius, glm::length(each.centre - all.centre) + each.radius);
+  }
+  for (const world::Instance* target : grounds)
+    if (const auto up = vertical_at(*target, all.centre)) all.up = *up;
   return all;
 }
 

@@ -43,7 +43,13 @@ void warn_of_terrain(const world::World& world, std::string_view what, Diagnosti
 struct BoundingSphere {
   Vec3 centre{0};
   double radius = 1;
+  Vec3 up{0, 0, 1};     // the vertical of ground there, else z
+  bool ground = false;  // of ground alone, less than a body
 };
+
+// Unit vector of a direction to the east, the north and up, of any length; where the vertical is z,
+// east is x.
+Vec3 from_local(const Vec3& up, const Vec3& direction);
 
 // Rectangle of directions from a camera: x/z and y/z in its frame.
 struct Outline {
@@ -60,7 +66,8 @@ class BoundingSpheres {
   // there are meshes; for a fully hidden one, of
   // radius 1 about its origin. Cost: O(vertices) the first time.
   BoundingSphere of(const world::Instance& target);
-  // Returns the sphere around all visible targets; one alone: of(). Without any: about the origin.
+  // Returns the sphere around all visible targets, terrain left out beside others; one alone: of().
+  // Without any: about the origin.
   BoundingSphere of(const world::World& world);
 
  private:

@@ -84,6 +84,21 @@ TEST(OrbitCamera, FramesASphere) {
     }
 }
 
+// A site near a pole is seen from above its ground, whatever the direction was.
+TEST(OrbitCamera, FramesASiteFromAbove) {
+  const Vec3 up = glm::normalize(Vec3(0.02, 0.03, -1));
+  OrbitCamera camera;
+  camera.frame_all({1737400.0 * up, 500, up, true}, 1);
+  EXPECT_GT(glm::dot(camera.direction(), up), 0.6);
+  const OrbitCamera above = camera;
+  camera.frame_all({1737400.0 * up, 500, up, true}, 1);
+  EXPECT_EQ(camera, above);
+  // a spacecraft may be seen from below
+  camera.elevation = -40;
+  camera.frame_all({Vec3(0), 500}, 1);
+  EXPECT_EQ(camera.elevation, -40);
+}
+
 TEST(ViewState, CommandLineIsTheView) {
   ViewState view;
   view.camera.centre = {1, 0, 0};

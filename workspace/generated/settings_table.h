@@ -54,7 +54,7 @@ inline constexpr SettingInfo kSettings[] = {
      "--camera", "Camera and Sun", "\"X Y Z\"", "Camera position, metres, world axes (default: in front of the targets); blanks or commas between numbers"},
     {"look-at", kFormNumbers | kFormText, 0, 3, SettingUnit::length, {}, -kUnbounded, kUnbounded, kSeveral, EngineSet::both, Recorded::given,
      "three numbers, as [0, 0, 1]", "three lengths, as \"0 -5 1\" (metres) or \"0 -2km 10m\"",
-     "--look-at", "Camera and Sun", "\"X Y Z\"", "Point on the boresight (default: the origin)"},
+     "--look-at", "Camera and Sun", "\"X Y Z\"", "Point on the boresight (default: the origin; over terrain the targets' centre)"},
     {"up", kFormNumbers | kFormText, 0, 3, SettingUnit::none, {}, -kUnbounded, kUnbounded, kSeveral | kDirection, EngineSet::both, Recorded::given,
      "three numbers, as [0, 0, 1]", "three numbers, as \"0 -5 1\"",
      "--up", "Camera and Sun", "\"X Y Z\"", "Up direction of the image (default 0 0 1)"},
