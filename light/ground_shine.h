@@ -32,8 +32,9 @@ struct GroundShine {
     double cosine;
   };
 
-  Stamp stamp = 0;                   // of its state; 0: no terrain
-  Vec3 middle{0};                    // metres, of the world
+  Stamp stamp = 0;       // of its state; 0: no terrain
+  Vec3 middle{0};        // metres, of the world
+  double closeness = 0;  // half the target's longest side over the distance of the nearest ground
   std::vector<ShinePart> parts;      // of lit ground, as if the target cast no shadow on it
   std::vector<ShineShadow> shadows;  // parts that the target's own shadow darkens
   // By texel, row by row: the radiance, shadows included, and whether there is ground. Empty: all

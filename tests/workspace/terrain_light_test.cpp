@@ -100,6 +100,7 @@ TEST(TerrainLight, OfDrawers) {
   EXPECT_NEAR(double(first->image.radiance[0]) * kPi, 0.0782, 0.001);  // measured: 0.0776
   EXPECT_GT(first->ground_light->seconds, 0);
   EXPECT_NEAR(first->ground_light->share, 0.083, 0.002);  // measured: 0.0826
+  EXPECT_TRUE(log.entries().empty()) << to_text(log);  // the ground is ten times half its side away
   // the same again: nothing is found anew
   const auto second = drawer.draw(view.world, view.camera, false, log);
   ASSERT_TRUE(second && second->ground_light);
@@ -110,6 +111,18 @@ TEST(TerrainLight, OfDrawers) {
   const auto dark = drawer.draw(view.world, view.camera, false, log);
   ASSERT_TRUE(dark) << to_text(log);
   EXPECT_EQ(dark->image.radiance[0], 0);
+}
+
+// Half a side of 10 m over 1 m of height.
+TEST(TerrainLight, WarnsOfLargeTargetsNearTheGround) {
+  const PlateView view(
+      support::plane_model(kPosts, std::vector<float>(std::size_t{kPosts} * kPosts, 0.0f)), 20, 1,
+      {0, 0, -1});
+  DiagnosticLog log;
+  ASSERT_TRUE(drawer_of_gl().draw(view.world, view.camera, false, log)) << to_text(log);
+  ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
+  EXPECT_EQ(log.entries()[0].code, Code("W5021"));
+  EXPECT_NE(log.entries()[0].message.find("'plate'"), std::string::npos);
 }
 
 // Over a wide Lambert plain a plate that faces down gets albedo times the Sun's light on the

@@ -278,6 +278,11 @@ void look_around(const GroundShineRays& rays, light::GroundShine& shine, const J
     }
   };
   parallel_for(kBlocks * kBlocks, look, job);
+  double nearest = INFINITY;
+  for (const SentLight& one : sent)
+    if (one.met) nearest = std::min(nearest, one.hit.distance);
+  const Vec3 size = scene.targets()[rays.target].target->bounds().extent();
+  shine.closeness = 0.5 * std::max({size.x, size.y, size.z}) / nearest;
   std::vector<ShadowPoint> shadows;
   add_light(all, sent, shine, shadows);
   shine.shadows = shadows_of(std::move(shadows), rays.scene, rays.target);
