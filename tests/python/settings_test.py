@@ -1,6 +1,6 @@
 """Every setting of schemas/views.toml from Python and from the program: the same numbers.
 
-    settings_test.py PANWRIGHT EXAMPLES SCHEMA        PYTHONPATH names the module's folder
+    settings_test.py PANWRIGHT SCHEMA        PYTHONPATH names the module's folder
 """
 import json
 import pathlib
@@ -17,13 +17,26 @@ import numpy as np
 import panwright as pw
 from panwright import _views
 
-PROGRAM, EXAMPLES, SCHEMA = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-SERVICER = EXAMPLES / "servicer/servicer.pxn"
+PROGRAM, SCHEMA = sys.argv[1], pathlib.Path(sys.argv[2])
 OPTIONS = [option for group in tomllib.loads(SCHEMA.read_text())["group"] for option in group["option"]]
 
 # Files of an image, and what is opened, are arguments of Python's own.
 NOT_OF_IMAGES = {"output", "outputs", "targets"}
 OF_SCENARIOS = {"line-time", "tdi"}
+# A shiny body with a mirror, a dish, a wing that turns and a camera: small, as each setting draws it twice.
+CRAFT = """<pangu_model ver="1">
+  <material name="gold"><ggx> 0.1 </ggx><conductor metal="Au"/></material>
+  <material name="white"><lambert/><diffuse> 0.8 0.8 0.7 </diffuse></material>
+  <material name="mirror" preset="osr_silica"/>
+  <box size="2 2 3" bevel="0.1" material="gold"/>
+  <box size="1.2 0.02 1.2" translate="0 -1.02 0" material="mirror"/>
+  <sphere radius="0.6" translate="0.4 -0.6 1.8" material="white"/>
+  <joint name="drive" type="continuous" axis="1 0 0">
+    <box size="4 2 0.05" translate="3.2 0 0" material="white"/>
+  </joint>
+  <frame name="camera" translate="-1 -6 1" forward="0.2 1 -0.1" up="0 0 1"/>
+</pangu_model>
+"""
 PLAIN = {"size": [24, 16], "samples": 1, "shadows": "hard", "camera": [0, -12, 2], "sun": [1, -1, 0.5]}
 CAMERA = 'size = [24, 16]\nfocal_length_mm = 0.3\npixel_um = 10\n[optics]\nf_number = 5\n[detector]\nexposure_s = 1e-4\n'
 LENS = {"intrinsics": [30, 30, 12, 8]}
@@ -31,12 +44,12 @@ DETECTOR = {"detector": "[optics]\naperture_mm = 1\n[detector]\npixel_um = 10\ne
 TRACED = {"engine": "reference", "shadows": None}
 # Values in place of the schema's examples, and what a setting needs beside it; None: left out.
 BESIDE = {
-    "camera-frame": {"camera_frame": "camera_wide/camera", "camera": None},
+    "camera-frame": {"camera_frame": "camera", "camera": None},
     "distortion": LENS, "detector": DETECTOR, "exposure": {**DETECTOR, "exposure": 1e-3},
     "gain": DETECTOR, "temperature": DETECTOR, "noise-seed": DETECTOR, "frame-number": DETECTOR,
     "camera-file": {"camera_file": "camera.toml", "size": None},
     "mount": {"mount": [0.8, 0.0, 0.0, 0.6]},
-    "pose": {"pose": [0, 1, 0, 1, 0, 0, 0]}, "joint": {"joint": {"wing_left/drive": "30deg"}},
+    "pose": {"pose": [0, 1, 0, 1, 0, 0, 0]}, "joint": {"joint": {"drive": "30deg"}},
     "define": {"define": {}},
     "star-catalogue": {"star_catalogue": "stars.csv", "stars": 6, "fov": 60},
     "stars": {"fov": 60}, "sky": {"date": "2026-01-01T12:00:00", "orbit": "a=6778km e=0 i=51.6 raan=30 aop=0 nu=90"},
@@ -61,6 +74,8 @@ class Settings(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.path = pathlib.Path(folder.name)
         (self.path / "camera.toml").write_text(CAMERA)
+        self.craft = self.path / "craft.pxn"
+        self.craft.write_text(CRAFT)
         (self.path / "stars.csv").write_text("ra[deg],dec[deg],v[mag]\n90,0,1\n91,1,2\n")
 
     def run_program(self, *words):
@@ -82,10 +97,10 @@ class Settings(unittest.TestCase):
                     view[file] = str(self.path / view[file])
         files = [{**view, "output": str(self.path / f"{k}.npz")} for k, view in enumerate(views)]
         (self.path / "views.json").write_text(json.dumps(files))
-        self.run_program("render", SERVICER.resolve(), "--views", "views.json", "--gl", "osmesa")
+        self.run_program("render", self.craft, "--views", "views.json", "--gl", "osmesa")
         plain = None
         changed = 0
-        with warnings.catch_warnings(), pw.Renderer(SERVICER, gl="osmesa") as renderer:
+        with warnings.catch_warnings(), pw.Renderer(self.craft, gl="osmesa") as renderer:
             warnings.simplefilter("ignore", pw.PanwrightWarning)
             for option, image, view in zip(options, renderer.frames(views), files, strict=True):
                 with self.subTest(option["name"]), np.load(view["output"]) as arrays:
@@ -105,7 +120,7 @@ class Settings(unittest.TestCase):
     def test_those_of_scenarios_are_the_program_s(self):
         (self.path / "way.csv").write_text("time[s],camera.x[m],camera.y[m],camera.z[m]\n-5,-2,-12,0\n5,2,-12,0\n")
         (self.path / "run.toml").write_text(
-            f'[targets]\nservicer = "{SERVICER.resolve()}"\n[[source]]\nfile = "way.csv"\n[view]\nsize = [24, 16]\nfov = 40\n'
+            f'[targets]\ncraft = "{self.craft}"\n[[source]]\nfile = "way.csv"\n[view]\nsize = [24, 16]\nfov = 40\n'
             'quat = [0.70710678, -0.70710678, 0, 0]\nsamples = 1\nsun = [1, -1, 0.5]\n')
         for number, settings in enumerate(({"line_time": 0.02}, {"line_time": 0.02, "tdi": 2}, {"line_time": -0.02, "exposure": 0.3})):
             words = [word for name, value in settings.items() for word in ("--" + name.replace("_", "-"), value)]
