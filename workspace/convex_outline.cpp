@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/axis_box.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -59,26 +61,43 @@ double area_within(std::vector<Vec2> polygon, double width, double height) {
 }  // namespace
 
 std::vector<Vec3> extreme_points(const world::Instance& target) {
-  constexpr int kDirections = 400;
+  constexpr std::size_t kDirections = 400;
   std::vector<Vec3> all;
   const world::EvaluatedInstance nodes = world::evaluated(target);
   const pan::Model& model = *target.model();
   std::vector<std::pair<double, Vec3>> far;
   std::vector<Vec3> along;
-  for (int k = 0; k < kDirections; ++k) {  // a spiral over the sphere
-    const double z = 1 - (2 * k + 1.0) / kDirections;
-    const auto [s, c] = det::sincos(k * kPi * (3 - std::sqrt(5.0)));
+  for (std::size_t k = 0; k < kDirections; ++k) {  // a spiral over the sphere
+    const auto step = static_cast<double>(k);
+    const double z = 1 - (2 * step + 1) / kDirections;
+    const auto [s, c] = det::sincos(step * kPi * (3 - std::sqrt(5.0)));
     along.push_back(Vec3(std::sqrt(1 - z * z) * Vec2(c, s), z));
     far.emplace_back(-HUGE_VAL, Vec3(0));
   }
   for (const pan::layout::Instance& placed : model.instances()) {
     if (!nodes.node_visible[placed.node]) continue;
     const auto& o = model.meshes()[placed.mesh].origin;
-    for (const pan::layout::Float3& p : model.mesh(placed.mesh).positions) {
-      const Vec3 at(nodes.model_from_nodes[placed.node] *
-                    Vec4(o[0] + p.x, o[1] + p.y, o[2] + p.z, 1));
-      for (int k = 0; k < kDirections; ++k)
-        if (const double d = glm::dot(at, along[k]); d > far[k].first) far[k] = {d, at};
+    const Mat4& matrix = nodes.model_from_nodes[placed.node];
+    const std::span<const pan::layout::Float3> positions = model.mesh(placed.mesh).positions;
+    // neighbours in a mesh are near each other: most have none that is the farthest
+    constexpr std::size_t kTogether = 64;
+    for (std::size_t first = 0; first < positions.size(); first += kTogether) {
+      std::array<Vec3, kTogether> some;
+      const std::size_t count = std::min(kTogether, positions.size() - first);
+      AxisBox box;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto& p = positions[first + i];
+        some[i] = Vec3(matrix * Vec4(o[0] + p.x, o[1] + p.y, o[2] + p.z, 1));
+        box.add(some[i]);
+      }
+      const Vec3 centre = box.centre(), half = 0.5 * box.extent();
+      const double slack = 1e-12 * (glm::length(centre) + glm::length(half));
+      for (std::size_t k = 0; k < kDirections; ++k) {
+        const Vec3& d = along[k];
+        if (glm::dot(centre, d) + glm::dot(half, glm::abs(d)) + slack <= far[k].first) continue;
+        for (std::size_t i = 0; i < count; ++i)
+          if (const double way = glm::dot(some[i], d); way > far[k].first) far[k] = {way, some[i]};
+      }
     }
   }
   for (const auto& [distance, at] : far)

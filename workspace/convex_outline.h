@@ -10,7 +10,8 @@
 namespace panwright::workspace {
 
 // Returns points of a target, metres in its frame, whose hull is nearly its own: the farthest in
-// 400 directions. Its visible nodes count, as its joints stand. Cost: O(400 · vertices).
+// 400 directions. Its visible nodes count, as its joints stand. Cost: O(vertices), at worst 400
+// sums each.
 std::vector<Vec3> extreme_points(const world::Instance& target);
 
 struct HullArea {
