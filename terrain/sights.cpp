@@ -22,11 +22,15 @@ void for_each_question(std::size_t count, const Job& job, const Answer& answer) 
 
 }  // namespace
 
-LocalAxes local_axes(const Ground& ground, const LatLon& place) {
-  if (!ground.tiles().map(0).is_placed()) return {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+LocalAxes local_axes(const LatLon& place) {
   const auto [sy, cy] = det::sincos(place.latitude * kDegree);
   const auto [sx, cx] = det::sincos(place.longitude * kDegree);
   return {Vec3(-sx, cx, 0), Vec3(-sy * cx, -sy * sx, cy), Vec3(cy * cx, cy * sx, sy)};
+}
+
+LocalAxes local_axes(const Ground& ground, const LatLon& place) {
+  if (!ground.tiles().map(0).is_placed()) return {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  return local_axes(place);
 }
 
 std::optional<Vec3> point_above(const Ground& ground, const LatLon& place, double above) {

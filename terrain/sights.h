@@ -16,6 +16,7 @@ namespace panwright::terrain {
 struct LocalAxes {
   Vec3 east, north, up;
 };
+LocalAxes local_axes(const LatLon& place);  // of a body
 LocalAxes local_axes(const Ground& ground, const LatLon& place);
 
 // Point `above` metres over the ground at a place; none: there is no ground.

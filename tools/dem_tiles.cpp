@@ -191,16 +191,7 @@ void warn_of_places(const terrain::Tiles& tiles, const std::vector<terrain::LatL
   warn(voids, "is in a void");
 }
 
-// Attitude of what stands upright on the ground: x east, y north, z up.
-Quat upright(const terrain::Tiles& tiles, const terrain::GroundPoint& point) {
-  if (!(tiles.charts()[point.chart].radius > 0)) return {1, 0, 0, 0};
-  const Vec3 up = glm::normalize(point.position);
-  Vec3 east(-up.y, up.x, 0);  // at a pole along y
-  east = glm::length(east) > 1e-12 ? glm::normalize(east) : Vec3(0, 1, 0);
-  return glm::normalize(glm::quat_cast(Mat3(east, glm::cross(up, east), up)));
-}
-
-void report_points(const terrain::Tiles& tiles, const std::vector<terrain::LatLon>& places,
+void report_points(const terrain::Ground& ground, const std::vector<terrain::LatLon>& places,
                    const std::vector<terrain::GroundPoint>& points, CommandContext& context) {
   constexpr std::size_t kMostPoses = 16;
   Json list = Json::array();
@@ -209,7 +200,9 @@ void report_points(const terrain::Tiles& tiles, const std::vector<terrain::LatLo
     print("\n{:>11} {:>11} {:>14} {:>9}  normal\n", "latitude", "longitude", "height", "slope");
   for (std::size_t i = 0; i < places.size(); ++i) {
     const terrain::GroundPoint& p = points[i];
-    const Quat q = p ? upright(tiles, p) : Quat(1, 0, 0, 0);
+    // z up, y to the north
+    const terrain::LocalAxes axes = terrain::local_axes(ground, places[i]);
+    const Quat q = glm::normalize(glm::quat_cast(Mat3(axes.east, axes.north, axes.up)));
     if (!json && p)
       print("{:>11.6f} {:>11.6f} {:>14.4f} {:>9.4f}  {:.6f} {:.6f} {:.6f}\n", places[i].latitude,
             places[i].longitude, p.height, p.slope / kDegree, p.normal.x, p.normal.y, p.normal.z);
@@ -359,7 +352,7 @@ void show_terrain(const std::string& file, const TerrainQuestions& questions,
   });
   if (!done) return;
   report(ground.tiles(), context);
-  if (!wanted.empty()) report_points(ground.tiles(), wanted, points, context);
+  if (!wanted.empty()) report_points(ground, wanted, points, context);
   warn_of_places(ground.tiles(), wanted, points, context.log());
   Looking looking(ground, context);
   looking.sights(sights);

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "preview/reference/ground_layer.h"
+#include "terrain/sights.h"
 #include "terrain/tiles.h"
 #include "world/evaluation.h"
 
@@ -147,9 +148,7 @@ void add_places(const terrain::ChartRecord& chart, AxisBox& box) {
     for (int column = 0; column <= kSteps; ++column) {
       const terrain::LatLon at = map.at(0.5 + (chart.width - 1.0) * column / kSteps,
                                         0.5 + (chart.height - 1.0) * row / kSteps);
-      const double latitude = at.latitude * kDegree, longitude = at.longitude * kDegree;
-      const Vec3 up(std::cos(latitude) * std::cos(longitude),
-                    std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+      const Vec3 up = terrain::local_axes(at).up;
       for (const double height : {chart.low, chart.high}) box.add((chart.radius + height) * up);
     }
 }
