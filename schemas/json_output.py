@@ -295,7 +295,7 @@ COMMANDS = {
             "mean": "number: of the factors of the material's colour, by area", "largest": "number: of the factors"}]),
         "points?": ("with --at, in its order", [{
             "latitude": "number: degrees; of a plane y, metres", "longitude": "number: degrees; of a plane x", "height?": "number: metres over the sphere; absent: no ground",
-            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "upright?": "number[]: w x y z, attitude of what stands upright there, x east", "chart?": "integer"}]),
+            "slope_deg?": "number: between normal and vertical", "normal?": "vec3: of the triangle, unit, body-fixed", "position?": "vec3: metres, body-fixed", "upright?": "number[]: w x y z, attitude of what stands upright there, x east", "sun?": "vec3: unit, to a Sun of --light", "chart?": "integer"}]),
         "sights?": ("with --sight, in its order", [{
             "asked": "number[]: two places, each with metres above the ground", "open?": "boolean: no ground stands between; absent: a place has no ground",
             "distance?": "number: metres between the two", "range?": "number: to the ground that blocks, metres", "latitude?": "number: of it, degrees; of a plane y",

@@ -52,11 +52,12 @@ void declare_all(Arguments& arguments, Options& options) {
       .range(0, 1e6);
   arguments
       .add("--at", options.questions.places,
-           "Place to tell height, normal and slope of, of terrain: latitude and longitude, degrees "
-           "(of a plane y and x, metres), or a file with one place a line (.csv); may be repeated")
+           "Place to tell height, normal and slope of, of terrain, and a pose and a Sun there: "
+           "latitude and longitude, degrees (of a plane y and x, metres), metres above the ground "
+           "(default 0), or a file with one place a line (.csv); may be repeated")
       .one_value()
       .numbers()
-      .type("\"LAT LON\"|FILE");
+      .type("\"LAT LON [UP]\"|FILE");
   arguments
       .add("--sight", options.questions.sights,
            "Line of sight over terrain: two places, each with metres above its ground, or a file "
@@ -77,7 +78,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--light", options.light,
            "Azimuth and elevation of the light of the hillshade, degrees, from the top of the map "
-           "clockwise (default \"315 45\")")
+           "clockwise, or at --at from the north (default \"315 45\")")
       .type("\"AZ EL\"")
       .numbers();
   arguments.add("--unit", options.unit, "Unit of heights or vertices: m, km, or metres of a number")
@@ -427,7 +428,9 @@ int run(const Options& options, const Host& host) {
   for (const std::string& each : options.files)
     if (!require_file(each, log)) return context.finish();
   if (of_tiles) {
-    show_terrain(file, options.questions, context);
+    TerrainQuestions questions = options.questions;
+    questions.light = kDegree * Vec2(surveying.sun_azimuth, surveying.sun_elevation);
+    show_terrain(file, questions, context);
     return context.finish();
   }
   if (terrain::is_shape(file)) {

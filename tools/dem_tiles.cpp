@@ -136,6 +136,27 @@ bool read_rows(const std::vector<std::string>& texts, const char* option, std::s
   return true;
 }
 
+// A place of --at, and metres over its ground.
+struct Place {
+  terrain::LatLon at;
+  double above = 0;
+};
+
+bool read_places(const std::vector<std::string>& texts, CommandContext& context,
+                 std::vector<Place>& out) {
+  for (const std::string& text : texts) {
+    if (const auto numbers = numbers_in(text); numbers && numbers->size() == 3) {
+      out.push_back({{(*numbers)[0], (*numbers)[1]}, (*numbers)[2]});
+      continue;
+    }
+    std::vector<double> rows;
+    if (!read_rows({text}, "--at", 2, context, rows)) return false;
+    for (std::size_t i = 0; i + 2 <= rows.size(); i += 2)
+      out.push_back({{rows[i], rows[i + 1]}, 0});
+  }
+  return true;
+}
+
 // Latitudes and longitudes of a chart's posts, or y and x of a plane.
 std::string extent_of(const ChartRecord& chart) {
   const Map map = terrain::map_of(chart);
@@ -191,38 +212,46 @@ void warn_of_places(const terrain::Tiles& tiles, const std::vector<terrain::LatL
   warn(voids, "is in a void");
 }
 
-void report_points(const terrain::Ground& ground, const std::vector<terrain::LatLon>& places,
-                   const std::vector<terrain::GroundPoint>& points, CommandContext& context) {
+void report_points(const terrain::Ground& ground, const std::vector<Place>& places,
+                   const std::vector<terrain::GroundPoint>& points, const Vec2& light,
+                   CommandContext& context) {
   constexpr std::size_t kMostPoses = 16;
   Json list = Json::array();
   const bool json = context.options().json;
   if (!json)
     print("\n{:>11} {:>11} {:>14} {:>9}  normal\n", "latitude", "longitude", "height", "slope");
   for (std::size_t i = 0; i < places.size(); ++i) {
+    const terrain::LatLon& place = places[i].at;
     const terrain::GroundPoint& p = points[i];
     // z up, y to the north
-    const terrain::LocalAxes axes = terrain::local_axes(ground, places[i]);
+    const terrain::LocalAxes axes = terrain::local_axes(ground, place);
     const Quat q = glm::normalize(glm::quat_cast(Mat3(axes.east, axes.north, axes.up)));
-    if (!json && p)
-      print("{:>11.6f} {:>11.6f} {:>14.4f} {:>9.4f}  {:.6f} {:.6f} {:.6f}\n", places[i].latitude,
-            places[i].longitude, p.height, p.slope / kDegree, p.normal.x, p.normal.y, p.normal.z);
-    if (!json && p && places.size() <= kMostPoses)
+    const Vec3 at = p.position + places[i].above * axes.up;
+    const Vec3 sun = terrain::direction_at(axes, light.x, light.y);
+    if (json) {
+      Json one = {{"latitude", place.latitude}, {"longitude", place.longitude}};
+      if (p)
+        one.update({{"height", p.height},
+                    {"slope_deg", p.slope / kDegree},
+                    {"normal", {p.normal.x, p.normal.y, p.normal.z}},
+                    {"position", {at.x, at.y, at.z}},
+                    {"upright", {q.w, q.x, q.y, q.z}},
+                    {"sun", {sun.x, sun.y, sun.z}},
+                    {"chart", p.chart}});
+      list.push_back(std::move(one));
+    } else if (!p) {
+      print("{:>11.6f} {:>11.6f} {:>14}\n", place.latitude, place.longitude, "none");
+    } else {
+      print("{:>11.6f} {:>11.6f} {:>14.4f} {:>9.4f}  {:.6f} {:.6f} {:.6f}\n", place.latitude,
+            place.longitude, p.height, p.slope / kDegree, p.normal.x, p.normal.y, p.normal.z);
+      if (places.size() > kMostPoses) continue;
       print(
           "  upright there: --pose NAME=\"{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
           "{:.10g}\"\n",
-          p.position.x, p.position.y, p.position.z, q.w, q.x, q.y, q.z);
-    else if (!json)
-      print("{:>11.6f} {:>11.6f} {:>14}\n", places[i].latitude, places[i].longitude, "none");
-    if (!json) continue;
-    Json one = {{"latitude", places[i].latitude}, {"longitude", places[i].longitude}};
-    if (p)
-      one.update({{"height", p.height},
-                  {"slope_deg", p.slope / kDegree},
-                  {"normal", {p.normal.x, p.normal.y, p.normal.z}},
-                  {"position", {p.position.x, p.position.y, p.position.z}},
-                  {"upright", {q.w, q.x, q.y, q.z}},
-                  {"chart", p.chart}});
-    list.push_back(std::move(one));
+          at.x, at.y, at.z, q.w, q.x, q.y, q.z);
+      print("  light of azimuth {:g}, elevation {:g}: --sun \"{:.6f} {:.6f} {:.6f}\"\n",
+            light.x / kDegree, light.y / kDegree, sun.x, sun.y, sun.z);
+    }
   }
   if (json) context.result()["points"] = std::move(list);
 }
@@ -332,8 +361,9 @@ class Looking {
 
 void show_terrain(const std::string& file, const TerrainQuestions& questions,
                   CommandContext& context) {
-  std::vector<double> places, sights, ranges;
-  if (!read_rows(questions.places, "--at", 2, context, places) ||
+  std::vector<Place> places;
+  std::vector<double> sights, ranges;
+  if (!read_places(questions.places, context, places) ||
       !read_rows(questions.sights, "--sight", 6, context, sights) ||
       !read_rows(questions.ranges, "--range", 5, context, ranges))
     return;
@@ -342,8 +372,7 @@ void show_terrain(const std::string& file, const TerrainQuestions& questions,
   if (!questions.any()) return report(*tiles, context);
   const terrain::Ground ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
   std::vector<terrain::LatLon> wanted;
-  for (std::size_t i = 0; i + 2 <= places.size(); i += 2)
-    wanted.push_back({places[i], places[i + 1]});
+  for (const Place& place : places) wanted.push_back(place.at);
   std::vector<terrain::GroundPoint> points(wanted.size());
   context.step("ask");
   const auto done = run_job(context.job(), context.log(), [&] {
@@ -352,7 +381,7 @@ void show_terrain(const std::string& file, const TerrainQuestions& questions,
   });
   if (!done) return;
   report(ground.tiles(), context);
-  if (!wanted.empty()) report_points(ground, wanted, points, context);
+  if (!wanted.empty()) report_points(ground, places, points, questions.light, context);
   warn_of_places(ground.tiles(), wanted, points, context.log());
   Looking looking(ground, context);
   looking.sights(sights);

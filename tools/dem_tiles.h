@@ -7,6 +7,7 @@
 
 #include "base/diagnostic.h"
 #include "base/job.h"
+#include "base/math.h"
 #include "terrain/dem.h"
 #include "tools/command_context.h"
 
@@ -18,9 +19,10 @@ void write_terrain(const std::vector<std::string>& files, const terrain::DemOpti
 
 // Questions to terrain, each as numbers or a file of rows.
 struct TerrainQuestions {
-  std::vector<std::string> places;  // "LAT LON"
+  std::vector<std::string> places;  // "LAT LON [ABOVE]"
   std::vector<std::string> sights;  // "LAT LON ABOVE LAT LON ABOVE"
   std::vector<std::string> ranges;  // "LAT LON ABOVE AZ EL"
+  Vec2 light{0};                    // azimuth and elevation, radians, of a Sun at the places
   bool any() const { return !places.empty() || !sights.empty() || !ranges.empty(); }
 };
 

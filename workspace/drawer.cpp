@@ -150,7 +150,8 @@ bool Drawer::Impl::find_ground_light(const world::World& world, DiagnosticLog& l
     if (share > 0.01 && shine.closeness > kClose)
       log.report_file(Code("W5021"), {},
                       fmt::format("all of {} is lit by the ground as its middle is, though ground "
-                                  "is near: its sides may be half as bright, or twice",
+                                  "is near: its sides may be a third as bright, or twice, with "
+                                  "dark spots",
                                   in_quotes(world[i].name())),
                       "--engine reference --bounces 1 has this light");
   }

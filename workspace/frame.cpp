@@ -224,7 +224,12 @@ bool place_camera(const Settings& settings, const Sphere& sphere, bool has_groun
   } else if (!settings.camera || has_ground) {
     const BoundingSphere around = sphere();
     aim = around.centre;
-    if (!settings.up && has_ground) up = around.up;
+    if (!settings.up && has_ground) {
+      // straight down the north is up
+      const Vec3 line = glm::normalize(aim - camera.position);
+      const bool down = glm::length(glm::cross(line, around.up)) < 1e-3;
+      up = down ? from_local(around.up, {0, 1, 0}) : around.up;
+    }
   }
   const auto attitude = world::looking_at(camera.position, aim, up, log);
   if (attitude) camera.world_from_camera = *attitude;
@@ -475,6 +480,8 @@ Result<Frame> FrameMaker::at_once(const View& view, DiagnosticLog& log) {
   if (!sky) return failed;
   frame.sky = *std::move(sky);
   if (auto lamps = lamps_of(settings, posed, {}, log)) frame.lamps = *std::move(lamps);
+  const bool has_lamps = frame.lamps ? !frame.lamps->empty() : !posed.lamps().empty();
+  warn_of_ground(posed, has_lamps, spheres_, log);
   joints.set_aims(camera.position, log);
   if (log.errors() != errors) return failed;
   for (const world::Instance& target : posed.instances())

@@ -177,17 +177,35 @@ std::optional<BoundingSphere> terrain_sphere(const world::ModelPtr& model) {
                         body > 0 ? glm::normalize(box.centre()) : Vec3(0, 0, 1), true};
 }
 
-// The vertical of terrain at a place that is no further above it than its body's radius.
-std::optional<Vec3> vertical_at(const world::Instance& target, const Vec3& place) {
+// What the terrain of a target is to a place.
+struct Horizon {
+  double radius = 0;  // metres, of the body: no ground is lower; 0: a plane
+  double height = 0;  // metres, of the place over that
+  Vec3 up{0};         // the vertical there
+};
+std::optional<Horizon> horizon_at(const world::Instance& ground, const Vec3& place) {
   DiagnosticLog log;
-  const auto tiles = terrain::Tiles::of(target.model(), log);
+  const auto tiles = terrain::Tiles::of(ground.model(), log);
   if (!tiles || !*tiles || (*tiles)->charts().empty()) return std::nullopt;
-  const double radius = (*tiles)->charts().front().radius;
-  if (!(radius > 0)) return target.pose().rotation * Vec3(0, 0, 1);
-  const Vec3 up = place - target.pose().translation;
-  const double length = glm::length(up);
-  if (!(length > 0 && length < 2 * radius)) return std::nullopt;
-  return up / length;
+  Horizon out;
+  out.radius = INFINITY;
+  for (const terrain::ChartRecord& chart : (*tiles)->charts())
+    out.radius = std::min(
+        out.radius, chart.radius > 0 ? std::min(chart.radius, chart.polar_radius) + chart.low : 0);
+  const Vec3 away = place - ground.pose().translation;
+  out.up = ground.pose().rotation * Vec3(0, 0, 1);
+  out.height = glm::dot(away, out.up);
+  if (!(out.radius > 0)) return out;
+  const double length = glm::length(away);
+  if (length > 0) out.up = away / length;
+  out.height = length - out.radius;
+  return out;
+}
+
+// The same, no further above than the body's radius.
+std::optional<Horizon> near_horizon(const world::Instance& ground, const Vec3& place) {
+  auto out = horizon_at(ground, place);
+  return out && (out->radius == 0 || std::fabs(out->height) < out->radius) ? out : std::nullopt;
 }
 
 }  // namespace
@@ -237,8 +255,44 @@ BoundingSphere BoundingSpheres::of(const world::World& world) {
       all.radius = std::max(all.radius, glm::length(each.centre - all.centre) + each.radius);
   }
   for (const world::Instance* target : grounds)
-    if (const auto up = vertical_at(*target, all.centre)) all.up = *up;
+    if (const auto horizon = near_horizon(*target, all.centre)) all.up = horizon->up;
   return all;
+}
+
+void warn_of_ground(const world::World& world, bool has_lamps, BoundingSpheres& spheres,
+                    DiagnosticLog& log) {
+  const auto has_surface = [](const world::Instance& target) {
+    return target.visible() && !target.model()->meshes().empty();
+  };
+  const bool alone = std::ranges::none_of(world.instances(), has_surface);
+  for (const world::Instance& ground : world.instances()) {
+    if (!ground.visible() || !preview::has_ground(ground)) continue;
+    for (const world::Instance& target : world.instances()) {
+      if (!target.visible() || (preview::has_ground(target) && &target != &ground)) continue;
+      const BoundingSphere sphere = spheres.of(target);
+      const auto horizon = horizon_at(ground, sphere.centre);
+      if (!horizon || (&target == &ground && !(alone && sphere.ground))) continue;
+      if (horizon->radius > 0 && horizon->height + sphere.radius < 0) {
+        log.report_file(
+            Code("W5022"), {},
+            fmt::format("{} is {:.4g} m below all ground of {}", in_quotes(target.name()),
+                        -horizon->height, in_quotes(ground.name())),
+            "panwright dem --at prints a --pose on the ground");
+        continue;
+      }
+      // the horizon as it is seen from there, and the Sun's radius
+      const double radius = horizon->radius,
+                   height = std::max(horizon->height + sphere.radius, 0.0);
+      const double dip = radius > 0 ? det::acos(radius / (radius + height)) : 0;
+      const double sine = glm::dot(glm::normalize(world.sun().direction), horizon->up);
+      const double elevation = det::asin(std::clamp(sine, -1.0, 1.0));
+      if (has_lamps || elevation > -dip - 0.3 * kDegree) continue;
+      log.report_file(Code("N5023"), {},
+                      fmt::format("the Sun is {:.3g} deg below the horizon of {}",
+                                  -elevation / kDegree, in_quotes(target.name())),
+                      "panwright dem --at --light prints a --sun of an azimuth and an elevation");
+    }
+  }
 }
 
 }  // namespace panwright::workspace

@@ -78,4 +78,9 @@ class BoundingSpheres {
   std::vector<Known> known_;  // by shape stamp
 };
 
+// Says what keeps targets on terrain dark or out of sight: targets inside a body, and without lamps
+// a Sun below their horizon. Reports: W5022, N5023.
+void warn_of_ground(const world::World& world, bool has_lamps, BoundingSpheres& spheres,
+                    DiagnosticLog& log);
+
 }  // namespace panwright::workspace

@@ -177,6 +177,41 @@ TEST_F(GroundViews, WhatStandsOnTheGround) {
   EXPECT_GT(up_in_image(frame_of(world, settings).camera()).z, 0.7);
 }
 
+// What is dark or out of sight is said: a craft without a pose, a Sun below the horizon.
+TEST_F(GroundViews, WhatIsDarkOrInsideIsNamed) {
+  DiagnosticLog log;
+  const fs::path file = crater();
+  const world::World world =
+      world_of(file, PANWRIGHT_SOURCE_DIR "/examples/client/client.pxn", log);
+  ASSERT_EQ(world.size(), 2u) << to_text(log);
+  const std::vector<Vec3> ground = places(file);
+  ASSERT_EQ(ground.size(), 9u);
+  const Vec3 up = glm::normalize(ground[4]);
+  const auto codes = [&](const Vec3& at, const Vec3& sun, bool lamp) {
+    DiagnosticLog said;
+    View view;
+    view.settings.pose = {PoseSetting{"lander", {at, {1, 0, 0, 0}}}};
+    view.settings.sun = sun;
+    if (lamp)
+      EXPECT_TRUE(
+          read_setting(SettingId::lamp, "point on camera intensity 9", view.settings, said));
+    EXPECT_TRUE(FrameMaker(world).frame(view, said));
+    std::string text;
+    for (const Diagnostic& each : said.entries())
+      text += std::string(code_info(each.code).name) + " ";
+    return text;
+  };
+  const Vec3 level = glm::normalize(glm::cross(up, Vec3(1, 0, 0)));
+  EXPECT_EQ(codes(Vec3(0), up, false), "W5022 ");
+  EXPECT_EQ(codes(ground[4], up, false), "");
+  EXPECT_EQ(codes(ground[4], level + 0.01 * up, false), "");
+  EXPECT_EQ(codes(ground[4], level - 0.05 * up, false), "N5023 ");
+  EXPECT_EQ(codes(ground[4], level - 0.05 * up, true), "");
+  // 100 km up the horizon is 19 degrees lower
+  EXPECT_EQ(codes(ground[4] + 1e5 * up, level - 0.3 * up, false), "");
+  EXPECT_EQ(codes(ground[4] + 1e5 * up, level - 0.4 * up, false), "N5023 ");
+}
+
 TEST_F(GroundViews, AWholeBody) {
   DiagnosticLog log;
   const fs::path file = flat(
@@ -194,7 +229,7 @@ TEST_F(GroundViews, AWholeBody) {
 TEST_F(GroundViews, UprightOnTheGround) {
   const fs::path file = crater();
   const auto run = support::run({PANWRIGHT_BIN_DIR "/panwright", "dem", file.string(), "--at",
-                                 "-87.61778 56.83508", "--json"});
+                                 "-87.61778 56.83508 12.5", "--light", "90 30", "--json"});
   const auto number = [&](std::size_t& from) {
     from = run.out.find_first_of("-0123456789", from);
     std::size_t length = 0;
@@ -205,6 +240,8 @@ TEST_F(GroundViews, UprightOnTheGround) {
   std::size_t at = run.out.find("\"position\"");
   ASSERT_NE(at, run.out.npos) << run.out;
   const double x = number(at), y = number(at), z = number(at);
+  at = run.out.find("\"height\"", run.out.find("\"points\""));
+  EXPECT_NEAR(glm::length(Vec3(x, y, z)), kMoon + number(at) + 12.5, 1e-6);
   at = run.out.find("\"upright\"");
   ASSERT_NE(at, run.out.npos) << run.out;
   const double w = number(at), i = number(at), j = number(at), k = number(at);
@@ -213,6 +250,10 @@ TEST_F(GroundViews, UprightOnTheGround) {
   EXPECT_LT(glm::length(q * Vec3(0, 0, 1) - up), 1e-12);
   EXPECT_LT(std::fabs((q * Vec3(1, 0, 0)).z), 1e-12);  // east is level
   EXPECT_GT((q * Vec3(0, 1, 0)).z, 0.01);              // north
+  at = run.out.find("\"sun\"");
+  const double a = number(at), b = number(at), c = number(at);
+  // from the east, 30 degrees high
+  EXPECT_LT(glm::length(Vec3(a, b, c) - q * Vec3(std::sqrt(0.75), 0, 0.5)), 1e-12);
 }
 
 }  // namespace
