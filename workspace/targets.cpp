@@ -177,35 +177,29 @@ std::optional<BoundingSphere> terrain_sphere(const world::ModelPtr& model) {
                         body > 0 ? glm::normalize(box.centre()) : Vec3(0, 0, 1), true};
 }
 
-// What the terrain of a target is to a place.
-struct Horizon {
-  double radius = 0;  // metres, of the body: no ground is lower; 0: a plane
-  double height = 0;  // metres, of the place over that
-  Vec3 up{0};         // the vertical there
-};
-std::optional<Horizon> horizon_at(const world::Instance& ground, const Vec3& place) {
+// Metres from the centre of a body to its lowest ground; 0: a plane; none: no terrain.
+std::optional<double> lowest_ground(const world::Instance& target) {
   DiagnosticLog log;
-  const auto tiles = terrain::Tiles::of(ground.model(), log);
+  const auto tiles = terrain::Tiles::of(target.model(), log);
   if (!tiles || !*tiles || (*tiles)->charts().empty()) return std::nullopt;
-  Horizon out;
-  out.radius = INFINITY;
+  double least = INFINITY;
   for (const terrain::ChartRecord& chart : (*tiles)->charts())
-    out.radius = std::min(
-        out.radius, chart.radius > 0 ? std::min(chart.radius, chart.polar_radius) + chart.low : 0);
-  const Vec3 away = place - ground.pose().translation;
-  out.up = ground.pose().rotation * Vec3(0, 0, 1);
-  out.height = glm::dot(away, out.up);
-  if (!(out.radius > 0)) return out;
-  const double length = glm::length(away);
-  if (length > 0) out.up = away / length;
-  out.height = length - out.radius;
-  return out;
+    least = std::min(
+        least, chart.radius > 0 ? std::min(chart.radius, chart.polar_radius) + chart.low : 0.0);
+  return least;
 }
 
-// The same, no further above than the body's radius.
-std::optional<Horizon> near_horizon(const world::Instance& ground, const Vec3& place) {
-  auto out = horizon_at(ground, place);
-  return out && (out->radius == 0 || std::fabs(out->height) < out->radius) ? out : std::nullopt;
+// The vertical at a place, and its metres above the lowest ground, of lowest_ground().
+struct Vertical {
+  Vec3 up{0};
+  double height = 0;
+};
+Vertical vertical_at(const world::Instance& ground, double lowest, const Vec3& place) {
+  const Vec3 away = place - ground.pose().translation;
+  const Vec3 up = ground.pose().rotation * Vec3(0, 0, 1);
+  const double length = glm::length(away);
+  if (!(lowest > 0 && length > 0)) return {up, glm::dot(away, up) - lowest};
+  return {away / length, length - lowest};
 }
 
 }  // namespace
@@ -254,8 +248,12 @@ BoundingSphere BoundingSpheres::of(const world::World& world) {
     for (const BoundingSphere& each : spheres)
       all.radius = std::max(all.radius, glm::length(each.centre - all.centre) + each.radius);
   }
-  for (const world::Instance* target : grounds)
-    if (const auto horizon = near_horizon(*target, all.centre)) all.up = horizon->up;
+  for (const world::Instance* target : grounds) {
+    const auto lowest = lowest_ground(*target);
+    if (!lowest) continue;
+    const Vertical vertical = vertical_at(*target, *lowest, all.centre);
+    if (*lowest == 0 || std::fabs(vertical.height) < *lowest) all.up = vertical.up;
+  }
   return all;
 }
 
@@ -267,24 +265,24 @@ void warn_of_ground(const world::World& world, bool has_lamps, BoundingSpheres& 
   const bool alone = std::ranges::none_of(world.instances(), has_surface);
   for (const world::Instance& ground : world.instances()) {
     if (!ground.visible() || !preview::has_ground(ground)) continue;
+    const auto lowest = lowest_ground(ground);
     for (const world::Instance& target : world.instances()) {
-      if (!target.visible() || (preview::has_ground(target) && &target != &ground)) continue;
+      if (!lowest || !target.visible() || (preview::has_ground(target) && &target != &ground))
+        continue;
       const BoundingSphere sphere = spheres.of(target);
-      const auto horizon = horizon_at(ground, sphere.centre);
-      if (!horizon || (&target == &ground && !(alone && sphere.ground))) continue;
-      if (horizon->radius > 0 && horizon->height + sphere.radius < 0) {
-        log.report_file(
-            Code("W5022"), {},
-            fmt::format("{} is {:.4g} m below all ground of {}", in_quotes(target.name()),
-                        -horizon->height, in_quotes(ground.name())),
-            "panwright dem --at prints a --pose on the ground");
+      if (&target == &ground && !(alone && sphere.ground)) continue;
+      const auto [up, height] = vertical_at(ground, *lowest, sphere.centre);
+      if (*lowest > 0 && height + sphere.radius < 0) {
+        log.report_file(Code("W5022"), {},
+                        fmt::format("{} is {:.4g} m below all ground of {}",
+                                    in_quotes(target.name()), -height, in_quotes(ground.name())),
+                        "panwright dem --at prints a --pose on the ground");
         continue;
       }
       // the horizon as it is seen from there, and the Sun's radius
-      const double radius = horizon->radius,
-                   height = std::max(horizon->height + sphere.radius, 0.0);
-      const double dip = radius > 0 ? det::acos(radius / (radius + height)) : 0;
-      const double sine = glm::dot(glm::normalize(world.sun().direction), horizon->up);
+      const double top = *lowest + std::max(height + sphere.radius, 0.0);
+      const double dip = *lowest > 0 ? det::acos(*lowest / top) : 0;
+      const double sine = glm::dot(glm::normalize(world.sun().direction), up);
       const double elevation = det::asin(std::clamp(sine, -1.0, 1.0));
       if (has_lamps || elevation > -dip - 0.3 * kDegree) continue;
       log.report_file(Code("N5023"), {},

@@ -63,8 +63,8 @@ std::optional<Outline> outline(const world::World& world, const world::Camera& c
 class BoundingSpheres {
  public:
   // Returns the sphere about the centre of the bounds of a posed target, its terrain left out where
-  // there are meshes; for a fully hidden one, of
-  // radius 1 about its origin. Cost: O(vertices) the first time.
+  // there are meshes; for a fully hidden one, of radius 1 about its origin. Cost: O(vertices) the
+  // first time.
   BoundingSphere of(const world::Instance& target);
   // Returns the sphere around all visible targets, terrain left out beside others; one alone: of().
   // Without any: about the origin.
