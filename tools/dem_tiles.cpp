@@ -114,24 +114,33 @@ void report(const terrain::Tiles& tiles, CommandContext& context) {
   report_albedo(tiles, context);
 }
 
-// Rows of as many numbers of all texts of an option; each is such a row, or a file of rows.
+// Rows of numbers of all texts of an option; each is such a row, or a file of rows. A text may have
+// `more` numbers behind, which are 0 elsewhere.
 bool read_rows(const std::vector<std::string>& texts, const char* option, std::size_t columns,
-               CommandContext& context, std::vector<double>& out) {
+               std::size_t more, CommandContext& context, std::vector<double>& out) {
   for (const std::string& text : texts) {
     auto numbers = numbers_in(text);
+    std::size_t own = columns;
     if (text.ends_with(".csv") || text.ends_with(".txt")) {
       context.files().will_read(text);
       const auto read = read_number_rows(text, columns, Code("E0262"), context.log());
       if (!read) return false;
       numbers = *read;
-    } else if (!numbers || numbers->size() != columns) {
-      context.log().report(Code("E0201"), {},
-                           fmt::format("{} is {}, expected {} numbers, or a file with as many in "
-                                       "each line (.csv)",
-                                       option, in_quotes(text), columns));
+    } else if (!numbers || (numbers->size() != columns && numbers->size() != columns + more)) {
+      context.log().report(
+          Code("E0201"), {},
+          fmt::format("{} is {}, expected {}{} numbers, or a file with {} in each line (.csv)",
+                      option, in_quotes(text), columns,
+                      more > 0 ? fmt::format(" or {}", columns + more) : "", columns));
       return false;
+    } else {
+      own = numbers->size();
     }
-    out.insert(out.end(), numbers->begin(), numbers->end());
+    for (std::size_t i = 0; i + own <= numbers->size(); i += own) {
+      const auto row = numbers->begin() + static_cast<std::ptrdiff_t>(i);
+      out.insert(out.end(), row, row + static_cast<std::ptrdiff_t>(own));
+      out.resize(out.size() + columns + more - own);
+    }
   }
   return true;
 }
@@ -141,21 +150,6 @@ struct Place {
   terrain::LatLon at;
   double above = 0;
 };
-
-bool read_places(const std::vector<std::string>& texts, CommandContext& context,
-                 std::vector<Place>& out) {
-  for (const std::string& text : texts) {
-    if (const auto numbers = numbers_in(text); numbers && numbers->size() == 3) {
-      out.push_back({{(*numbers)[0], (*numbers)[1]}, (*numbers)[2]});
-      continue;
-    }
-    std::vector<double> rows;
-    if (!read_rows({text}, "--at", 2, context, rows)) return false;
-    for (std::size_t i = 0; i + 2 <= rows.size(); i += 2)
-      out.push_back({{rows[i], rows[i + 1]}, 0});
-  }
-  return true;
-}
 
 // Latitudes and longitudes of a chart's posts, or y and x of a plane.
 std::string extent_of(const ChartRecord& chart) {
@@ -361,18 +355,21 @@ class Looking {
 
 void show_terrain(const std::string& file, const TerrainQuestions& questions,
                   CommandContext& context) {
-  std::vector<Place> places;
-  std::vector<double> sights, ranges;
-  if (!read_places(questions.places, context, places) ||
-      !read_rows(questions.sights, "--sight", 6, context, sights) ||
-      !read_rows(questions.ranges, "--range", 5, context, ranges))
+  std::vector<double> numbers, sights, ranges;
+  if (!read_rows(questions.places, "--at", 2, 1, context, numbers) ||
+      !read_rows(questions.sights, "--sight", 6, 0, context, sights) ||
+      !read_rows(questions.ranges, "--range", 5, 0, context, ranges))
     return;
   auto tiles = terrain::Tiles::open(file, context.log());
   if (!tiles) return;
   if (!questions.any()) return report(*tiles, context);
   const terrain::Ground ground(std::make_shared<const terrain::Tiles>(*std::move(tiles)));
+  std::vector<Place> places;
   std::vector<terrain::LatLon> wanted;
-  for (const Place& place : places) wanted.push_back(place.at);
+  for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
+    places.push_back({{numbers[i], numbers[i + 1]}, numbers[i + 2]});
+    wanted.push_back(places.back().at);
+  }
   std::vector<terrain::GroundPoint> points(wanted.size());
   context.step("ask");
   const auto done = run_job(context.job(), context.log(), [&] {

@@ -78,7 +78,7 @@ class BoundingSpheres {
   std::vector<Known> known_;  // by shape stamp
 };
 
-// Says what keeps targets on terrain dark or out of sight: targets inside a body, and without lamps
+// Says what keeps targets on terrain dark or out of view: targets inside a body, and without lamps
 // a Sun below their horizon. Reports: W5022, N5023.
 void warn_of_ground(const world::World& world, bool has_lamps, BoundingSpheres& spheres,
                     DiagnosticLog& log);

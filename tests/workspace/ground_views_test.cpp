@@ -177,7 +177,7 @@ TEST_F(GroundViews, WhatStandsOnTheGround) {
   EXPECT_GT(up_in_image(frame_of(world, settings).camera()).z, 0.7);
 }
 
-// What is dark or out of sight is said: a craft without a pose, a Sun below the horizon.
+// What is dark or out of view is said: a craft without a pose, a Sun below the horizon.
 TEST_F(GroundViews, WhatIsDarkOrInsideIsNamed) {
   DiagnosticLog log;
   const fs::path file = crater();
