@@ -35,10 +35,8 @@ FORMULA Real exp_negative(Real x) {
   return ldexp(even + q * odd, -k);
 }
 
-// 1 - exp(-x), x >= 0, without cancellation.
-FORMULA Real one_minus_exp(Real x) {
-  if (!(x < Real(0.5))) return Real(1) - exp_negative(x);
-  // Taylor to x^15
+// 1 - exp(-x), 0 <= x < 1/2, by Taylor's series to x^15.
+FORMULA Real one_minus_exp_near(Real x) {
   Real x2 = x * x;
   Real even = Real(7.647163731819816e-13);
   even = even * x2 + Real(1.6059043836821613e-10);
@@ -56,6 +54,17 @@ FORMULA Real one_minus_exp(Real x) {
   odd = odd * x2 + Real(0.041666666666666664);
   odd = odd * x2 + Real(0.5);
   return x * (even - x * odd);
+}
+
+// 1 - exp(-x), x >= 0, without cancellation; e: exp(-x).
+FORMULA Real one_minus_exp_of(Real x, Real e) {
+  if (!(x < Real(0.5))) return Real(1) - e;
+  return one_minus_exp_near(x);
+}
+
+FORMULA Real one_minus_exp(Real x) {
+  if (!(x < Real(0.5))) return Real(1) - exp_negative(x);
+  return one_minus_exp_near(x);
 }
 
 // ln(1 + x), 0 <= x < 1e38.

@@ -41,11 +41,10 @@ FORMULA Real hapke_exponent(Real tan_rough, Real cos_x, Real sin_x) {
   return Real(0.63661977236758134) * cos_x / max(tan_rough * sin_x, Real(1e-30));
 }
 
-// eta(x)/chi: the cosine of a rough surface seen or lit from an angle x alone.
-FORMULA Real hapke_eta(Real tan_rough, Real cos_x, Real sin_x) {
-  Real k = hapke_exponent(tan_rough, cos_x, sin_x);
-  return cos_x + sin_x * tan_rough * exp_negative(Real(0.78539816339744831) * k * k) /
-                     (Real(1) + one_minus_exp(k));
+// eta(x)/chi: the cosine of a rough surface seen or lit from an angle x alone. e2: E2;
+// below1: 1 - E1.
+FORMULA Real hapke_eta(Real tan_rough, Real cos_x, Real sin_x, Real e2, Real below1) {
+  return cos_x + sin_x * tan_rough * e2 / (Real(1) + below1);
 }
 
 FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
@@ -75,22 +74,26 @@ FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real sin_g = max(sin_nl, sin_nv);
   Real k_s = hapke_exponent(t, cos_s, sin_s);
   Real k_g = hapke_exponent(t, cos_g, sin_g);
+  Real q_s = Real(0.78539816339744831) * k_s * k_s;
+  Real q_g = Real(0.78539816339744831) * k_g * k_g;
   Real e1_s = exp_negative(k_s);
-  Real e2_s = exp_negative(Real(0.78539816339744831) * k_s * k_s);
-  Real e2_g = exp_negative(Real(0.78539816339744831) * k_g * k_g);
-  Real rise = one_minus_exp(Real(0.78539816339744831) * k_s * k_s) -
-              one_minus_exp(Real(0.78539816339744831) * k_g * k_g);
-  Real share = max(one_minus_exp(k_g) + one_minus_exp(k_s) + from_pi * e1_s, Real(1e-30));
+  Real e2_s = exp_negative(q_s);
+  Real e2_g = exp_negative(q_g);
+  Real below_s = one_minus_exp_of(k_s, e1_s);
+  Real below_g = one_minus_exp(k_g);
+  Real rise = one_minus_exp_of(q_s, e2_s) - one_minus_exp_of(q_g, e2_g);
+  Real share = max(below_g + below_s + from_pi * e1_s, Real(1e-30));
   Real mu_s = cos_s + sin_s * t * ((cos2_half * e2_g - sin2_half * rise) / share);
   Real mu_g = cos_g + sin_g * t * ((cos2_half * e2_s + rise) / share);
-  Real eta_s = hapke_eta(t, cos_s, sin_s);
-  Real eta_g = hapke_eta(t, cos_g, sin_g);
+  Real eta_s = hapke_eta(t, cos_s, sin_s, e2_s, below_s);
+  Real eta_g = hapke_eta(t, cos_g, sin_g, e2_g, below_g);
   Real chi = Real(1) / sqrt(Real(1) + Real(3.1415926535897932) * t * t);
 
   // 1 - f + f chi mu/eta: microfacets unseen are the more often unlit the smaller the azimuth is,
   // f = exp(-2 tan(azimuth/2))
   Real grade = Real(2) * sqrt(sin2_half / max(cos2_half, Real(1e-30)));
-  Real apart = one_minus_exp(grade) + exp_negative(grade) * (cos_s / eta_s);
+  Real unlit = exp_negative(grade);
+  Real apart = one_minus_exp_of(grade, unlit) + unlit * (cos_s / eta_s);
 
   Vec3 both = to_light + to_viewer;
   Vec3 between = to_light - to_viewer;
