@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <string>
 
 #include "base/file.h"
@@ -25,6 +26,17 @@ namespace {
 }
 
 }  // namespace
+
+void reset_ground_truth(Image& image, bool wanted) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  const std::size_t pixels = wanted ? image.pixels() : 0;
+  image.depth.assign(pixels, kFar);
+  image.range.assign(pixels, kFar);
+  image.normal.assign(3 * pixels, 0);
+  image.target_id.assign(pixels, 0);
+  image.node_id.assign(pixels, 0);
+  image.material_id.assign(pixels, 0);
+}
 
 std::optional<ImageFormat> image_format(const std::filesystem::path& path) {
   std::string extension = path.extension().string();

@@ -55,6 +55,9 @@ struct Image {
   std::size_t pixels() const { return std::size_t{width} * height; }
 };
 
+// Sets the layers of ground truth to the background, or, if not wanted, to none.
+void reset_ground_truth(Image& image, bool wanted = true);
+
 enum class ImageFormat {
   png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white;
         // of a detector its numbers, 8 or 16 bits

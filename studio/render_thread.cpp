@@ -280,15 +280,13 @@ std::optional<workspace::Drawn> RenderThread::draw(Resources& resources,
   auto frame = frame_of(request, effort.scale, *resources.maker, log);
   if (!frame) return std::nullopt;
   workspace::DrawOptions options = workspace::draw_options(frame->settings, context_);
-  if (!resources.drawer) {
-    auto made = workspace::Drawer::create(options, log);
-    if (made) resources.drawer.emplace(*std::move(made));
+  if (!resources.drawer) resources.drawer.emplace(options);
+  if (resources.drawer->info().renderer.empty()) {
+    const bool good = resources.drawer->open(*request.world, log);
     const std::lock_guard lock(mutex_);
-    if (resources.drawer)
-      status_.renderer = resources.drawer->info().renderer;
-    else if (!log.entries().empty())
-      status_.problem = log.entries()[0].message;
-    if (!resources.drawer) return std::nullopt;
+    status_.renderer = resources.drawer->info().renderer;
+    if (!good && !log.entries().empty()) status_.problem = log.entries()[0].message;
+    if (!good) return std::nullopt;
   }
   resources.frame = *std::move(frame);
   workspace::Frame& shown = resources.frame;

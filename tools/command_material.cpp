@@ -374,8 +374,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
                  CommandContext& context) {
   const auto draw = draw_options(options, context);
   if (!draw) return false;
-  auto drawer = workspace::Drawer::create(*draw, context.log());
-  if (!drawer) return false;
+  workspace::Drawer drawer(*draw);
   const std::uint32_t columns = all.size() > 12 ? 3 : all.size() > 4 ? 2 : 1;
   const auto rows = static_cast<std::uint32_t>((all.size() + columns - 1) / columns);
   const std::uint32_t cell_height = options.width / 3 + kLabelHeight;
@@ -394,7 +393,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
       empty_sheet(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
   for (std::size_t i = 0; i < all.size(); ++i) {
     context.step("render " + all[i].material.name);
-    const auto image = sample_image(all[i], options, *drawer, context);
+    const auto image = sample_image(all[i], options, drawer, context);
     if (!image) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;

@@ -359,10 +359,9 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
   draw.engine = workspace::Engine::reference;
   draw.reference.samples = light == workspace::SampleLight::sun ? 16 : 64;
   draw.reference.bounces = 1;
-  auto drawer = workspace::Drawer::create(draw, log);
-  if (!drawer) return false;
+  workspace::Drawer drawer(draw);
   const auto drawn =
-      drawer->draw(world, foil_camera(shown, options.width), false, log, context.job());
+      drawer.draw(world, foil_camera(shown, options.width), false, log, context.job());
   if (!drawn || !image::write_image(options.output, drawn->image, 0, log)) return false;
   std::string detail = fmt::format("{}x{}", options.width, height);
   if (shown.columns != sheet.columns)

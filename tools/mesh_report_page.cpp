@@ -59,8 +59,8 @@ class Camera {
     workspace::DrawOptions draw;
     draw.gl.samples = 2;
     draw.gl.shadow_side = 0;
-    auto drawer = workspace::Drawer::create(draw, log_);
-    if (drawer && drawer->prepare(world_, log_, job_)) drawer_.emplace(*std::move(drawer));
+    workspace::Drawer drawer(draw);
+    if (drawer.prepare(world_, log_, job_)) drawer_.emplace(std::move(drawer));
     file_ = std::filesystem::temp_directory_path() /
             fmt::format("panwright-report-{}.png", static_cast<long>(::getpid()));
   }

@@ -248,7 +248,7 @@ workspace::RunListener RenderReport::listener() {
     context_.add_timing(step.name, step.seconds);
   };
   listener.ready = [this](const workspace::EngineInfo& info) {
-    if (info.engine == Engine::gl)
+    if (!info.renderer.empty())
       context_.result()["gl"] = {
           {"renderer", info.renderer}, {"version", info.version}, {"hardware", info.hardware}};
   };

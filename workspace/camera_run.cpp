@@ -309,13 +309,13 @@ class CameraRun : public InstrumentRun {
     const bool gl = draw.engine == Engine::gl;
     std::optional<Drawer>& drawer = drawers_.of(draw);
     const bool fresh = !drawer;
-    if (fresh) {
-      const Stopwatch watch(gl ? &report : nullptr, "open an OpenGL context");
-      auto created = Drawer::create(draw, scope_.log);
-      if (!created) return false;
-      drawer.emplace(*std::move(created));
-    }
+    if (fresh) drawer.emplace(draw);
     drawer_ = &*drawer;
+    const bool without = drawer->info().renderer.empty();
+    const auto start = std::chrono::steady_clock::now();
+    if (!drawer->open(scope_.world, scope_.log)) return false;
+    const bool opened = without && !drawer->info().renderer.empty();
+    if (opened) report.steps.push_back({"open an OpenGL context", seconds_since(start)});
     scope_.job.poll();
     std::string models;
     for (const world::Instance& target : scope_.world.instances())
@@ -325,7 +325,8 @@ class CameraRun : public InstrumentRun {
       if (!drawer->prepare(scope_.world, scope_.log, scope_.job)) return false;
     }
     for (const Step& step : report.steps) tell(step);
-    if (fresh && scope_.options.listener.ready) scope_.options.listener.ready(drawer->info());
+    if ((fresh || opened) && scope_.options.listener.ready)
+      scope_.options.listener.ready(drawer->info());
     return true;
   }
 

@@ -36,9 +36,30 @@ bool has_targets_on_ground(const world::World& world) {
          });
 }
 
+// Whether OpenGL draws any of a world: terrain's rays need none.
+bool has_meshes(const world::World& world) {
+  return std::ranges::any_of(world.instances(), [](const world::Instance& target) {
+    return !target.model()->instances().empty();
+  });
+}
+
+// What OpenGL would draw of a world without meshes.
+image::Image empty_image(const world::World& world, const world::Camera& camera,
+                         bool ground_truth) {
+  image::Image image;
+  image.width = camera.width;
+  image.height = camera.height;
+  image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
+  image.radiance.resize(3 * image.pixels());
+  image.coverage.resize(image.pixels());
+  reset_ground_truth(image, ground_truth);
+  return image;
+}
+
 }  // namespace
 
 struct Drawer::Impl {
+  bool is_gl() const { return options.engine == Engine::gl; }
   void set(const DrawOptions& given) {
     options = given;
     if (given.samples == 0) return;
@@ -47,9 +68,11 @@ struct Drawer::Impl {
   }
 
   DrawOptions options;
-  // of OpenGL; empty: the reference
+  // of OpenGL; empty: the reference, or no world had meshes
   std::optional<preview::Renderer> renderer;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
+  bool open(const world::World& world, DiagnosticLog& log);
+  bool take_from_renderer(DiagnosticLog& log, const Job& job);
   bool submit_at_once(const world::World& world, const world::Camera& camera, bool ground_truth,
                       DiagnosticLog& log, const Job& job);
   Result<image::Image> draw_now(const world::World& world, const world::Camera& camera,
@@ -182,14 +205,9 @@ bool Drawer::Impl::shade_by_ground(const world::World& world, const world::Camer
   return true;
 }
 
-// Draws an image with distortion, or beside terrain, at once. Those of the renderer come before it.
-bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera& camera,
-                                  bool ground_truth, DiagnosticLog& log, const Job& job) {
-  if (const char* why = preview::LensRenderer::refused(camera); why && camera.distortion) {
-    log.report_file(Code("E5003"), {}, why);
-    return false;
-  }
-  while (renderer->in_flight() > 0) {
+// Ends the images of the renderer: one that is drawn at once comes after them.
+bool Drawer::Impl::take_from_renderer(DiagnosticLog& log, const Job& job) {
+  while (renderer && renderer->in_flight() > 0) {
     DiagnosticLog apart = log.apart();
     auto image = renderer->collect(apart, job);
     if (!image) {
@@ -199,6 +217,17 @@ bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera
     }
     done.push_back({{*std::move(image), {}, renderer->sampling(), {}, {}}, std::move(apart)});
   }
+  return true;
+}
+
+// Draws an image with distortion, or beside terrain, at once.
+bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera& camera,
+                                  bool ground_truth, DiagnosticLog& log, const Job& job) {
+  if (const char* why = preview::LensRenderer::refused(camera); why && camera.distortion) {
+    log.report_file(Code("E5003"), {}, why);
+    return false;
+  }
+  if (!take_from_renderer(log, job)) return false;
   preview::RenderOptions own = options.gl;
   own.ground_truth = ground_truth;
   DiagnosticLog apart = log.apart();
@@ -216,24 +245,25 @@ bool Drawer::Impl::submit_at_once(const world::World& world, const world::Camera
   return true;
 }
 
-Drawer::Drawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Drawer::Drawer(const DrawOptions& options) : impl_(std::make_unique<Impl>()) {
+  impl_->set(options);
+}
 Drawer::Drawer(Drawer&&) noexcept = default;
 Drawer& Drawer::operator=(Drawer&&) noexcept = default;
 Drawer::~Drawer() = default;
 
-Result<Drawer> Drawer::create(const DrawOptions& options, DiagnosticLog& log) {
-  auto impl = std::make_unique<Impl>();
-  impl->set(options);
-  if (options.engine == Engine::gl) {
-    auto device = preview::Device::create(options.context, log);
-    if (!device) return failed;
-    impl->renderer.emplace(*std::move(device));
-  }
-  return Drawer(std::move(impl));
+bool Drawer::Impl::open(const world::World& world, DiagnosticLog& log) {
+  if (!is_gl() || renderer || !has_meshes(world)) return true;
+  auto device = preview::Device::create(options.context, log);
+  if (!device) return false;
+  renderer.emplace(*std::move(device));
+  return true;
 }
 
+bool Drawer::open(const world::World& world, DiagnosticLog& log) { return impl_->open(world, log); }
+
 EngineInfo Drawer::info() const {
-  if (!impl_->renderer) return {Engine::reference, {}, {}, false};
+  if (!impl_->renderer) return {impl_->options.engine, {}, {}, false};
   const preview::Context& context = impl_->renderer->device()->context();
   return {Engine::gl, context.renderer(), context.version(), context.is_hardware()};
 }
@@ -244,12 +274,14 @@ void Drawer::set_options(const DrawOptions& options) {
 }
 
 bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& job) {
-  if (!impl_->renderer) {
+  if (!impl_->is_gl()) {
     return run_job(job, log, [&] {
       impl_->reference.prepare(world, job);
       return true;
     });
   }
+  if (!impl_->open(world, log)) return false;
+  if (!impl_->renderer) return true;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;
   for (const world::Instance& target : world.instances()) {
     auto resources = impl_->renderer->device()->resources(target.model(), log, job);
@@ -341,9 +373,17 @@ bool Drawer::Impl::find_light_between(const world::World& world, const world::Ca
 
 bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                           DiagnosticLog& log, const Job& job) {
-  if (renderer) {
-    if (!find_ground_light(world, log, job) || !find_light_between(world, camera, log, job))
+  if (is_gl()) {
+    if (!find_ground_light(world, log, job) || !find_light_between(world, camera, log, job) ||
+        !open(world, log))
       return false;
+    if (!has_meshes(world)) {
+      if (!take_from_renderer(log, job)) return false;
+      done.push_back(
+          {{empty_image(world, camera, ground_truth), {}, preview::SamplingReport{}, {}, {}},
+           log.apart()});
+      return true;
+    }
     if (camera.distortion != nullptr || has_targets_on_ground(world))
       return submit_at_once(world, camera, ground_truth, log, job);
     preview::RenderOptions own = options.gl;
@@ -429,11 +469,11 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   Impl::Behind next{{}, false, false, ground_truth, world.stars(), camera, 0, {}, {}, false, {},
                     {}, {},    {}};
   next.psf_sigma =
-      impl_->renderer ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
+      impl_->is_gl() ? impl_->options.gl.psf_sigma : impl_->options.reference.psf_sigma;
   // the reference has bodies of its own
-  next.bodies = world.has_sky() && impl_->renderer.has_value();
+  next.bodies = world.has_sky() && impl_->is_gl();
   if (next.bodies || next.stars.catalogue) next.sky.emplace(world);
-  if (impl_->renderer && preview::has_ground(world)) {
+  if (impl_->is_gl() && preview::has_ground(world)) {
     next.world = world;
     next.ground = true;
     const preview::RenderOptions& gl = impl_->options.gl;
@@ -450,7 +490,8 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
                     lamp_points(world, camera, kReach * next.psf_sigma, impl_->reference, job);
                 return true;
               }) &&
-      impl_->submit(world, camera, ground_truth || next.before || next.ground, log, job);
+      impl_->submit(world, camera,
+                    ground_truth || next.before || (next.ground && has_meshes(world)), log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   next.between = impl_->told;
   next.ground_light = impl_->ground_told;

@@ -60,7 +60,7 @@ image::FileOptions file_options(const Settings& settings);
 // Engine in use.
 struct EngineInfo {
   Engine engine = Engine::gl;
-  // of the OpenGL context; empty and false for the reference
+  // of the OpenGL context; empty and false: none, as of the reference and of terrain
   std::string renderer;
   std::string version;
   bool hardware = false;
@@ -93,14 +93,18 @@ struct Drawn {
 // Drawer, with the state shared by images: the context, the models of the last world.
 class Drawer {
  public:
-  // Fails: E5001, E5007. Reports: N5002.
-  static Result<Drawer> create(const DrawOptions& options, DiagnosticLog& log);
-
+  explicit Drawer(const DrawOptions& options);
   Drawer(Drawer&&) noexcept;
   Drawer& operator=(Drawer&&) noexcept;
   ~Drawer();
 
   EngineInfo info() const;
+
+  // Opens an OpenGL context if the engine is OpenGL and a world has meshes: terrain needs none.
+  // draw() does so if needed.
+  //
+  // Fails: E5001, E5007. Reports: N5002.
+  bool open(const world::World& world, DiagnosticLog& log);
 
   // Sets options for later images. Expects: the same engine and kind of context.
   void set_options(const DrawOptions& options);
@@ -108,7 +112,7 @@ class Drawer {
   // Uploads the models of a world, or builds their acceleration structures. draw() does so if
   // needed.
   //
-  // Expects: targets. Fails: E0001, E5003.
+  // Expects: targets. Fails: E0001, E5003, as open().
   bool prepare(const world::World& world, DiagnosticLog& log, const Job& job = {});
 
   // The two halves of draw(): submit() begins an image, collect() ends the oldest one under way.
@@ -129,13 +133,12 @@ class Drawer {
   //
   //   ground_truth  true: also renders the ground truth layers
   // Expects: targets; camera, Sun and options as the engine requires.
-  // Fails: E0001, E5003. Reports: W5006, W5008, W5012.
+  // Fails: E0001, E5003, as open(). Reports: W5006, W5008, W5012.
   Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool ground_truth,
                      DiagnosticLog& log, const Job& job = {});
 
  private:
   struct Impl;
-  explicit Drawer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -36,13 +36,7 @@ void reset(image::Image& image, const world::Camera& camera, bool ground_truth) 
   image.standard_error.clear();
   image.radiance.resize(3 * image.pixels());
   image.coverage.resize(image.pixels());
-  const std::size_t pixels = ground_truth ? image.pixels() : 0;
-  image.depth.assign(pixels, INFINITY);
-  image.range.assign(pixels, INFINITY);
-  image.normal.assign(3 * pixels, 0);
-  image.target_id.assign(pixels, 0);
-  image.node_id.assign(pixels, 0);
-  image.material_id.assign(pixels, 0);
+  reset_ground_truth(image, ground_truth);
 }
 
 bool ensure_target(const GladGLContext& gl, RenderTarget& target, std::span<const GLenum> formats,

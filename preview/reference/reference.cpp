@@ -114,12 +114,7 @@ void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& o
 // what lies at the pixels' centres
 void trace_ground_truth(const TraceScene& scene, const world::Camera& camera, bool flat,
                         image::Image& image, const Job& job) {
-  image.depth.assign(image.pixels(), INFINITY);
-  image.range.assign(image.pixels(), INFINITY);
-  image.normal.assign(3 * image.pixels(), 0);
-  image.node_id.assign(image.pixels(), 0);
-  image.material_id.assign(image.pixels(), 0);
-  image.target_id.assign(image.pixels(), 0);
+  reset_ground_truth(image);
   const auto trace_row = [&](std::size_t row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
       const auto seen = view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5});

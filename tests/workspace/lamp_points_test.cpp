@@ -42,9 +42,8 @@ class LampPoints : public testing::TestWithParam<Engine> {
       lamps.push_back(*lamp);
     }
     world_.set_lamps(lamps);
-    auto drawer = Drawer::create(options_, log_);
-    if (!drawer) return {};
-    auto image = drawer->draw(world_, camera_, false, log_);
+    Drawer drawer(options_);
+    auto image = drawer.draw(world_, camera_, false, log_);
     EXPECT_TRUE(image && lamps.size() == texts.size()) << to_text(log_);
     for (const float value : image->image.radiance) EXPECT_TRUE(std::isfinite(value));
     return std::move(image->image);

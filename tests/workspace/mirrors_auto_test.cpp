@@ -36,10 +36,8 @@ class MirrorsAuto : public testing::Test {
     DrawOptions options;
     options.indirect = indirect;
     options.samples = 2;
-    auto drawer = Drawer::create(options, log);
-    EXPECT_TRUE(drawer) << to_text(log);
-    if (!drawer) return {};
-    auto out = drawer->draw(world, camera, false, log);
+    Drawer drawer(options);
+    auto out = drawer.draw(world, camera, false, log);
     EXPECT_TRUE(out) << to_text(log);
     return out ? std::optional(*std::move(out)) : std::nullopt;
   }

@@ -225,9 +225,8 @@ TEST(Open, LeavesOutDamagedTilesOfTerrain) {
   DrawOptions options;
   options.engine = Engine::reference;
   options.reference.samples = 8;
-  auto drawer = Drawer::create(options, log);
-  ASSERT_TRUE(drawer);
-  const auto drawn = drawer->draw(world, camera, false, log);
+  Drawer drawer(options);
+  const auto drawn = drawer.draw(world, camera, false, log);
   ASSERT_TRUE(drawn) << to_text(log);
   // the tile of columns and rows 256 to 512: x from -43.5 to 212.5, y from -212.5 to 43.5
   const auto share = [&](int column, int row) {

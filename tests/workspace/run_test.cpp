@@ -69,9 +69,8 @@ TEST(RunFrames, WritesWhatTheEngineDraws) {
       world::World posed = world;
       for (const TargetPose& each : view.poses) posed.set_pose(*posed.find(each.target), each.pose);
       posed.set_sun(*view.sun);
-      auto drawer = Drawer::create(draw_options(view.settings, {}), log);
-      ASSERT_TRUE(drawer);
-      const auto drawn = drawer->draw(posed, view.camera(), false, log);
+      Drawer drawer(draw_options(view.settings, {}));
+      const auto drawn = drawer.draw(posed, view.camera(), false, log);
       ASSERT_TRUE(drawn);
       const std::string alone = folder / "alone.npy";
       ASSERT_TRUE(image::write_image(alone, drawn->image, 0, log));
