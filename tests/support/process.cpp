@@ -101,6 +101,24 @@ Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsign
   return {code_of(status), contents(folder / "out"), contents(folder / "err")};
 }
 
+Outcome run_and_signal(const std::vector<std::string>& words, int signal,
+                       const std::function<bool(const std::string& out)>& when) {
+  const TemporaryFolder folder;
+  const pid_t child = start(words, {}, folder / "out", folder / "err");
+  if (child < 0) throw std::runtime_error("cannot fork");
+  int status = 0;
+  bool ended = false;
+  while (!ended && !when(contents(folder / "out"))) {
+    ended = waitpid(child, &status, WNOHANG) == child;
+    usleep(5000);
+  }
+  if (!ended) {
+    kill(child, signal);
+    waitpid(child, &status, 0);
+  }
+  return {code_of(status), contents(folder / "out"), contents(folder / "err")};
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "panwright-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder");

@@ -31,6 +31,9 @@ bool run_and_kill(const std::vector<std::string>& words, const std::function<boo
 
 // Starts a program, sends it a signal after some microseconds, and waits for its end.
 Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds);
+// The same, once a condition on its standard output so far holds, asked every few milliseconds.
+Outcome run_and_signal(const std::vector<std::string>& words, int signal,
+                       const std::function<bool(const std::string& out)>& when);
 
 // Runs a script of bash where a folder is a disk of its own, in memory. words: its $0, $1, …
 //

@@ -3,11 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/diagnostic.h"
 #include "image/png.h"
@@ -334,16 +332,19 @@ TEST(Program, WatchesWhatItChecks) {
   };
   folder.write("part.pxn", text("<sphere radius=\"1\"/>"));
   const std::string whole = folder.write("whole.pxn", text("<include file=\"part.pxn\"/>"));
-  std::thread editor([&] {
-    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(1500)); };
-    wait();
-    folder.write("part.pxn", text("<sfere radius=\"1\"/>"));
-    wait();
-    folder.write("part.pxn", text("<sphere radius=\"2\"/>"));
-  });
+  const std::vector<std::string> edits = {"<sfere radius=\"1\"/>", "<sphere radius=\"2\"/>"};
+  std::size_t made = 0;
+  const auto edit = [&](const std::string& out) {
+    std::size_t checks = 0;
+    for (auto at = out.find("watching"); at != out.npos; at = out.find("watching", at + 1))
+      checks += out.find('\n', at) != out.npos;
+    if (checks <= made) return false;
+    if (made == edits.size()) return true;
+    folder.write("part.pxn", text(edits[made++]));
+    return false;
+  };
   const Outcome done = support::run_and_signal(
-      {PANWRIGHT_BIN_DIR "/panwright", "check", "--watch", whole}, SIGINT, 5'000'000);
-  editor.join();
+      {PANWRIGHT_BIN_DIR "/panwright", "check", "--watch", whole}, SIGINT, edit);
   EXPECT_EQ(done.code, 128 + SIGINT) << done.err;
   EXPECT_THAT(done.out,
               testing::ContainsRegex("ok, 2 x 2 x 2 m.*\nwatching 2 files\n(.*\n)*watching 2 "
