@@ -165,7 +165,7 @@ constexpr Example kExamples[] = {
 
     {"expand", "cubesat/cubesat.pxn -o expanded.pxn",
      "Write one text without parts, repeats and expressions."},
-    {"expand", "servicer/servicer.pxn -D panels=2 -o two.pxn", "Set a parameter, then expand."},
+    {"expand", "calibration/board.pxn -D columns=2 -o board.pxn", "Set a parameter, then expand."},
     {"expand", "paper/figure8.pxn -o -", "Print the text, without textures."},
 
     {"explain", "E1101", "Explain a code, with an example and its cure."},
