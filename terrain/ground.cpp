@@ -46,9 +46,11 @@ struct Ground::State {
     const auto refined =
         levels ? std::span<const std::uint8_t>(levels->refined_) : std::span<const std::uint8_t>();
     for (std::uint32_t c = 0; c < charts.size(); ++c) {
-      const AcceptHit accept = [&](const TriangleHit& hit) {
+      const auto is_open = [&](const TriangleHit& hit) {
         return !is_covered(c, ray.origin + hit.distance * ray.direction);
       };
+      // note: of a reference it takes no memory, which threads would write beside what others read
+      const AcceptHit accept = std::cref(is_open);
       GroundWalk walk{ray, any, c > 0 ? &accept : nullptr, best ? best->distance : ray.most, {}};
       // where charts overlap the ground has steps
       walk.leaves_ground = leaves_ground && charts.size() == 1;
