@@ -162,6 +162,31 @@ function(panwright_library name)
   set_property(GLOBAL APPEND PROPERTY PANWRIGHT_LIBRARIES panwright_${name})
 endfunction()
 
+# panwright_libraries_first(name libraries...): a test's inline functions, compiled without optimisation, are not those
+# that its libraries run: of several copies the linker keeps the first, which are theirs when they are linked whole, before the test.
+function(panwright_libraries_first name)
+  get_property(own GLOBAL PROPERTY PANWRIGHT_LIBRARIES)
+  set(waiting ${ARGN})
+  set(seen "")
+  set(files "")
+  while(waiting)
+    list(POP_FRONT waiting library)
+    string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" library "${library}")
+    string(REPLACE "panwright::" "panwright_" library "${library}")
+    if(NOT library IN_LIST own OR library IN_LIST seen)
+      continue()
+    endif()
+    list(APPEND seen ${library})
+    get_target_property(type ${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      list(APPEND files $<TARGET_FILE:${library}>)
+    endif()
+    get_target_property(more ${library} INTERFACE_LINK_LIBRARIES)
+    list(APPEND waiting ${more})
+  endwhile()
+  target_link_options(${name} BEFORE PRIVATE LINKER:--whole-archive ${files} LINKER:--no-whole-archive)
+endfunction()
+
 # panwright_test(name SOURCES ... LINK ... LABELS ... [SHARDS n] [TIMEOUT s] [OPTIMISED] [PARALLEL]
 # [NIGHTLY ...] [SLOW_SANITIZED ...] [GL ...]): one program, one ctest entry, or n that share its tests (name.1, name.2, ...).
 # NIGHTLY: slow tests that run in an entry of their own, name_nightly, in scripts/nightly alone. OPTIMISED: the test itself computes much.
@@ -186,6 +211,9 @@ function(panwright_test name)
   endif()
   target_include_directories(${name}_tests PRIVATE "${CMAKE_BINARY_DIR}/generated")
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gmock)
+  if(NOT ARG_OPTIMISED)
+    panwright_libraries_first(${name}_tests ${ARG_LINK})
+  endif()
   set(environment
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0"
     "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
