@@ -58,7 +58,7 @@ STORAGE = ("of positions, normals and indices: --compress", {
     "meshes_with_more_bits": "integer: meshes stored with more bits, for their tolerance"})
 
 IMAGES = {
-    "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
+    "gl?": ("with --engine gl, but for terrain alone", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: whether it is hardware"}),
     "images": ("written", [{
         "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
         "exposure_s?": "number: exposure time of a detector, seconds",

@@ -64,7 +64,8 @@ struct Kept {
 
 // Called one at a time, on the thread that called run_frames; each may be empty.
 struct RunListener {
-  std::function<void(const EngineInfo&)> ready;  // before the first image
+  // before the first image of an engine; of OpenGL again before the first with meshes
+  std::function<void(const EngineInfo&)> ready;
   std::function<void(const Written&)> written;
   std::function<void(const Step&)> step;  // after it
   // Sees each product of a frame of a world, before `written` or `kept`.

@@ -101,7 +101,7 @@ class Renderer:
 
     @property
     def info(self) -> dict[str, Any]:
-        """OpenGL in use: renderer, version, hardware; empty before the first image."""
+        """OpenGL in use: renderer, version, hardware; empty before the first image, and of terrain alone."""
         return self._worker.info
 
     def render(self, view: View | None = None, /, *, labels: bool = False, **settings: Any) -> _core.Image:
