@@ -73,6 +73,7 @@ void MainWindow::update_models() {
   if (world_changed) state_.take_camera();
   if (!framed_ && state_.image_size.x > 0) {
     state_.frame_all();
+    state_.view.raise_sun(state_.spheres.of(state_.posed()).up);
     framed_ = true;
   }
   if (!world_changed) return;

@@ -97,6 +97,18 @@ void ViewState::turn_sun(double right, double down) {
   sun_elevation = std::clamp(sun_elevation - down * 180, -90.0, 90.0);
 }
 
+void ViewState::raise_sun(const Vec3& up) {
+  if (glm::dot(sun(), up) > 0) return;
+  const Vec3 back = camera.direction();
+  // with the vertical upwards; straight down behind the camera alone
+  const Vec3 aside = glm::cross(up, back);
+  const double length = glm::length(aside);
+  const Vec3 right = length > 1e-6 ? aside / length : Vec3(0);
+  const Vec3 to_sun = glm::normalize(back + 0.6 * glm::cross(back, right) - 0.6 * right);
+  sun_azimuth = std::atan2(to_sun.y, to_sun.x) / kDegree;
+  sun_elevation = std::asin(to_sun.z) / kDegree;
+}
+
 workspace::Settings settings_of(const ViewState& view, std::uint32_t width, std::uint32_t height) {
   workspace::Settings out;
   // numbers of a detector have the exposure time of its panel, or its own

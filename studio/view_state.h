@@ -62,6 +62,9 @@ struct ViewState {
   double phase() const;  // degrees, between the directions to the camera and to the Sun
   // Turns the Sun by a mouse movement, in parts of the image's height.
   void turn_sun(double right, double down);
+  // Moves a Sun below a horizon to where `panwright render` has it: behind the camera, over its
+  // left shoulder. up: unit, of the ground
+  void raise_sun(const Vec3& up);
   // The moment whose camera the image is of; null: `camera`.
   const Moment* own() const { return from_outside ? nullptr : moment.get(); }
   // The image has a size of its own, that of a scenario's camera or of a file.

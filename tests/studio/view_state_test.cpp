@@ -99,6 +99,23 @@ TEST(OrbitCamera, FramesASiteFromAbove) {
   EXPECT_EQ(camera.elevation, -40);
 }
 
+// Ground is lit at first, from behind the camera; a Sun above its horizon stays.
+TEST(ViewState, ASunBelowTheHorizonIsRaised) {
+  for (const Vec3& up :
+       {glm::normalize(Vec3(0.02, 0.03, -1)), glm::normalize(Vec3(-1, 0.4, -0.2))}) {
+    ViewState view;
+    view.camera.frame_all({1737400.0 * up, 500, up, true}, 1);
+    ASSERT_LT(glm::dot(view.sun(), up), 0);
+    view.raise_sun(up);
+    EXPECT_GT(glm::dot(view.sun(), up), 0.7);
+    EXPECT_NEAR(view.phase(), std::atan(0.6 * std::sqrt(2.0)) / kDegree, 1e-9);
+  }
+  ViewState view;
+  const Vec3 before = view.sun();
+  view.raise_sun({0, 0, 1});
+  EXPECT_EQ(view.sun(), before);
+}
+
 TEST(ViewState, CommandLineIsTheView) {
   ViewState view;
   view.camera.centre = {1, 0, 0};
