@@ -131,7 +131,7 @@ TEST_P(LampPoints, AtThePinhole) {
         "point at 0 0 1e9 intensity 1e30", "point on camera at 0 0 1e20 intensity 1e30"})
     drawn({text});
   camera_.projection = world::Projection::orthographic;
-  EXPECT_EQ(sum(drawn({"led at 0 0 3 intensity 1"})).flux, 0);
+  for (const float value : drawn({"led at 0 0 3 intensity 1"}).radiance) EXPECT_EQ(value, 0);
 }
 
 }  // namespace
