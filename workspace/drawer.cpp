@@ -36,14 +36,15 @@ bool has_targets_on_ground(const world::World& world) {
          });
 }
 
-// Whether OpenGL draws any of a world: terrain's rays need none.
-bool has_meshes(const world::World& world) {
-  return std::ranges::any_of(world.instances(), [](const world::Instance& target) {
-    return !target.model()->instances().empty();
-  });
+// Whether a world is for OpenGL: terrain alone needs none.
+bool needs_opengl(const world::World& world) {
+  return !preview::has_ground(world) ||
+         std::ranges::any_of(world.instances(), [](const world::Instance& target) {
+           return !target.model()->instances().empty();
+         });
 }
 
-// What OpenGL would draw of a world without meshes.
+// What OpenGL would draw of terrain alone.
 image::Image empty_image(const world::World& world, const world::Camera& camera,
                          bool ground_truth) {
   image::Image image;
@@ -68,7 +69,7 @@ struct Drawer::Impl {
   }
 
   DrawOptions options;
-  // of OpenGL; empty: the reference, or no world had meshes
+  // of OpenGL; empty: the reference, or all worlds were of terrain
   std::optional<preview::Renderer> renderer;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
   bool open(const world::World& world, DiagnosticLog& log);
@@ -253,7 +254,7 @@ Drawer& Drawer::operator=(Drawer&&) noexcept = default;
 Drawer::~Drawer() = default;
 
 bool Drawer::Impl::open(const world::World& world, DiagnosticLog& log) {
-  if (!is_gl() || renderer || !has_meshes(world)) return true;
+  if (!is_gl() || renderer || !needs_opengl(world)) return true;
   auto device = preview::Device::create(options.context, log);
   if (!device) return false;
   renderer.emplace(*std::move(device));
@@ -377,7 +378,7 @@ bool Drawer::Impl::submit(const world::World& world, const world::Camera& camera
     if (!find_ground_light(world, log, job) || !find_light_between(world, camera, log, job) ||
         !open(world, log))
       return false;
-    if (!has_meshes(world)) {
+    if (!needs_opengl(world)) {
       if (!take_from_renderer(log, job)) return false;
       done.push_back(
           {{empty_image(world, camera, ground_truth), {}, preview::SamplingReport{}, {}, {}},
@@ -491,7 +492,7 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
                 return true;
               }) &&
       impl_->submit(world, camera,
-                    ground_truth || next.before || (next.ground && has_meshes(world)), log, job);
+                    ground_truth || next.before || (next.ground && needs_opengl(world)), log, job);
   std::deque<Impl::Behind>& behind = impl_->behind;
   next.between = impl_->told;
   next.ground_light = impl_->ground_told;

@@ -100,7 +100,7 @@ class Drawer {
 
   EngineInfo info() const;
 
-  // Opens an OpenGL context if the engine is OpenGL and a world has meshes: terrain needs none.
+  // Opens an OpenGL context if the engine is OpenGL and a world is not of terrain alone.
   // draw() does so if needed.
   //
   // Fails: E5001, E5007. Reports: N5002.

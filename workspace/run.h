@@ -64,7 +64,7 @@ struct Kept {
 
 // Called one at a time, on the thread that called run_frames; each may be empty.
 struct RunListener {
-  // before the first image of an engine; of OpenGL again before the first with meshes
+  // before the first image of an engine; of OpenGL again when its context opens
   std::function<void(const EngineInfo&)> ready;
   std::function<void(const Written&)> written;
   std::function<void(const Step&)> step;  // after it

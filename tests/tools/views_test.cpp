@@ -86,6 +86,15 @@ TEST_F(Views, AreNamedWhereNothingIsInView) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("view 0")));
 }
 
+TEST_F(Views, AModelWithoutShapesIsSaidToShowNothing) {
+  const std::string empty =
+      folder_.write("empty.pxn", "<pangu_model ver=\"1\"><group name=\"a\"/></pangu_model>\n");
+  const Outcome outcome = panwright({"render", empty, "-o", folder_ / "e.png", "--camera", "0 -9 0",
+                                     "--size", "8x8", "--samples", "1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("[W5006]"));
+}
+
 // A mirror ball whose glint is narrower than any texel, and one that scatters: one warning for all
 // images of the first, and none of the other.
 TEST_F(Views, AreNamedWhereTheFluxOfAnImposterIsUncertain) {
