@@ -15,6 +15,7 @@ using internal::AcceptHit;
 using internal::ChartSurface;
 using internal::GroundApproach;
 using internal::GroundWalk;
+using internal::TerrainBeam;
 using internal::TerrainRay;
 using internal::TreeCache;
 using internal::TriangleHit;
@@ -35,11 +36,8 @@ struct Ground::State {
     return false;
   }
 
-  // tiles: by chart; empty: those of all levels
   std::optional<GroundHit> cast(const TerrainRay& ray, bool any, const GroundLevels* levels,
-                                std::span<const GroundBeam::Tile> tiles_of_beam = {},
-                                std::span<const std::size_t> ends = {},
-                                bool leaves_ground = false) const {
+                                const GroundBeam* beam = nullptr) const {
     const TreeCache::Use use(trees);
     std::optional<TriangleHit> best;
     std::uint32_t best_chart = 0;
@@ -53,13 +51,11 @@ struct Ground::State {
       const AcceptHit accept = std::cref(is_open);
       GroundWalk walk{ray, any, c > 0 ? &accept : nullptr, best ? best->distance : ray.most, {}};
       // where charts overlap the ground has steps
-      walk.leaves_ground = leaves_ground && charts.size() == 1;
-      if (ends.empty()) {
+      walk.leaves_ground = any && beam && beam->leaves_ground_ && charts.size() == 1;
+      if (beam == nullptr)
         charts[c].cast(walk, refined, trees);
-      } else {
-        const std::size_t begin = c > 0 ? ends[c - 1] : 0;
-        charts[c].cast(walk, tiles_of_beam.subspan(begin, ends[c] - begin), trees);
-      }
+      else
+        charts[c].cast(walk, tiles_of(*beam, c), beam->squares_, trees);
       if (!walk.best) continue;
       best = walk.best;
       best_chart = c;
@@ -69,6 +65,26 @@ struct Ground::State {
     const Vec3 position = ray.origin + best->distance * ray.direction;
     if (any) return GroundHit{best->distance, {}};
     return GroundHit{best->distance, charts[best_chart].point_of(*best, position, false)};
+  }
+
+  static std::span<const GroundBeam::Tile> tiles_of(const GroundBeam& beam, std::uint32_t chart) {
+    const std::size_t begin = chart > 0 ? beam.ends_[chart - 1] : 0;
+    return std::span(beam.tiles_).subspan(begin, beam.ends_[chart] - begin);
+  }
+
+  // Leaves out tiles without squares that rays of a beam may meet.
+  void find_squares(const TerrainBeam& rays, GroundBeam& beam) const {
+    constexpr std::size_t kMany = 16;  // of a tile: then its tree is quicker
+    std::erase_if(beam.tiles_, [&](GroundBeam::Tile& each) {
+      const std::size_t first = beam.squares_.size();
+      trees.of(each.tile, charts.front()).find(rays, beam.squares_);
+      const std::size_t found = beam.squares_.size() - first;
+      if (found > kMany) beam.squares_.resize(first);
+      each.first = static_cast<std::uint32_t>(first);
+      each.end = static_cast<std::uint32_t>(beam.squares_.size());
+      return found == 0;
+    });
+    beam.ends_.front() = beam.tiles_.size();
   }
 
   // Whether a ray without a hit comes below all ground.
@@ -157,12 +173,15 @@ std::optional<GroundBeam> Ground::beam(const RayBeam& rays, const GroundLevels* 
   const auto refined =
       levels ? std::span<const std::uint8_t>(levels->refined_) : std::span<const std::uint8_t>();
   constexpr std::size_t kMany = 48;
+  const TerrainBeam all{rays.origin, rays.axis, radius, det::sin(angle), rays.leaves_ground};
   for (const ChartSurface& chart : state_->charts) {
-    chart.find({rays.origin, rays.axis, radius, det::sin(angle)}, refined, out.tiles_);
+    chart.find(all, refined, out.tiles_);
     if (out.tiles_.size() > kMany) return {};
     out.ends_.push_back(out.tiles_.size());
   }
   out.use_ = std::make_shared<const TreeCache::Use>(state_->trees);
+  // where charts overlap the ground has steps
+  if (rays.leaves_ground && state_->charts.size() == 1) state_->find_squares(all, out);
   return out;
 }
 
@@ -170,9 +189,9 @@ std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& directi
                                          double most, const GroundLevels* levels,
                                          const GroundBeam* beam) const {
   const TerrainRay ray{origin, direction, least, most};
-  const bool beamed = beam != nullptr && beam->levels_ == levels && beam->holds(origin, direction);
-  auto hit = beamed ? state_->cast(ray, false, levels, beam->tiles_, beam->ends_)
-                    : state_->cast(ray, false, levels);
+  const bool beamed = beam != nullptr && !beam->leaves_ground_ && beam->levels_ == levels &&
+                      beam->holds(origin, direction);
+  auto hit = state_->cast(ray, false, levels, beamed ? beam : nullptr);
   if (levels == nullptr) return hit;
   const bool gap = hit ? glm::dot(hit->point.normal, direction) > 0 : state_->goes_below(ray);
   return gap ? state_->cast(ray, false, nullptr) : hit;
@@ -201,9 +220,8 @@ bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least,
                         const GroundLevels* levels, const GroundBeam* beam) const {
   const TerrainRay ray{origin, direction, least, most};
   const bool beamed = beam != nullptr && beam->levels_ == levels && beam->holds(origin, direction);
-  return (beamed ? state_->cast(ray, true, levels, beam->tiles_, beam->ends_, beam->leaves_ground_)
-                 : state_->cast(ray, true, levels))
-      .has_value();
+  if (beamed && beam->tiles_.empty()) return false;
+  return state_->cast(ray, true, levels, beamed ? beam : nullptr).has_value();
 }
 
 std::size_t Ground::tree_bytes() const { return state_->trees.bytes(); }

@@ -78,6 +78,7 @@ class GroundBeam {
   struct Tile {
     double entry;  // metres: no ray meets it before
     std::uint32_t tile;
+    std::uint32_t first = 0, end = 0;  // of squares_, that rays may meet; none: any
   };
 
  private:
@@ -91,9 +92,10 @@ class GroundBeam {
   double cosine_ = 1;
   bool leaves_ground_ = false;
   const GroundLevels* levels_ = nullptr;
-  std::shared_ptr<const void> use_;  // of the trees
-  std::vector<Tile> tiles_;          // by chart, then from the nearest
-  std::vector<std::size_t> ends_;    // by chart, in tiles_
+  std::shared_ptr<const void> use_;    // of the trees
+  std::vector<Tile> tiles_;            // by chart, then from the nearest
+  std::vector<std::size_t> ends_;      // by chart, in tiles_
+  std::vector<std::uint8_t> squares_;  // of tiles, in Morton order
 };
 
 // Terrain, ready for questions. Thread-safe. Damaged tiles have no ground.

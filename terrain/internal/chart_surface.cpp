@@ -262,7 +262,7 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
 }
 
 void ChartSurface::cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles,
-                        TreeCache& trees) const {
+                        std::span<const std::uint8_t> squares, TreeCache& trees) const {
   for (const GroundBeam::Tile& each : tiles) {
     double entry = 0;
     if (each.entry > walk.most) return;
@@ -272,7 +272,11 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tile
     if (!sure && !meets(boxes_[each.tile - record_->first_tile],
                         {ray.origin, ray.direction, ray.least, walk.most}, 0, entry))
       continue;
-    trees.of(each.tile, *this).cast(walk);
+    const TileTree& tree = trees.of(each.tile, *this);
+    if (each.first < each.end)
+      tree.cast(walk, squares.subspan(each.first, each.end - each.first));
+    else
+      tree.cast(walk);
     if (walk.any && walk.best) return;
   }
 }

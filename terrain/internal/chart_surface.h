@@ -31,7 +31,8 @@ struct TerrainRay {
 
 struct TerrainBeam {
   Vec3 origin, axis;
-  double radius, sine;  // metres: of origins; of the largest angle to the axis
+  double radius, sine;         // metres: of origins; of the largest angle to the axis
+  bool leaves_ground = false;  // as of GroundWalk
 };
 
 struct TriangleHit {
@@ -115,8 +116,9 @@ class ChartSurface {
   //
   //   refined  by tile of the file, 0: it is fine enough; empty: level 0
   void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
-  // The same among tiles.
-  void cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles, TreeCache& trees) const;
+  // The same among tiles, and their squares.
+  void cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles,
+            std::span<const std::uint8_t> squares, TreeCache& trees) const;
   // Adds the tiles that rays of a beam may meet, from the nearest.
   void find(const TerrainBeam& beam, std::span<const std::uint8_t> refined,
             std::vector<GroundBeam::Tile>& out) const;

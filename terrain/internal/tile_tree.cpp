@@ -65,6 +65,23 @@ struct TileTree::Local {
   double half;  // metres: of the way through the sphere about the posts
   float slack;  // distances are rounded by less than boxes are padded
 
+  void set(const Vec3& at, const Vec3& ahead) {
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      from[i] = static_cast<float>(at[k]);
+      const auto d = static_cast<float>(ahead[k]);
+      direction[i] = d;
+      // finite, so that nothing becomes NaN
+      inverse[i] = 1 / (std::fabs(d) > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
+    }
+  }
+  // Narrows parts of the ray to those in boxes, widened, and returns whether any is left.
+  I4 meet(const Boxes& boxes, float wider, F4& in, F4& out) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      narrow((load(boxes.low[k]) - (from[k] + wider)) * inverse[k],
+             (load(boxes.high[k]) - (from[k] - wider)) * inverse[k], in, out);
+    return (in <= out) & (load(boxes.low[0]) <= load(boxes.high[0]));
+  }
   // of a walk
   float most(const GroundWalk& walk) const {
     return static_cast<float>(std::min(walk.most - shift, half)) + slack;
@@ -322,35 +339,32 @@ void TileTree::approach(GroundApproach& walk) const {
   }
 }
 
-void TileTree::cast(GroundWalk& walk) const {
-  if (nodes_.empty()) return;
+bool TileTree::place(const GroundWalk& walk, Local& local) const {
+  if (nodes_.empty()) return false;
   // the third row of the axes is the vertical
   const Vec3& ahead = walk.ray.direction;
   if (walk.leaves_ground &&
       axes_[0].z * ahead.x + axes_[1].z * ahead.y + axes_[2].z * ahead.z > steepest_)
-    return;
-  Local local;
+    return false;
   const Vec3 to = centre_ - walk.ray.origin;
   local.shift = glm::dot(to, walk.ray.direction);
   local.origin = walk.ray.origin + local.shift * walk.ray.direction;
   const Vec3 from = axes_ * (local.origin - centre_);
   const double left = radius_ * radius_ - glm::dot(from, from);
-  if (!(left >= 0)) return;
+  if (!(left >= 0)) return false;
   const double half = std::sqrt(left);
   const double begin = std::max(walk.ray.least - local.shift, -half);
-  if (begin > std::min(walk.most - local.shift, half)) return;
-  const Vec3 direction = axes_ * walk.ray.direction;
+  if (begin > std::min(walk.most - local.shift, half)) return false;
   local.half = half;
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    local.from[i] = static_cast<float>(from[k]);
-    const auto d = static_cast<float>(direction[k]);
-    local.direction[i] = d;
-    // finite, so that nothing becomes NaN
-    local.inverse[i] = 1 / (std::fabs(d) > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
-  }
+  local.set(from, axes_ * walk.ray.direction);
   local.slack = static_cast<float>(radius_) * 1e-6f;
-  const float least = local.least = static_cast<float>(begin) - local.slack;
+  local.least = static_cast<float>(begin) - local.slack;
+  return true;
+}
+
+void TileTree::cast(GroundWalk& walk) const {
+  Local local;
+  if (!place(walk, local)) return;
   float most = local.most(walk);
   struct Entry {
     float at;
@@ -359,7 +373,7 @@ void TileTree::cast(GroundWalk& walk) const {
   };
   std::array<Entry, 3 * kSquareDepth + 4> stack;
   std::size_t count = 0;
-  stack[count++] = {least, 0, 0, 0};
+  stack[count++] = {local.least, 0, 0, 0};
   constexpr std::uint32_t kFirstSquare = first_of(kSquareDepth);
   while (count > 0) {
     const Entry entry = stack[--count];
@@ -372,17 +386,91 @@ void TileTree::cast(GroundWalk& walk) const {
       continue;
     }
     const Boxes& boxes = nodes_[entry.node];
-    F4 in = F4{} + least, out = F4{} + most;
-    for (std::size_t k = 0; k < 3; ++k)
-      narrow((load(boxes.low[k]) - local.from[k]) * local.inverse[k],
-             (load(boxes.high[k]) - local.from[k]) * local.inverse[k], in, out);
-    const I4 found = (in <= out) & (load(boxes.low[0]) <= load(boxes.high[0]));
+    F4 in = F4{} + local.least, out = F4{} + most;
+    const I4 found = local.meet(boxes, 0, in, out);
     const std::size_t begin_of = count;
     for (std::uint32_t c = 0; c < 4; ++c) {
       if (!found[c]) continue;
       const Entry child{in[c], 4 * entry.node + 1 + c,
                         static_cast<std::uint16_t>(2 * entry.x + (c & 1)),
                         static_cast<std::uint16_t>(2 * entry.y + (c >> 1))};
+      // the nearest last
+      std::size_t at = count++;
+      for (; at > begin_of && stack[at - 1].at < child.at; --at) stack[at] = stack[at - 1];
+      stack[at] = child;
+    }
+  }
+}
+
+void TileTree::cast(GroundWalk& walk, std::span<const std::uint8_t> squares) const {
+  Local local;
+  if (!place(walk, local)) return;
+  for (const std::uint8_t code : squares) {
+    F4 in = F4{} + local.least, out = F4{} + local.most(walk);
+    const float most = out[0];
+    if (squares.size() > 1 &&
+        !local.meet(nodes_[first_of(kSquareDepth - 1) + (code >> 2)], 0, in, out)[code & 3])
+      continue;
+    cast_square(walk, local, code, gather(code) * kSquareCells, gather(code >> 1) * kSquareCells,
+                most);
+    if (walk.any && walk.best) return;
+  }
+}
+
+bool TileTree::falls_behind(const Square& square, const std::array<float, 3>& axis,
+                            double sine) const {
+  float rise = square.lean;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& to = square.to[k];
+    const float along = to[0] * axis[0] + to[1] * axis[1] + to[2] * axis[2];
+    const float turn =
+        static_cast<float>(1.04 * sine) * std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+    if (k == 2) return along - turn > rise;
+    rise += (std::fabs(along) + turn) * square.steps[k];
+  }
+  return false;
+}
+
+// Boxes are widened by what rays of the beam are off its axis, there where they are farthest.
+void TileTree::find(const TerrainBeam& beam, std::vector<std::uint8_t>& out) const {
+  if (nodes_.empty()) return;
+  const Vec3 direction = axes_ * beam.axis, to = centre_ - beam.origin;
+  // unit vectors differ by 2 sin of half their angle
+  if (beam.leaves_ground && direction.z - 1.04 * beam.sine > steepest_) return;
+  Local local;
+  local.shift = glm::dot(to, beam.axis);
+  const Vec3 from = -(axes_ * (to - local.shift * beam.axis));
+  const double farthest = std::sqrt(glm::dot(to, to)) + radius_ + beam.radius;
+  const double within = 1.001 * (beam.radius + farthest * beam.sine) + 1e-5 * radius_;
+  const double reach = radius_ + 1.8 * within;
+  const double left = reach * reach - glm::dot(from, from);
+  if (!(left >= 0) || local.shift < -reach) return;
+  local.set(from, direction);
+  const auto least = static_cast<float>(std::max(-local.shift - 1e-5 * radius_, -reach)),
+             most = static_cast<float>(reach);
+  struct Entry {
+    float at;
+    std::uint32_t node;
+  };
+  std::array<Entry, 3 * kSquareDepth + 4> stack;
+  std::size_t count = 0;
+  stack[count++] = {least, 0};
+  constexpr std::uint32_t kFirstSquare = first_of(kSquareDepth);
+  while (count > 0) {
+    const Entry entry = stack[--count];
+    if (entry.node >= kFirstSquare) {
+      const std::uint32_t code = entry.node - kFirstSquare;
+      const Square& square = squares_[code];
+      if (!beam.leaves_ground || square.loose || !falls_behind(square, local.direction, beam.sine))
+        out.push_back(static_cast<std::uint8_t>(code));
+      continue;
+    }
+    F4 in = F4{} + least, until = F4{} + most;
+    const I4 found = local.meet(nodes_[entry.node], static_cast<float>(within), in, until);
+    const std::size_t begin_of = count;
+    for (std::uint32_t c = 0; c < 4; ++c) {
+      if (!found[c]) continue;
+      const Entry child{in[c], 4 * entry.node + 1 + c};
       // the nearest last
       std::size_t at = count++;
       for (; at > begin_of && stack[at - 1].at < child.at; --at) stack[at] = stack[at - 1];

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "terrain/internal/chart_surface.h"
@@ -42,6 +43,10 @@ class TileTree {
   }
   // Nearest hit of a ray before walk.most, or any.
   void cast(GroundWalk& walk) const;
+  // The same among squares.
+  void cast(GroundWalk& walk, std::span<const std::uint8_t> squares) const;
+  // Adds the squares that rays of a beam may meet, in Morton order, from the nearest.
+  void find(const TerrainBeam& beam, std::vector<std::uint8_t>& out) const;
   // Nearest triangle to a point, nearer than walk.squared.
   void approach(GroundApproach& walk) const;
 
@@ -79,6 +84,10 @@ class TileTree {
   void fold_heights();
   struct Steps;
   AxisBox build_square(const Lattice& lattice, std::uint32_t x, std::uint32_t y);
+  // Sets a ray in the axes of the tile; false: it does not come near.
+  bool place(const GroundWalk& walk, Local& local) const;
+  // Whether all rays of a beam rise faster than the ground of a square.
+  bool falls_behind(const Square& square, const std::array<float, 3>& axis, double sine) const;
   void cast_square(GroundWalk& walk, const Local& local, std::uint32_t code, std::uint32_t x,
                    std::uint32_t y, float most) const;
   void meet_leaf(GroundWalk& walk, const Local& local, const SquareRay& ray, std::uint32_t x,
