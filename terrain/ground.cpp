@@ -12,9 +12,12 @@
 namespace panwright::terrain {
 
 using internal::AcceptHit;
+using internal::AcceptPoint;
+using internal::BeamState;
 using internal::ChartSurface;
 using internal::GroundApproach;
 using internal::GroundWalk;
+using internal::RayGrid;
 using internal::TerrainBeam;
 using internal::TerrainRay;
 using internal::TreeCache;
@@ -37,7 +40,7 @@ struct Ground::State {
   }
 
   std::optional<GroundHit> cast(const TerrainRay& ray, bool any, const GroundLevels* levels,
-                                const GroundBeam* beam = nullptr) const {
+                                const BeamState* beam = nullptr) const {
     const TreeCache::Use use(trees);
     std::optional<TriangleHit> best;
     std::uint32_t best_chart = 0;
@@ -51,11 +54,11 @@ struct Ground::State {
       const AcceptHit accept = std::cref(is_open);
       GroundWalk walk{ray, any, c > 0 ? &accept : nullptr, best ? best->distance : ray.most, {}};
       // where charts overlap the ground has steps
-      walk.leaves_ground = any && beam && beam->leaves_ground_ && charts.size() == 1;
+      walk.leaves_ground = any && beam && beam->leaves_ground && charts.size() == 1;
       if (beam == nullptr)
         charts[c].cast(walk, refined, trees);
       else
-        charts[c].cast(walk, tiles_of(*beam, c), beam->squares_, trees);
+        charts[c].cast(walk, *beam, trees);
       if (!walk.best) continue;
       best = walk.best;
       best_chart = c;
@@ -67,24 +70,19 @@ struct Ground::State {
     return GroundHit{best->distance, charts[best_chart].point_of(*best, position, false)};
   }
 
-  static std::span<const GroundBeam::Tile> tiles_of(const GroundBeam& beam, std::uint32_t chart) {
-    const std::size_t begin = chart > 0 ? beam.ends_[chart - 1] : 0;
-    return std::span(beam.tiles_).subspan(begin, beam.ends_[chart] - begin);
-  }
-
   // Leaves out tiles without squares that rays of a beam may meet.
-  void find_squares(const TerrainBeam& rays, GroundBeam& beam) const {
+  void find_squares(const TerrainBeam& rays, BeamState& beam) const {
     constexpr std::size_t kMany = 16;  // of a tile: then its tree is quicker
-    std::erase_if(beam.tiles_, [&](GroundBeam::Tile& each) {
-      const std::size_t first = beam.squares_.size();
-      trees.of(each.tile, charts.front()).find(rays, beam.squares_);
-      const std::size_t found = beam.squares_.size() - first;
-      if (found > kMany) beam.squares_.resize(first);
+    std::erase_if(beam.tiles, [&](BeamState::Tile& each) {
+      const std::size_t first = beam.squares.size();
+      trees.of(each.tile, charts.front()).find(rays, beam.squares);
+      const std::size_t found = beam.squares.size() - first;
+      if (found > kMany) beam.squares.resize(first);
       each.first = static_cast<std::uint32_t>(first);
-      each.end = static_cast<std::uint32_t>(beam.squares_.size());
+      each.end = static_cast<std::uint32_t>(beam.squares.size());
       return found == 0;
     });
-    beam.ends_.front() = beam.tiles_.size();
+    beam.ends.front() = beam.tiles.size();
   }
 
   // Whether a ray without a hit comes below all ground.
@@ -95,6 +93,49 @@ struct Ground::State {
     const double t = std::clamp(-glm::dot(ray.origin, ray.direction), ray.least, ray.most);
     const Vec3 p = ray.origin + t * ray.direction;
     return glm::dot(p, p) < lowest * lowest;
+  }
+
+  // Hit of a ray; what it met through a gap between levels, of level 0.
+  std::optional<GroundHit> without_gap(const std::optional<GroundHit>& hit, const TerrainRay& ray,
+                                       const GroundLevels* levels) const {
+    if (levels == nullptr) return hit;
+    const bool gap = hit ? glm::dot(hit->point.normal, ray.direction) > 0 : goes_below(ray);
+    return gap ? cast(ray, false, nullptr) : hit;
+  }
+
+  // Rays of a beam by their grid; false: one by one they are quicker.
+  bool cast_together(const Vec3& origin, std::span<const Vec3> directions,
+                     std::span<const double> most, std::span<std::optional<GroundHit>> hits,
+                     const GroundLevels* levels, const BeamState& beam) const {
+    static thread_local RayGrid grid;
+    static thread_local std::vector<RayGrid::Cell> cells;
+    const TreeCache::Use use(trees);
+    if (!grid.set(origin, beam.axis, directions, most)) return false;
+    for (std::uint32_t c = 0; c < charts.size(); ++c) {
+      const AcceptPoint accept = [&](const Vec3& point) { return !is_covered(c, point); };
+      if (!charts[c].cast(grid, beam, c > 0 ? &accept : nullptr, trees)) return false;
+    }
+    cells.resize(directions.size());
+    grid.cells(cells);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      const TerrainRay ray{origin, directions[i], 0, most[i]};
+      hits[i] = without_gap(exact(ray, cells[i], levels, beam), ray, levels);
+    }
+    return true;
+  }
+
+  // The hit of a ray in the cell that its grid found.
+  std::optional<GroundHit> exact(const TerrainRay& ray, const RayGrid::Cell& cell,
+                                 const GroundLevels* levels, const BeamState& beam) const {
+    if (cell.tile == RayGrid::Cell::kNone) return {};
+    auto c = static_cast<std::uint32_t>(charts.size() - 1);
+    while (cell.tile < charts[c].record().first_tile) --c;
+    GroundWalk walk{ray, false, nullptr, ray.most, {}};
+    trees.of(cell.tile, charts[c]).cast(walk, cell.x, cell.y);
+    // an edge that only its wider neighbour's grid has
+    if (!walk.best) return cast(ray, false, levels, &beam);
+    const Vec3 position = ray.origin + walk.best->distance * ray.direction;
+    return GroundHit{walk.best->distance, charts[c].point_of(*walk.best, position, false)};
   }
 };
 
@@ -158,30 +199,32 @@ GroundLevels Ground::levels(const Vec3& observer, double angle) const {
 }
 
 std::optional<GroundBeam> Ground::beam(const RayBeam& rays, const GroundLevels* levels) const {
-  GroundBeam out;
   // more than the places of origins are rounded by
   const double radius = rays.radius * (1 + 1e-9) + 1e-12 * glm::length(rays.origin);
   const double angle = rays.angle + 1e-7;
   constexpr double kWide = 0.5;  // radians
   if (!(angle < kWide)) return {};
-  out.origin_ = rays.origin;
-  out.axis_ = rays.axis;
-  out.square_ = radius * radius;
-  out.cosine_ = det::cos(angle);
-  out.levels_ = levels;
-  out.leaves_ground_ = rays.leaves_ground;
+  const auto beam = std::make_shared<BeamState>();
+  beam->origin = rays.origin;
+  beam->axis = rays.axis;
+  beam->square = radius * radius;
+  beam->cosine = det::cos(angle);
+  beam->levels = levels;
+  beam->leaves_ground = rays.leaves_ground;
   const auto refined =
       levels ? std::span<const std::uint8_t>(levels->refined_) : std::span<const std::uint8_t>();
   constexpr std::size_t kMany = 48;
   const TerrainBeam all{rays.origin, rays.axis, radius, det::sin(angle), rays.leaves_ground};
   for (const ChartSurface& chart : state_->charts) {
-    chart.find(all, refined, out.tiles_);
-    if (out.tiles_.size() > kMany) return {};
-    out.ends_.push_back(out.tiles_.size());
+    chart.find(all, refined, beam->tiles);
+    if (beam->tiles.size() > kMany) return {};
+    beam->ends.push_back(beam->tiles.size());
   }
-  out.use_ = std::make_shared<const TreeCache::Use>(state_->trees);
+  beam->use = std::make_shared<const TreeCache::Use>(state_->trees);
   // where charts overlap the ground has steps
-  if (rays.leaves_ground && state_->charts.size() == 1) state_->find_squares(all, out);
+  if (rays.leaves_ground && state_->charts.size() == 1) state_->find_squares(all, *beam);
+  GroundBeam out;
+  out.state_ = beam;
   return out;
 }
 
@@ -189,12 +232,26 @@ std::optional<GroundHit> Ground::nearest(const Vec3& origin, const Vec3& directi
                                          double most, const GroundLevels* levels,
                                          const GroundBeam* beam) const {
   const TerrainRay ray{origin, direction, least, most};
-  const bool beamed = beam != nullptr && !beam->leaves_ground_ && beam->levels_ == levels &&
-                      beam->holds(origin, direction);
-  auto hit = state_->cast(ray, false, levels, beamed ? beam : nullptr);
-  if (levels == nullptr) return hit;
-  const bool gap = hit ? glm::dot(hit->point.normal, direction) > 0 : state_->goes_below(ray);
-  return gap ? state_->cast(ray, false, nullptr) : hit;
+  const BeamState* const tiles = beam != nullptr ? beam->state_.get() : nullptr;
+  const bool beamed = tiles != nullptr && !tiles->leaves_ground && tiles->levels == levels &&
+                      tiles->holds(origin, direction);
+  return state_->without_gap(state_->cast(ray, false, levels, beamed ? tiles : nullptr), ray,
+                             levels);
+}
+
+void Ground::nearest(const Vec3& origin, std::span<const Vec3> directions,
+                     std::span<const double> most, std::span<std::optional<GroundHit>> hits,
+                     const GroundLevels* levels, const GroundBeam* beam) const {
+  assert(directions.size() == most.size() && directions.size() == hits.size());
+  constexpr std::size_t kFew = 8;
+  const BeamState* const tiles = beam != nullptr ? beam->state_.get() : nullptr;
+  if (directions.size() >= kFew && tiles != nullptr && !tiles->leaves_ground &&
+      tiles->levels == levels &&
+      std::ranges::all_of(directions, [&](const Vec3& d) { return tiles->holds(origin, d); }) &&
+      state_->cast_together(origin, directions, most, hits, levels, *tiles))
+    return;
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    hits[i] = nearest(origin, directions[i], 0, most[i], levels, beam);
 }
 
 std::optional<GroundHit> Ground::closest(const Vec3& point, double most) const {
@@ -219,9 +276,11 @@ std::optional<GroundHit> Ground::closest(const Vec3& point, double most) const {
 bool Ground::is_blocked(const Vec3& origin, const Vec3& direction, double least, double most,
                         const GroundLevels* levels, const GroundBeam* beam) const {
   const TerrainRay ray{origin, direction, least, most};
-  const bool beamed = beam != nullptr && beam->levels_ == levels && beam->holds(origin, direction);
-  if (beamed && beam->tiles_.empty()) return false;
-  return state_->cast(ray, true, levels, beamed ? beam : nullptr).has_value();
+  const BeamState* const tiles = beam != nullptr ? beam->state_.get() : nullptr;
+  const bool beamed =
+      tiles != nullptr && tiles->levels == levels && tiles->holds(origin, direction);
+  if (beamed && tiles->tiles.empty()) return false;
+  return state_->cast(ray, true, levels, beamed ? tiles : nullptr).has_value();
 }
 
 std::size_t Ground::tree_bytes() const { return state_->trees.bytes(); }

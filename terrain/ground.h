@@ -15,6 +15,10 @@
 
 namespace panwright::terrain {
 
+namespace internal {
+struct BeamState;
+}
+
 // Point of the ground. Positions and normals are body-fixed (of a plane: x east, y north, z up).
 struct GroundPoint {
   double height = std::numeric_limits<double>::quiet_NaN();  // metres over the sphere; NaN: none
@@ -74,28 +78,9 @@ struct RayBeam {
 // Tiles of a Ground that the rays of a beam may meet. It stays on its thread, and keeps trees in
 // memory: for some thousand rays.
 class GroundBeam {
- public:
-  struct Tile {
-    double entry;  // metres: no ray meets it before
-    std::uint32_t tile;
-    std::uint32_t first = 0, end = 0;  // of squares_, that rays may meet; none: any
-  };
-
  private:
   friend class Ground;
-  bool holds(const Vec3& origin, const Vec3& direction) const {
-    const Vec3 off = origin - origin_;
-    return glm::dot(off, off) <= square_ && glm::dot(direction, axis_) >= cosine_;
-  }
-  Vec3 origin_{0}, axis_{0};
-  double square_ = 0;  // of the radius
-  double cosine_ = 1;
-  bool leaves_ground_ = false;
-  const GroundLevels* levels_ = nullptr;
-  std::shared_ptr<const void> use_;    // of the trees
-  std::vector<Tile> tiles_;            // by chart, then from the nearest
-  std::vector<std::size_t> ends_;      // by chart, in tiles_
-  std::vector<std::uint8_t> squares_;  // of tiles, in Morton order
+  std::shared_ptr<const internal::BeamState> state_;
 };
 
 // Terrain, ready for questions. Thread-safe. Damaged tiles have no ground.
@@ -160,6 +145,13 @@ class Ground {
                                    double most = std::numeric_limits<double>::infinity(),
                                    const GroundLevels* levels = nullptr,
                                    const GroundBeam* beam = nullptr) const;
+  // The same of rays from one origin, as one by one; but of two triangles on whose common edge a
+  // ray lies, either. Faster where rays of one beam meet the same cells.
+  //
+  //   most, hits  as many as directions
+  void nearest(const Vec3& origin, std::span<const Vec3> directions, std::span<const double> most,
+               std::span<std::optional<GroundHit>> hits, const GroundLevels* levels,
+               const GroundBeam* beam) const;
   // Point of the ground nearest to a point, from any side, and its distance; none: none is nearer
   // than `most`. Of charts that overlap, points that an earlier one covers do not count.
   //

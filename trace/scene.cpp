@@ -292,22 +292,28 @@ void Scene::meet_ground(std::uint32_t target, const geometry::Ray& ray, const Gr
   const terrain::Ground* ground = targets_[target].target->ground();
   if (ground == nullptr) return;
   const auto& levels = ground_levels_[target];
-  const auto hit = ground->nearest(ray.origin, ray.direction, ray.min_distance, limit,
-                                   levels ? &*levels : nullptr, beam_of(beams, target));
+  set_ground(target, ray.direction,
+             ground->nearest(ray.origin, ray.direction, ray.min_distance, limit,
+                             levels ? &*levels : nullptr, beam_of(beams, target)),
+             best, limit);
+}
+
+void Scene::set_ground(std::uint32_t target, const Vec3& direction,
+                       const std::optional<terrain::GroundHit>& hit, Hit& best, double& limit) {
   if (!hit || (best && hit->distance >= best.distance)) return;
   best = {};
   best.distance = limit = hit->distance;
   best.target = target;
   best.part = Hit::kGround;
   best.triangle = hit->point.triangle;
-  best.direction = ray.direction;
+  best.direction = direction;
   best.position = hit->point.position;
   best.normal = hit->point.normal;
   best.chart = hit->point.chart;
   best.level = hit->point.level;
   best.column = hit->point.column;
   best.row = hit->point.row;
-  best.front = glm::dot(best.normal, ray.direction) <= 0;
+  best.front = glm::dot(best.normal, direction) <= 0;
 }
 
 // The nearest hit; of a scene of one target without its tree.
@@ -425,6 +431,36 @@ Hit Scene::nearest_ground(const Ray& ray, const GroundBeams* beams) const {
     if (targets_[target].target->ground() != nullptr)
       meet_ground(target, local(ray, target), beams, best, limit);
   return best;
+}
+
+void Scene::nearest_ground(std::span<const Ray> rays, std::span<Hit> hits,
+                           const GroundBeams& beams) const {
+  assert(rays.size() == hits.size());
+  const auto is_alike = [&](const Ray& ray) {
+    return ray.origin == rays[0].origin && ray.frame == rays[0].frame && ray.min_distance == 0;
+  };
+  if (!std::ranges::all_of(rays, is_alike)) {
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = nearest_ground(rays[i], &beams);
+    return;
+  }
+  static thread_local std::vector<Vec3> directions;
+  static thread_local std::vector<double> limits;
+  static thread_local std::vector<std::optional<terrain::GroundHit>> found;
+  std::ranges::fill(hits, Hit{});
+  limits.clear();
+  for (const Ray& ray : rays) limits.push_back(ray.max_distance);
+  found.resize(rays.size());
+  for (const std::uint32_t target : visible_) {
+    const terrain::Ground* ground = targets_[target].target->ground();
+    if (ground == nullptr || rays.empty()) continue;
+    directions.clear();
+    for (const Ray& ray : rays) directions.push_back(local(ray, target).direction);
+    const auto& levels = ground_levels_[target];
+    ground->nearest(local(rays[0], target).origin, directions, limits, found,
+                    levels ? &*levels : nullptr, beam_of(&beams, target));
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      set_ground(target, directions[i], found[i], hits[i], limits[i]);
+  }
 }
 
 GroundBeams Scene::ground_beams(const terrain::RayBeam& rays, std::uint32_t frame) const {

@@ -197,6 +197,9 @@ class Scene {
   Hit nearest(const Ray& ray, Insides insides = Insides::pass) const;
   // The same of terrain alone.
   Hit nearest_ground(const Ray& ray, const GroundBeams* beams = nullptr) const;
+  // The same of rays of one beam and frame, as terrain::Ground::nearest() of several.
+  void nearest_ground(std::span<const Ray> rays, std::span<Hit> hits,
+                      const GroundBeams& beams) const;
   // Prepares answers to the rays of a beam of a frame as Ray::frame, which are quicker then.
   //
   // Expects: used before the next update.
@@ -242,6 +245,8 @@ class Scene {
   void place_targets();
   void meet_ground(std::uint32_t target, const geometry::Ray& ray, const GroundBeams* beams,
                    Hit& best, double& limit) const;
+  static void set_ground(std::uint32_t target, const Vec3& direction,
+                         const std::optional<terrain::GroundHit>& hit, Hit& best, double& limit);
   bool is_blocked_by_ground(std::uint32_t target, const geometry::Ray& ray,
                             const GroundBeams* beams) const;
   static const terrain::GroundBeam* beam_of(const GroundBeams* beams, std::uint32_t target);

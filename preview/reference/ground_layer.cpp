@@ -139,7 +139,13 @@ struct GroundView {
       for (std::uint32_t column = left; column < right; ++column) add_samples(column, row, samples);
     const trace::GroundBeams beams =
         scene.rays().ground_beams(beam_about(samples), trace::Ray::kObserver);
-    for (Sample& sample : samples) sample.hit = scene.rays().nearest_ground(sample.ray, &beams);
+    static thread_local std::vector<trace::Ray> rays;
+    static thread_local std::vector<trace::Hit> hits;
+    rays.clear();
+    for (const Sample& sample : samples) rays.push_back(sample.ray);
+    hits.resize(rays.size());
+    scene.rays().nearest_ground(rays, hits, beams);
+    for (std::size_t i = 0; i < hits.size(); ++i) samples[i].hit = hits[i];
     const trace::GroundBeams to_sun = sun_beams(samples);
     PathOptions lit = path;
     lit.beams = &to_sun;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "terrain/internal/tile_tree.h"
 #include "terrain/internal/tree_cache.h"
@@ -261,9 +262,9 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const std::uint8_t> refined,
   }
 }
 
-void ChartSurface::cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles,
-                        std::span<const std::uint8_t> squares, TreeCache& trees) const {
-  for (const GroundBeam::Tile& each : tiles) {
+void ChartSurface::cast(GroundWalk& walk, const BeamState& beam, TreeCache& trees) const {
+  const auto tiles = beam.of_chart(chart_);
+  for (const BeamState::Tile& each : tiles) {
     double entry = 0;
     if (each.entry > walk.most) return;
     const TerrainRay& ray = walk.ray;
@@ -274,17 +275,36 @@ void ChartSurface::cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tile
       continue;
     const TileTree& tree = trees.of(each.tile, *this);
     if (each.first < each.end)
-      tree.cast(walk, squares.subspan(each.first, each.end - each.first));
+      tree.cast(walk, beam.squares_of(each));
     else
       tree.cast(walk);
     if (walk.any && walk.best) return;
   }
 }
 
+// The nearest squares first: rays that have met something ask for nothing behind it.
+bool ChartSurface::cast(RayGrid& rays, const BeamState& beam, const AcceptPoint* accepts,
+                        TreeCache& trees) const {
+  static thread_local std::vector<TileTree::SeenSquare> squares;
+  squares.clear();
+  for (const BeamState::Tile& each : beam.of_chart(chart_))
+    trees.of(each.tile, *this).find(rays.pyramid(), each.tile, squares);
+  std::ranges::sort(squares, [](const TileTree::SeenSquare& a, const TileTree::SeenSquare& b) {
+    return std::tie(a.ahead, a.tile, a.code) < std::tie(b.ahead, b.tile, b.code);
+  });
+  std::size_t leaves = 0;
+  for (const TileTree::SeenSquare& each : squares) {
+    if (each.ahead > rays.farthest()) break;
+    leaves += trees.of(each.tile, *this).cast(rays, each, accepts);
+    if (leaves > rays.size()) return false;
+  }
+  return true;
+}
+
 // A ray of the beam that meets a box at a distance t is there within radius + t sine of a place of
 // the axis, which is no further than t from its origin.
 void ChartSurface::find(const TerrainBeam& beam, std::span<const std::uint8_t> refined,
-                        std::vector<GroundBeam::Tile>& out) const {
+                        std::vector<BeamState::Tile>& out) const {
   struct Entry {
     std::uint32_t level, column, row;
   };
@@ -314,7 +334,7 @@ void ChartSurface::find(const TerrainBeam& beam, std::span<const std::uint8_t> r
         stack[count++] = {level, c, r};
   }
   std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-            [](const GroundBeam::Tile& a, const GroundBeam::Tile& b) {
+            [](const BeamState::Tile& a, const BeamState::Tile& b) {
               return a.entry != b.entry ? a.entry < b.entry : a.tile < b.tile;
             });
 }

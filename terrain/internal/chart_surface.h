@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "terrain/ground.h"
+#include "terrain/internal/beam_tiles.h"
+#include "terrain/internal/ray_grid.h"
 #include "terrain/internal/slope_blocks.h"
 
 namespace panwright::terrain::internal {
@@ -116,12 +118,15 @@ class ChartSurface {
   //
   //   refined  by tile of the file, 0: it is fine enough; empty: level 0
   void cast(GroundWalk& walk, std::span<const std::uint8_t> refined, TreeCache& trees) const;
-  // The same among tiles, and their squares.
-  void cast(GroundWalk& walk, std::span<const GroundBeam::Tile> tiles,
-            std::span<const std::uint8_t> squares, TreeCache& trees) const;
+  // The same among tiles of a beam, and their squares.
+  void cast(GroundWalk& walk, const BeamState& beam, TreeCache& trees) const;
+  // Takes the nearest triangles of rays among tiles of a beam. False: it takes fewer rays than
+  // cells.
+  bool cast(RayGrid& rays, const BeamState& beam, const AcceptPoint* accepts,
+            TreeCache& trees) const;
   // Adds the tiles that rays of a beam may meet, from the nearest.
   void find(const TerrainBeam& beam, std::span<const std::uint8_t> refined,
-            std::vector<GroundBeam::Tile>& out) const;
+            std::vector<BeamState::Tile>& out) const;
   // Sets the nearest accepted triangle of level 0.
   void approach(GroundApproach& walk, TreeCache& trees) const;
   SmoothGround smooth(const GroundPoint& point) const;

@@ -2,38 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 
 #include "geometry/mesh/closest.h"
+#include "terrain/internal/lanes.h"
 
 namespace panwright::terrain::internal {
 
 namespace {
-
-typedef float F4 __attribute__((vector_size(16)));
-typedef std::int32_t I4 __attribute__((vector_size(16)));
-
-F4 load(const std::array<float, 4>& from) {
-  F4 out;
-  std::memcpy(&out, from.data(), sizeof out);
-  return out;
-}
 
 // Narrows the parts of rays to those between two planes.
 inline void narrow(const F4& a, const F4& b, F4& in, F4& out) {
   const F4 low = a < b ? a : b, high = a < b ? b : a;
   in = in > low ? in : low;
   out = out < high ? out : high;
-}
-
-// Every second bit.
-std::uint32_t gather(std::uint32_t v) {
-  v &= 0x5555;
-  v = (v | v >> 1) & 0x3333;
-  v = (v | v >> 2) & 0x0f0f;
-  return (v | v >> 4) & 0x00ff;
 }
 
 // Distance at which a ray meets a triangle, from either side; its edges are widened by a share.
@@ -78,9 +61,9 @@ struct TileTree::Local {
   // Narrows parts of the ray to those in boxes, widened, and returns whether any is left.
   I4 meet(const Boxes& boxes, float wider, F4& in, F4& out) const {
     for (std::size_t k = 0; k < 3; ++k)
-      narrow((load(boxes.low[k]) - (from[k] + wider)) * inverse[k],
-             (load(boxes.high[k]) - (from[k] - wider)) * inverse[k], in, out);
-    return (in <= out) & (load(boxes.low[0]) <= load(boxes.high[0]));
+      narrow((lanes(boxes.low[k]) - (from[k] + wider)) * inverse[k],
+             (lanes(boxes.high[k]) - (from[k] - wider)) * inverse[k], in, out);
+    return (in <= out) & (lanes(boxes.low[0]) <= lanes(boxes.high[0]));
   }
   // of a walk
   float most(const GroundWalk& walk) const {
@@ -100,7 +83,7 @@ struct TileTree::SquareRay {
   //   cells  on a side of a box; x_at, y_at: cell of the first, in the square
   I4 meet(const Heights& heights, float cells, float x_at, float y_at, F4& in) const {
     constexpr F4 kRight = {0, 1, 0, 1}, kDown = {0, 0, 1, 1};
-    const F4 low = load(heights.low), high = load(heights.high);
+    const F4 low = lanes(heights.low), high = lanes(heights.high);
     const F4 x = x_at + cells * kRight - from[0], y = y_at + cells * kDown - from[1];
     F4 out = F4{} + most;
     in = F4{} + least;
@@ -429,6 +412,13 @@ bool TileTree::falls_behind(const Square& square, const std::array<float, 3>& ax
     rise += (std::fabs(along) + turn) * square.steps[k];
   }
   return false;
+}
+
+void TileTree::cast(GroundWalk& walk, std::uint32_t x, std::uint32_t y) const {
+  Local local;
+  local.shift = glm::dot(centre_ - walk.ray.origin, walk.ray.direction);
+  local.origin = walk.ray.origin + local.shift * walk.ray.direction;
+  meet_cell(walk, local, x, y);
 }
 
 // Boxes are widened by what rays of the beam are off its axis, there where they are farthest.

@@ -25,6 +25,14 @@ constexpr std::uint32_t spread(std::uint32_t v) {
   return (v | v << 1) & 0x5555;
 }
 
+// Every second bit.
+constexpr std::uint32_t gather(std::uint32_t v) {
+  v &= 0x5555;
+  v = (v | v >> 1) & 0x3333;
+  v = (v | v >> 2) & 0x0f0f;
+  return (v | v >> 4) & 0x00ff;
+}
+
 // Boxes of squares of 16 x 16 cells, in the axes of the tile's middle. Within each square least and
 // largest heights of 2 x 2 cells and more, in axes along columns, rows and upwards. They only leave
 // out triangles: those that remain are met in double.
@@ -47,6 +55,17 @@ class TileTree {
   void cast(GroundWalk& walk, std::span<const std::uint8_t> squares) const;
   // Adds the squares that rays of a beam may meet, in Morton order, from the nearest.
   void find(const TerrainBeam& beam, std::vector<std::uint8_t>& out) const;
+  // Square that a pyramid of rays may meet.
+  struct SeenSquare {
+    double ahead;  // metres along its axis, at least
+    std::uint32_t tile;
+    std::uint8_t code;  // in Morton order
+  };
+  void find(const RayPyramid& rays, std::uint32_t tile, std::vector<SeenSquare>& out) const;
+  // Takes the nearest triangles of rays in a square. Returns how many leaves were looked at.
+  std::size_t cast(RayGrid& rays, const SeenSquare& square, const AcceptPoint* accepts) const;
+  // The nearest hit of a ray in a cell of the tile.
+  void cast(GroundWalk& walk, std::uint32_t x, std::uint32_t y) const;
   // Nearest triangle to a point, nearer than walk.squared.
   void approach(GroundApproach& walk) const;
 
@@ -72,6 +91,7 @@ class TileTree {
     float lean;                  // slope, at most, of the ground without relief
   };
   struct Local;
+  struct Sides;
   struct SquareRay;
   struct Lattice;
 
@@ -96,6 +116,8 @@ class TileTree {
   void approach_square(GroundApproach& walk, const Vec3& from, std::uint32_t code, std::uint32_t x,
                        std::uint32_t y) const;
   void approach_cell(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const;
+  void cast_leaf(RayGrid& rays, const SeenSquare& square, std::uint32_t x, std::uint32_t y,
+                 const AcceptPoint* accepts) const;
   // Calls visit(corners, triangle) for those of a cell, until it returns true.
   template <class Visit>
   bool visit_cell(std::uint32_t x, std::uint32_t y, Visit&& visit) const;
