@@ -1,6 +1,7 @@
 #include "terrain/internal/chart_surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 
@@ -31,10 +32,22 @@ Vec3 normal_of(const std::array<Vec3, 3>& corners) {
   return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
 }
 
+std::atomic<std::uint64_t> surfaces{0};
+
 }  // namespace
 
+CellPosts& ChartSurface::slot(std::uint32_t column, std::uint32_t row) {
+  constexpr std::uint32_t kColumns = 32, kRows = 16;
+  static thread_local std::vector<CellPosts> cells(std::size_t{kColumns} * kRows);
+  return cells[row % kRows * kColumns + column % kColumns];
+}
+
 ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t fine_tiles)
-    : tiles_(&tiles), chart_(chart), record_(&tiles.charts()[chart]), map_(tiles.map(chart)) {
+    : tiles_(&tiles),
+      chart_(chart),
+      number_(++surfaces),
+      record_(&tiles.charts()[chart]),
+      map_(tiles.map(chart)) {
   for (std::uint32_t k = 0; k < record_->levels; ++k) first_.push_back(tiles.index(chart, k, 0, 0));
   is_sphere_ = record_->radius == record_->polar_radius;
   is_large_ =
@@ -459,11 +472,38 @@ void ChartSurface::set_posts(const GroundPoint& point, Vec3 (&grid)[4][4]) const
         grid[j][i] = beside.at(std::int64_t{point.column} + i - 1, std::int64_t{point.row} + j - 1);
 }
 
-SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
+// Of posts by those beside them; none at a pole, or beside voids.
+void ChartSurface::set_normals(const GroundPoint& point, CellPosts& cell) const {
   Vec3 grid[4][4];
   set_posts(point, grid);
-  const Vec3 &a = grid[1][1], &d = grid[2][2];
-  const Vec3& side = point.triangle == 0 ? grid[1][2] : grid[2][1];
+  const auto apart = [](const Vec3& before, const Vec3& here, const Vec3& after) {
+    return (std::isnan(after.x) ? here : after) - (std::isnan(before.x) ? here : before);
+  };
+  cell.surface = number_;
+  cell.level = point.level;
+  cell.column = point.column;
+  cell.row = point.row;
+  cell.state = CellPosts::Normals::known;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t i = k % 2, j = k / 2;
+    const Vec3& here = cell.posts[k] = grid[j + 1][i + 1];
+    const Vec3 right = apart(grid[j + 1][i], here, grid[j + 1][i + 2]),
+               below = apart(grid[j][i + 1], here, grid[j + 2][i + 1]);
+    const Vec3 normal = glm::cross(below, right);
+    const double length = std::sqrt(glm::dot(normal, normal));
+    if (!(length > 0)) cell.state = CellPosts::Normals::none;
+    cell.normals[k] = normal / length;
+  }
+}
+
+SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
+  CellPosts& cell = slot(point.column, point.row);
+  if (cell.state == CellPosts::Normals::unknown || cell.surface != number_ ||
+      cell.column != point.column || cell.row != point.row || cell.level != point.level)
+    set_normals(point, cell);
+  if (cell.state == CellPosts::Normals::none) return {point.normal, 0};
+  const Vec3 &a = cell.posts[0], &d = cell.posts[3];
+  const Vec3& side = point.triangle == 0 ? cell.posts[1] : cell.posts[2];
   // shares of the point along the cell, by areas in its triangle
   const Vec3 along = side - a, across = d - a, off = point.position - a;
   const double ss = glm::dot(along, along), sd = glm::dot(along, across),
@@ -473,24 +513,13 @@ SmoothGround ChartSurface::smooth(const GroundPoint& point) const {
                second = std::clamp((ss * od - sd * os) / whole, 0.0, 1.0);
   const double u = second + (point.triangle == 0 ? first : 0),
                v = second + (point.triangle == 0 ? 0 : first);
-  const double weights[2][2] = {{(1 - u) * (1 - v), u * (1 - v)}, {(1 - u) * v, u * v}};
-  const auto apart = [](const Vec3& before, const Vec3& here, const Vec3& after) {
-    return (std::isnan(after.x) ? here : after) - (std::isnan(before.x) ? here : before);
-  };
+  const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
   Vec3 sum(0), up(0);
-  for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) {
-      const Vec3& here = grid[j + 1][i + 1];
-      const Vec3 right = apart(grid[j + 1][i], here, grid[j + 1][i + 2]),
-                 below = apart(grid[j][i + 1], here, grid[j + 2][i + 1]);
-      const Vec3 normal = glm::cross(below, right);
-      const double length = std::sqrt(glm::dot(normal, normal));
-      // at a pole, or beside voids
-      if (!(length > 0)) return {point.normal, 0};
-      const Vec3 unit = normal / length;
-      sum += weights[j][i] * unit;
-      up += weights[j][i] * glm::dot(here - point.position, unit) * unit;
-    }
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec3& unit = cell.normals[k];
+    sum += weights[k] * unit;
+    up += weights[k] * glm::dot(cell.posts[k] - point.position, unit) * unit;
+  }
   const double length = std::sqrt(glm::dot(sum, sum));
   if (!(length > 0)) return {point.normal, 0};
   const Vec3 normal = sum / length;

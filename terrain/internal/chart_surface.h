@@ -66,6 +66,14 @@ struct GroundApproach {
   Vec3 nearest{0};  // on its triangle
 };
 
+// Cell of a level.
+struct CellPosts {
+  std::uint64_t surface = 0;  // its number; 0: none
+  std::uint32_t level = 0, column = 0, row = 0;
+  enum class Normals : std::uint8_t { unknown, none, known } state = Normals::unknown;
+  std::array<Vec3, 4> posts, normals;  // row by row; unit
+};
+
 class ChartSurface {
  public:  // fine_tiles: as of Ground.
   ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t fine_tiles);
@@ -111,6 +119,24 @@ class ChartSurface {
     }
   }
 
+  // Cell with its posts, until the next call of this thread; kept for a while.
+  //
+  //   height  as of posts()
+  template <class Height>
+  const CellPosts& cell(std::uint32_t level, std::uint32_t column, std::uint32_t row,
+                        const Height& height) const {
+    CellPosts& out = slot(column, row);
+    if (out.surface == number_ && out.column == column && out.row == row && out.level == level)
+      return out;
+    posts(level, column, row, 2, 2, height, out.posts.data());
+    out.level = level;
+    out.column = column;
+    out.row = row;
+    out.state = CellPosts::Normals::unknown;
+    out.surface = number_;
+    return out;
+  }
+
   GroundPoint at(const LatLon& place) const;
   // Place of a body-fixed point; of a plane x and y.
   LatLon place_of(const Vec3& position) const;
@@ -148,6 +174,9 @@ class ChartSurface {
     double radius = 0;
   };
 
+  // Of cells nearby each has its own.
+  static CellPosts& slot(std::uint32_t column, std::uint32_t row);
+  void set_normals(const GroundPoint& point, CellPosts& cell) const;
   Vec3 post(PostIndex index, double height) const;
   Vec3 vertical(PostIndex index) const;       // unit
   double radius(const Vec3& vertical) const;  // of the ellipsoid, metres
@@ -172,6 +201,7 @@ class ChartSurface {
 
   const Tiles* tiles_;
   std::uint32_t chart_;
+  std::uint64_t number_;  // of this surface alone
   const ChartRecord* record_;
   Map map_;
   std::vector<std::uint32_t> first_;  // tile of each level

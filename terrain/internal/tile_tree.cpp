@@ -97,19 +97,19 @@ struct TileTree::SquareRay {
 
 template <class Visit>
 bool TileTree::visit_cell(std::uint32_t x, std::uint32_t y, Visit&& visit) const {
-  Vec3 corners[4];
-  if (points_.empty()) {
-    const auto height = [&](std::uint32_t i, std::uint32_t j) {
-      return height_of(view_, x + i, y + j);
-    };
-    surface_->posts(level_, x0_ + x, y0_ + y, 2, 2, height, corners);
-  } else {
-    for (std::uint32_t k = 0; k < 4; ++k)
-      corners[k] = points_[(y + k / 2) * kTilePosts + x + k % 2];
+  const auto visit_both = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    // counter-clockwise from outside: rows run to the south
+    return visit(a, d, b, 0u) || visit(a, c, d, 1u);
+  };
+  if (!points_.empty()) {
+    const Vec3* const row = &points_[y * kTilePosts + x];
+    return visit_both(row[0], row[1], row[kTilePosts], row[kTilePosts + 1]);
   }
-  const Vec3 &a = corners[0], &b = corners[1], &c = corners[2], &d = corners[3];
-  // counter-clockwise from outside: rows run to the south
-  return visit(a, d, b, 0u) || visit(a, c, d, 1u);
+  const auto height = [&](std::uint32_t i, std::uint32_t j) {
+    return height_of(view_, x + i, y + j);
+  };
+  const auto& [a, b, c, d] = surface_->cell(level_, x0_ + x, y0_ + y, height).posts;
+  return visit_both(a, b, c, d);
 }
 
 void TileTree::meet_cell(GroundWalk& walk, const Local& local, std::uint32_t x,
