@@ -74,34 +74,9 @@ FORMULA Real log_one_plus(Real x) {
   Real k = Real(0);
   // 1 + x = 2^k (1 + d), |d| small
   if (x > Real(0.41421356)) {
-    if (y >= Real(18446744073709551616.0)) {
-      y = y * Real(5.421010862427522e-20);
-      k = k + Real(64);
-    }
-    if (y >= Real(4294967296.0)) {
-      y = y * Real(2.3283064365386963e-10);
-      k = k + Real(32);
-    }
-    if (y >= Real(65536)) {
-      y = y * Real(1.52587890625e-5);
-      k = k + Real(16);
-    }
-    if (y >= Real(256)) {
-      y = y * Real(0.00390625);
-      k = k + Real(8);
-    }
-    if (y >= Real(16)) {
-      y = y * Real(0.0625);
-      k = k + Real(4);
-    }
-    if (y >= Real(4)) {
-      y = y * Real(0.25);
-      k = k + Real(2);
-    }
-    if (y >= Real(2)) {
-      y = y * Real(0.5);
-      k = k + Real(1);
-    }
+    int whole = exponent_of(y);
+    y = ldexp(y, -whole);
+    k = Real(whole);
     if (y > Real(1.41421356)) {
       y = y * Real(0.5);
       k = k + Real(1);

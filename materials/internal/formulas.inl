@@ -13,6 +13,13 @@ inline Real ldexp(Real a, int k) {
   constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
   return a * std::bit_cast<Real>(static_cast<Bits>(kBias + k) << kDigits);
 }
+// k of 2^k <= a < 2^(k + 1). Expects: normal, > 0.
+inline int exponent_of(Real a) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+  constexpr int kDigits = std::numeric_limits<Real>::digits - 1;
+  constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
+  return static_cast<int>(std::bit_cast<Bits>(a) >> kDigits) - kBias;
+}
 
 #define FORMULA inline
 // BRDFs take their parameters by value in GLSL, by reference here

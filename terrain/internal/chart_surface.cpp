@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "terrain/internal/tile_tree.h"
 #include "terrain/internal/tree_cache.h"
@@ -295,21 +295,28 @@ void ChartSurface::cast(GroundWalk& walk, const BeamState& beam, TreeCache& tree
   }
 }
 
-// The nearest squares first: rays that have met something ask for nothing behind it.
+// The nearest tiles and squares first: rays that have met something ask for nothing behind it.
 bool ChartSurface::cast(RayGrid& rays, const BeamState& beam, const AcceptPoint* accepts,
                         TreeCache& trees) const {
   static thread_local std::vector<TileTree::SeenSquare> squares;
-  squares.clear();
-  for (const BeamState::Tile& each : beam.of_chart(chart_))
-    trees.of(each.tile, *this).find(rays.pyramid(), each.tile, squares);
-  std::ranges::sort(squares, [](const TileTree::SeenSquare& a, const TileTree::SeenSquare& b) {
-    return std::tie(a.ahead, a.tile, a.code) < std::tie(b.ahead, b.tile, b.code);
-  });
+  constexpr double kFew = 1.8;
   std::size_t leaves = 0;
-  for (const TileTree::SeenSquare& each : squares) {
-    if (each.ahead > rays.farthest()) break;
-    leaves += trees.of(each.tile, *this).cast(rays, each, accepts);
-    if (leaves > rays.size()) return false;
+  double farthest = rays.farthest();
+  for (const BeamState::Tile& each : beam.of_chart(chart_)) {
+    if (each.entry > farthest) break;
+    const TileTree& tree = trees.of(each.tile, *this);
+    squares.clear();
+    tree.find(rays.pyramid(), squares);
+    std::ranges::sort(squares, {}, [](const TileTree::SeenSquare& square) {
+      return std::pair(square.ahead, square.code);
+    });
+    for (const TileTree::SeenSquare& square : squares) {
+      if (square.ahead > farthest) break;
+      if (tree.rays_of_leaf(rays, square) < kFew) return false;
+      leaves += tree.cast(rays, each.tile, square.code, accepts);
+      if (leaves > rays.size()) return false;
+      farthest = rays.farthest();
+    }
   }
   return true;
 }

@@ -36,6 +36,8 @@ class RayGrid {
            std::span<const double> most);
   const RayPyramid& pyramid() const { return pyramid_; }
   std::size_t size() const { return order_.size(); }
+  // Rays of a unit square of a plane, a unit along the axis.
+  double density() const { return double(size()) * u_scale_ * v_scale_ / (kSide * kSide); }
   // Metres: no ray asks for more.
   double farthest() const;
 

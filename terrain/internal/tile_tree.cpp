@@ -77,6 +77,14 @@ struct TileTree::SquareRay {
   std::array<float, 3> pad;
   float least, most;
   std::uint32_t x, y;  // first cell of the square
+  std::array<float, 3> direction;
+  float lean;
+  bool even;  // steps of posts are those of its cells
+
+  // Whether it rises faster than ground with steps, metres, along its cells.
+  bool rises_over(float across, float down) const {
+    return direction[2] > lean + std::fabs(direction[0]) * across + std::fabs(direction[1]) * down;
+  }
 
   // Sets where the ray is in boxes, a lane each, and returns whether it is.
   //
@@ -150,6 +158,16 @@ void TileTree::meet_leaf(GroundWalk& walk, const Local& local, const SquareRay& 
       }
   F4 in;
   const I4 found = ray.meet(heights, 1, static_cast<float>(x), static_cast<float>(y), in);
+  if (walk.leaves_ground && ray.even && (found[0] | found[1] | found[2] | found[3]) != 0) {
+    // as of its square, by its own steps
+    float across = 0, down = 0;
+    for (std::uint32_t j = 0; j <= rows; ++j)
+      for (std::uint32_t i = 0; i <= columns; ++i) {
+        if (i < columns) across = std::max(across, std::fabs(posts[j][i + 1] - posts[j][i]));
+        if (j < rows) down = std::max(down, std::fabs(posts[j + 1][i] - posts[j][i]));
+      }
+    if (ray.rises_over(kUneven * across, kUneven * down)) return;
+  }
   for (std::uint32_t c = 0; c < 4; ++c) {
     if (!found[c]) continue;
     meet_cell(walk, local, left + c % 2, top + c / 2);
@@ -169,22 +187,19 @@ void TileTree::cast_square(GroundWalk& walk, const Local& local, std::uint32_t c
     return;
   }
   SquareRay ray;
-  float rise = square.lean;  // of the ground along the ray, at most
   for (std::size_t k = 0; k < 3; ++k) {
     const auto& to = square.to[k];
     ray.from[k] = to[0] * (local.from[0] - square.origin[0]) +
                   to[1] * (local.from[1] - square.origin[1]) +
                   to[2] * (local.from[2] - square.origin[2]);
-    const float d =
+    const float d = ray.direction[k] =
         to[0] * local.direction[0] + to[1] * local.direction[1] + to[2] * local.direction[2];
-    const float size = std::fabs(d);
-    if (k < 2)
-      rise += size * square.steps[k];
-    else if (walk.leaves_ground && d > rise)
-      return;
     // finite, so that nothing becomes NaN
-    ray.inverse[k] = 1 / (size > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
+    ray.inverse[k] = 1 / (std::fabs(d) > 1e-20f ? d : d < 0 ? -1e-20f : 1e-20f);
   }
+  ray.lean = square.lean;
+  ray.even = square.steps[0] < kFar && square.steps[1] < kFar;
+  if (walk.leaves_ground && ray.rises_over(square.steps[0], square.steps[1])) return;
   ray.pad = square.pad;
   ray.least = local.least;
   ray.most = most;

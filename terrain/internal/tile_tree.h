@@ -57,13 +57,15 @@ class TileTree {
   void find(const TerrainBeam& beam, std::vector<std::uint8_t>& out) const;
   // Square that a pyramid of rays may meet.
   struct SeenSquare {
-    double ahead;  // metres along its axis, at least
-    std::uint32_t tile;
+    double ahead;       // metres along its axis, at least
     std::uint8_t code;  // in Morton order
   };
-  void find(const RayPyramid& rays, std::uint32_t tile, std::vector<SeenSquare>& out) const;
+  void find(const RayPyramid& rays, std::vector<SeenSquare>& out) const;
+  // Rays, on average, that a leaf of a square has before it.
+  double rays_of_leaf(const RayGrid& rays, const SeenSquare& square) const;
   // Takes the nearest triangles of rays in a square. Returns how many leaves were looked at.
-  std::size_t cast(RayGrid& rays, const SeenSquare& square, const AcceptPoint* accepts) const;
+  std::size_t cast(RayGrid& rays, std::uint32_t tile, std::uint8_t square,
+                   const AcceptPoint* accepts) const;
   // The nearest hit of a ray in a cell of the tile.
   void cast(GroundWalk& walk, std::uint32_t x, std::uint32_t y) const;
   // Nearest triangle to a point, nearer than walk.squared.
@@ -71,6 +73,7 @@ class TileTree {
 
  private:
   static constexpr std::uint32_t kLeafCells = 2, kSquareCells = 16, kSquareDepth = 4;
+  static constexpr float kUneven = 1.1f;  // of cells to one another, at most
   static constexpr std::uint32_t kSquares = kTileCells / kSquareCells;  // on a side
   static constexpr std::uint32_t kHeightNodes = kSquares * kSquares * (1 + 4 + 16);
 
@@ -116,7 +119,7 @@ class TileTree {
   void approach_square(GroundApproach& walk, const Vec3& from, std::uint32_t code, std::uint32_t x,
                        std::uint32_t y) const;
   void approach_cell(GroundApproach& walk, std::uint32_t x, std::uint32_t y) const;
-  void cast_leaf(RayGrid& rays, const SeenSquare& square, std::uint32_t x, std::uint32_t y,
+  void cast_leaf(RayGrid& rays, std::uint32_t tile, std::uint32_t left, std::uint32_t top,
                  const AcceptPoint* accepts) const;
   // Calls visit(corners, triangle) for those of a cell, until it returns true.
   template <class Visit>

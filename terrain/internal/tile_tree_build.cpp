@@ -196,7 +196,7 @@ AxisBox TileTree::build_square(const Lattice& lattice, std::uint32_t x, std::uin
     }
     if (k < 2) {
       // cells differ by less than a tenth where posts lie near these axes
-      square.steps[i] = pad < 0.3 ? 1.1f * square.steps[i] : kFar;
+      square.steps[i] = pad < 0.3 ? kUneven * square.steps[i] : kFar;
       slope += length * double(square.steps[i]);
     } else {
       const double lean = 2 * turned + 1e-3;

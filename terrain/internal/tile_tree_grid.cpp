@@ -30,8 +30,7 @@ struct TileTree::Sides {
   }
 };
 
-void TileTree::find(const RayPyramid& rays, std::uint32_t tile,
-                    std::vector<SeenSquare>& out) const {
+void TileTree::find(const RayPyramid& rays, std::vector<SeenSquare>& out) const {
   if (nodes_.empty()) return;
   const Vec3 to = centre_ - rays.origin;
   Sides sides;
@@ -68,14 +67,24 @@ void TileTree::find(const RayPyramid& rays, std::uint32_t tile,
         const double by = ahead[static_cast<int>(k)];
         least += by * double(by > 0 ? low[k][c] : high[k][c]);
       }
-      out.push_back({least, tile, static_cast<std::uint8_t>(child - kFirstSquare)});
+      out.push_back({least, static_cast<std::uint8_t>(child - kFirstSquare)});
     }
   }
 }
 
-std::size_t TileTree::cast(RayGrid& rays, const SeenSquare& seen,
+double TileTree::rays_of_leaf(const RayGrid& rays, const SeenSquare& seen) const {
+  const auto& [across, down, up] = squares_[seen.code].from;
+  const auto vec = [](const std::array<float, 3>& a) { return Vec3(a[0], a[1], a[2]); };
+  const double area = glm::dot(glm::cross(vec(across), vec(down)), axes_ * rays.pyramid().axis);
+  const double away = std::max(seen.ahead, 1e-3);
+  return rays.density() * std::fabs(area) * (kLeafCells * kLeafCells) / (away * away);
+}
+
+std::size_t TileTree::cast(RayGrid& rays, std::uint32_t tile, std::uint8_t code,
                            const AcceptPoint* accepts) const {
-  const Square& square = squares_[seen.code];
+  const Square& square = squares_[code];
+  const std::uint32_t left = gather(code) * kSquareCells,
+                      top = gather(std::uint32_t{code} >> 1) * kSquareCells;
   const Vec3 to = centre_ - rays.pyramid().origin;
   Sides sides;
   for (std::size_t s = 0; s < 5; ++s) {
@@ -100,11 +109,11 @@ std::size_t TileTree::cast(RayGrid& rays, const SeenSquare& seen,
   };
   std::array<Entry, 3 * 3 + 4> stack;
   std::size_t count = 0;
-  stack[count++] = {seen.code, kSquareDepth, 0, 0};
+  stack[count++] = {code, kSquareDepth, 0, 0};
   while (count > 0) {
     const Entry entry = stack[--count];
     if (entry.depth == kSquareDepth + 3) {
-      cast_leaf(rays, seen, entry.x, entry.y, accepts);
+      cast_leaf(rays, tile, left + entry.x, top + entry.y, accepts);
       ++leaves;
       continue;
     }
@@ -127,10 +136,8 @@ std::size_t TileTree::cast(RayGrid& rays, const SeenSquare& seen,
   return leaves;
 }
 
-void TileTree::cast_leaf(RayGrid& rays, const SeenSquare& square, std::uint32_t x, std::uint32_t y,
+void TileTree::cast_leaf(RayGrid& rays, std::uint32_t tile, std::uint32_t left, std::uint32_t top,
                          const AcceptPoint* accepts) const {
-  const std::uint32_t left = gather(square.code) * kSquareCells + x,
-                      top = gather(std::uint32_t{square.code} >> 1) * kSquareCells + y;
   const std::uint32_t columns = std::min(kLeafCells, nx_ - left),
                       rows = std::min(kLeafCells, ny_ - top);
   Vec3 posts[(kLeafCells + 1) * (kLeafCells + 1)];
@@ -152,7 +159,7 @@ void TileTree::cast_leaf(RayGrid& rays, const SeenSquare& square, std::uint32_t 
   for (std::uint32_t j = 0; j < rows; ++j)
     for (std::uint32_t i = 0; i < columns; ++i) {
       const SeenPost *a = &seen[j * (columns + 1) + i], *c = a + columns + 1;
-      const RayGrid::Cell cell{square.tile, static_cast<std::uint16_t>(left + i),
+      const RayGrid::Cell cell{tile, static_cast<std::uint16_t>(left + i),
                                static_cast<std::uint16_t>(top + j)};
       rays.meet(a[0], c[1], a[1], edge, cell, accepts);
       rays.meet(a[0], c[0], c[1], edge, cell, accepts);
