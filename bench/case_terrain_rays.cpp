@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -124,6 +125,47 @@ void add_normals(const Site& site, const terrain::Ground& ground, Row row,
   context.add(row);
 }
 
+// Rays of squares of 16 x 16 pixels together; their error: those that were answered otherwise than
+// one by one.
+void add_squares(Row row, const terrain::Ground& ground, const Vec3& eye,
+                 const std::function<Vec3(std::uint32_t, std::uint32_t)>& direction,
+                 const terrain::GroundLevels* levels,
+                 std::span<const std::optional<terrain::GroundHit>> alone, std::uint32_t width,
+                 Context& context) {
+  constexpr std::uint32_t kSide = 16;
+  const auto rows = static_cast<std::uint32_t>(alone.size() / width);
+  const std::uint32_t across = (width + kSide - 1) / kSide, down = (rows + kSide - 1) / kSide;
+  std::vector<std::optional<terrain::GroundHit>> hits(alone.size());
+  const auto cast = [&](std::size_t square) {
+    const auto left = static_cast<std::uint32_t>(square % across) * kSide,
+               top = static_cast<std::uint32_t>(square / across) * kSide;
+    const std::uint32_t right = std::min(left + kSide, width), bottom = std::min(top + kSide, rows);
+    std::vector<Vec3> directions;
+    for (std::uint32_t j = top; j < bottom; ++j)
+      for (std::uint32_t i = left; i < right; ++i) directions.push_back(direction(i, j));
+    const Vec3 axis = glm::normalize(directions.front() + directions.back());
+    const double angle = 1.1 * std::acos(glm::dot(axis, directions.front()));
+    const auto beam = ground.beam({eye, 0, axis, angle}, levels);
+    const std::vector<double> most(directions.size(), 1e9);
+    std::vector<std::optional<terrain::GroundHit>> found(directions.size());
+    ground.nearest(eye, directions, most, found, levels, beam ? &*beam : nullptr);
+    auto next = found.begin();
+    for (std::uint32_t j = top; j < bottom; ++j)
+      for (std::uint32_t i = left; i < right; ++i) hits[std::size_t{j} * width + i] = *next++;
+  };
+  row.setting += ", squares of 16 x 16 together";
+  row.error_unit = "rays";
+  row.reference = "one by one";
+  row.must_error = 0;
+  set_rate(row, timed([&] { parallel_for(std::size_t{across} * down, cast); }, context.runs()),
+           double(hits.size()) / 1e6);
+  row.error = 0;
+  for (std::size_t k = 0; k < hits.size(); ++k)
+    row.error += hits[k].has_value() != alone[k].has_value() ||
+                 (hits[k] && hits[k]->distance != alone[k]->distance);
+  context.add(row);
+}
+
 void add_view(const Site& site, const terrain::Ground& ground, double height, bool levels,
               Context& context) {
   const std::uint32_t width = context.quick() ? 64 : 640, rows = context.quick() ? 36 : 360;
@@ -172,6 +214,7 @@ void add_view(const Site& site, const terrain::Ground& ground, double height, bo
     row.error = std::max(row.error, levels ? off / hits[k]->distance * 2 * focal * corner : off);
   }
   context.add(row);
+  add_squares(row, ground, view.eye, direction, used, hits, width, context);
   if (levels) return;
   if (site.map == nullptr) add_normals(site, ground, row, hits, width, context);
   // to a Sun 10 degrees high

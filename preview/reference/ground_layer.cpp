@@ -139,6 +139,27 @@ struct GroundView {
       for (std::uint32_t column = left; column < right; ++column) add_samples(column, row, samples);
     const trace::GroundBeams beams =
         scene.rays().ground_beams(beam_about(samples), trace::Ray::kObserver);
+    meet(samples, beams);
+    const trace::GroundBeams to_sun = sun_beams(samples);
+    PathOptions lit = path;
+    lit.beams = &to_sun;
+    static thread_local std::vector<Sample> centres;
+    centres.clear();
+    for (auto next = samples.begin(); next != samples.end();) {
+      const auto begin = next;
+      while (next != samples.end() && next->column == begin->column && next->row == begin->row)
+        ++next;
+      if (!add_pixel({begin, next}, lit, depths, image) || !options.truth) continue;
+      if (const auto ray = view_ray(camera, {begin->column + 0.5, begin->row + 0.5}))
+        centres.push_back(
+            {{*ray, trace::Ray::kObserver}, begin->hit, begin->column, begin->row, 0, Vec2(0)});
+    }
+    // the only sample of a pixel is its centre
+    if (options.samples > 1 || options.psf_sigma > 0) meet(centres, beams);
+    for (const Sample& centre : centres) set_truth(centre, image);
+  }
+
+  void meet(std::span<Sample> samples, const trace::GroundBeams& beams) const {
     static thread_local std::vector<trace::Ray> rays;
     static thread_local std::vector<trace::Hit> hits;
     rays.clear();
@@ -146,25 +167,16 @@ struct GroundView {
     hits.resize(rays.size());
     scene.rays().nearest_ground(rays, hits, beams);
     for (std::size_t i = 0; i < hits.size(); ++i) samples[i].hit = hits[i];
-    const trace::GroundBeams to_sun = sun_beams(samples);
-    PathOptions lit = path;
-    lit.beams = &to_sun;
-    for (auto next = samples.begin(); next != samples.end();) {
-      const auto begin = next;
-      while (next != samples.end() && next->column == begin->column && next->row == begin->row)
-        ++next;
-      add_pixel({begin, next}, lit, &beams, depths, image);
-    }
   }
 
-  void add_pixel(std::span<const Sample> samples, const PathOptions& lit,
-                 const trace::GroundBeams* beams, std::span<const float> depths,
-                 image::Image& image) const {
+  // Returns whether terrain is in it.
+  bool add_pixel(std::span<const Sample> samples, const PathOptions& lit,
+                 std::span<const float> depths, image::Image& image) const {
     const std::uint32_t column = samples[0].column, row = samples[0].row;
     const std::size_t pixel = std::size_t{row} * image.width + column;
     const float covered = image.coverage[pixel];
     const Sums sums = this->pixel(samples, covered > 0 ? double(depths[pixel]) : 0, lit);
-    if (sums.before_share + sums.behind_share == 0) return;
+    if (sums.before_share + sums.behind_share == 0) return false;
     const double left = 1 - sums.before_share, open = 1 - double(covered);
     for (std::size_t k = 0; k < 3; ++k) {
       const auto i = static_cast<int>(k);
@@ -173,7 +185,7 @@ struct GroundView {
     }
     image.coverage[pixel] = static_cast<float>(
         std::min(1.0, double(covered) * left + sums.before_share + open * sums.behind_share));
-    if (options.truth) set_truth(pixel, column, row, beams, image);
+    return true;
   }
 
   static terrain::RayBeam beam_about(std::span<const Sample> samples) {
@@ -189,12 +201,11 @@ struct GroundView {
             0.65 * directions.diagonal()};
   }
 
-  void set_truth(std::size_t pixel, std::uint32_t column, std::uint32_t row,
-                 const trace::GroundBeams* beams, image::Image& image) const {
-    const auto ray = view_ray(camera, {column + 0.5, row + 0.5});
-    if (!ray) return;
-    const trace::Hit hit = scene.rays().nearest_ground({*ray, trace::Ray::kObserver}, beams);
-    const double depth = ray->origin.z + hit.distance * ray->direction.z;
+  // centre: of a pixel
+  void set_truth(const Sample& centre, image::Image& image) const {
+    const std::size_t pixel = std::size_t{centre.row} * image.width + centre.column;
+    const trace::Hit& hit = centre.hit;
+    const double depth = centre.ray.origin.z + hit.distance * centre.ray.direction.z;
     if (!hit || !(depth < double(image.depth[pixel]))) return;
     const trace::Scene::Placed& placed = scene.rays().targets()[hit.target];
     const Vec3 normal = placed.frame.world_from * placed.target->normal(hit, options.flat);

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "base/random.h"
 #include "terrain/ground.h"
+#include "terrain/tile_writer.h"
 #include "tests/support/process.h"
 #include "tests/terrain/made_files.h"
 
@@ -99,6 +101,107 @@ TEST(GroundBeam, OnAPlane) { expect_beams(Kind::plane); }
 TEST(GroundBeam, OnACylindricalMap) { expect_beams(Kind::cylindrical); }
 TEST(GroundBeam, OnAPolarMap) { expect_beams(Kind::polar); }
 
+// A square of 16 x 16 pixels about a point, together and one by one; most: metres, of every third.
+void expect_together(const Ground& ground, const Vec3& eye, const Vec3& aim, double pixel,
+                     const GroundLevels* levels, double most, Counts& counts) {
+  const Vec3 axis = glm::normalize(aim - eye);
+  const Vec3 right = glm::normalize(glm::cross(axis, Vec3(0.3, 0.2, 1))),
+             down = glm::cross(axis, right);
+  std::vector<Vec3> directions;
+  std::vector<double> ends;
+  for (int k = 0; k < 256; ++k) {
+    directions.push_back(
+        glm::normalize(axis + pixel * (k % 16 - 7.5) * right + pixel * (k / 16 - 7.5) * down));
+    ends.push_back(k % 3 == 0 ? most : 1e9);
+  }
+  const auto beam = ground.beam({eye, 0, axis, 12 * pixel}, levels);
+  std::vector<std::optional<GroundHit>> found(directions.size());
+  ground.nearest(eye, directions, ends, found, levels, beam ? &*beam : nullptr);
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    const auto alone = ground.nearest(eye, directions[k], 0, ends[k], levels);
+    ASSERT_EQ(found[k].has_value(), alone.has_value()) << k;
+    (alone ? counts.hits : counts.misses) += 1;
+    if (!alone) continue;
+    ASSERT_EQ(found[k]->distance, alone->distance) << k;
+    ASSERT_EQ(found[k]->point.position, alone->point.position) << k;
+    ASSERT_EQ(found[k]->point.normal, alone->point.normal) << k;
+    ASSERT_EQ(found[k]->point.level, alone->point.level) << k;
+    ASSERT_EQ(found[k]->point.column, alone->point.column) << k;
+    ASSERT_EQ(found[k]->point.row, alone->point.row) << k;
+    ASSERT_EQ(found[k]->point.triangle, alone->point.triangle) << k;
+  }
+}
+
+// From 0.2 m to 1,000 km, from below the ground too, of pixels wider and much narrower than cells.
+void expect_squares(const Ground& ground, Kind kind, std::uint32_t width, std::uint32_t height) {
+  Counts counts;
+  for (std::uint32_t k = 0; k < 240 && !testing::Test::HasFatalFailure(); ++k) {
+    const auto post = [&](std::uint32_t use) {
+      return place_of(kind, static_cast<std::uint32_t>((drawn(k, use) + 0.5) * (width - 1)),
+                      static_cast<std::uint32_t>((drawn(k, use + 1) + 0.5) * (height - 1)), 0,
+                      width, height);
+    };
+    const Vec3 foot = post(0);
+    const Vec3 up = kind == Kind::plane ? Vec3(0, 0, 1) : glm::normalize(foot);
+    const auto below = ground.nearest(foot + 5000.0 * up, -up);
+    constexpr double kAbove[] = {-3, 0.2, 20, 400, 10000, 1e6};
+    const double away = kAbove[k % 6];
+    const Vec3 eye = (below ? below->point.position : foot) + away * up;
+    // some past the horizon
+    const Vec3 aim = away > 1e4 ? post(2) : eye + drawn_vector(k, 2) - 0.2 * up;
+    constexpr double kPixels[] = {1e-6, 1e-4, 1e-3, 0.01};
+    const double pixel = kPixels[k / 6 % 4];
+    const GroundLevels levels = ground.levels(eye, 0.5 * pixel);
+    expect_together(ground, eye, aim, pixel, k % 5 < 3 ? &levels : nullptr, away + 30, counts);
+  }
+  printf("squares: %d hits, %d misses\n", counts.hits, counts.misses);
+  EXPECT_GT(counts.hits, 20000);
+  EXPECT_GT(counts.misses, 3000);
+}
+TEST(GroundBeam, SquaresOnAPlane) {
+  expect_squares(Ground(hills(Kind::plane, kWidth, kHeight, 60)), Kind::plane, kWidth, kHeight);
+}
+TEST(GroundBeam, SquaresOnACylindricalMap) {
+  expect_squares(Ground(hills(Kind::cylindrical, kWidth, kHeight, 300)), Kind::cylindrical, kWidth,
+                 kHeight);
+}
+TEST(GroundBeam, SquaresOnAPolarMap) {
+  expect_squares(Ground(hills(Kind::polar, kWidth, kHeight, 300)), Kind::polar, kWidth, kHeight);
+}
+
+// Of two maps that overlap, the lower one with voids, the first counts.
+TEST(GroundBeam, SquaresOnMapsThatOverlap) {
+  const TemporaryFolder folder;
+  DiagnosticLog log;
+  std::vector<Dem> dems;
+  for (int k = 0; k < 2; ++k) {
+    std::string data;
+    for (int y = 0; y < 300; ++y)
+      for (int x = 0; x < 300; ++x) {
+        const double z = 40 * std::sin(x * 0.11) * std::cos(y * 0.07) + 25 * k;
+        data += bytes_of(k == 0 && x % 37 == 5 && y % 11 < 6 ? NAN : static_cast<float>(z), false);
+      }
+    const std::string name = k == 0 ? "a" : "b";
+    (void)folder.write(name + ".dat", data);
+    const std::string corner = k == 0 ? "0, 0" : "1000, -700";
+    const auto path = folder.write(name + ".hdr",
+                                   "ENVI\nsamples = 300\nlines = 300\nbands = 1\ndata type = 4\n"
+                                   "byte order = 0\nmap info = {Local, 1, 1, " +
+                                       corner + ", 10, 10}\n");
+    DemOptions reading;
+    reading.unit = 1;
+    reading.quantity = Quantity::height;
+    auto dem = Dem::open(path, reading, log);
+    ASSERT_TRUE(dem) << to_text(log);
+    dems.push_back(*std::move(dem));
+  }
+  ASSERT_TRUE(write_tiles(dems, folder / "c.pan", {}, log)) << to_text(log);
+  auto tiles = Tiles::open(folder / "c.pan", log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  ASSERT_EQ(tiles->charts().size(), 2u);
+  expect_squares(Ground(std::make_shared<const Tiles>(*std::move(tiles))), Kind::plane, 350, 330);
+}
+
 // Rays to a light, from the ground: those that rise faster than it are not looked for, and the
 // others are blocked as ever.
 void expect_light(Kind kind, double size) {
@@ -115,7 +218,10 @@ void expect_light(Kind kind, double size) {
     const Vec3 aside = glm::normalize(glm::cross(up, drawn_vector(k, 2)));
     const double elevation = (drawn(k, 5) + 0.5) * 1.2;
     const Vec3 to_light = std::cos(elevation) * aside + std::sin(elevation) * up;
-    const auto beam = ground.beam({origin, 1, to_light, 0.005, true}, nullptr);
+    const double wide = k % 3 == 0 ? 300 : 1;
+    const Vec3 axis = glm::normalize(to_light + 0.003 * drawn_vector(k, 12));
+    const auto beam =
+        ground.beam({origin + wide * drawn_vector(k, 8), wide, axis, 0.005, true}, nullptr);
     ASSERT_TRUE(beam);
     const bool want = ground.is_blocked(origin, to_light, 0, 1e9);
     EXPECT_EQ(ground.is_blocked(origin, to_light, 0, 1e9, nullptr, &*beam), want) << k;
