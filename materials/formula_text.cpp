@@ -12,10 +12,8 @@ namespace {
 
 constexpr const char* kGlue =
     "#define Real float\n#define Vec3 vec3\n#define FORMULA\n#define PANWRIGHT_H "
-    "hapke_h_function\n"
-    "#define exponent_of(a) ((floatBitsToInt(a) >> 23) - 127)\n";
-constexpr const char* kUnglue =
-    "#undef Real\n#undef Vec3\n#undef FORMULA\n#undef PANWRIGHT_H\n#undef exponent_of\n";
+    "hapke_h_function\n";
+constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n#undef PANWRIGHT_H\n";
 
 #include "materials/internal/generated/formula_table.inl"
 //

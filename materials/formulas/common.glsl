@@ -1,5 +1,5 @@
-// Elementary functions by sums, products, divisions and square roots alone (and ldexp, which is
-// exact), so that every processor gives the same bits: built-in exp, log and acos differ by up to
+// Elementary functions by sums, products, divisions and square roots alone (and ldexp and frexp,
+// which are exact), so that every processor gives the same bits: built-in exp, log and acos differ by up to
 // 1e-4 between drivers. Each is good to a few ulp in float and in double.
 
 FORMULA Real dot3(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -74,9 +74,9 @@ FORMULA Real log_one_plus(Real x) {
   Real k = Real(0);
   // 1 + x = 2^k (1 + d), |d| small
   if (x > Real(0.41421356)) {
-    int whole = exponent_of(y);
-    y = ldexp(y, -whole);
-    k = Real(whole);
+    int whole = 0;
+    y = Real(2) * frexp(y, whole);
+    k = Real(whole - 1);
     if (y > Real(1.41421356)) {
       y = y * Real(0.5);
       k = k + Real(1);

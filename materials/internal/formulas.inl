@@ -13,12 +13,14 @@ inline Real ldexp(Real a, int k) {
   constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
   return a * std::bit_cast<Real>(static_cast<Bits>(kBias + k) << kDigits);
 }
-// k of 2^k <= a < 2^(k + 1). Expects: normal, > 0.
-inline int exponent_of(Real a) {
+// a as f·2^k, f in [1/2, 1). Expects: normal, > 0.
+inline Real frexp(Real a, int& k) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   constexpr int kDigits = std::numeric_limits<Real>::digits - 1;
   constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
-  return static_cast<int>(std::bit_cast<Bits>(a) >> kDigits) - kBias;
+  const auto bits = std::bit_cast<Bits>(a);
+  k = static_cast<int>(bits >> kDigits) - kBias + 1;
+  return std::bit_cast<Real>((bits & ((Bits(1) << kDigits) - 1)) | Bits(kBias - 1) << kDigits);
 }
 
 #define FORMULA inline
