@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kTerms = 8;
 constexpr std::size_t kNodes = 64;
-constexpr int kCorrectionSteps = 512;  // of the fourth root of x: the slope is infinite at 0
 
 using Row = std::array<double, kTerms>;
 
@@ -92,8 +91,8 @@ HFit hapke_h_fit(double w) {
 
 HapkeHCorrection::HapkeHCorrection(double w, const std::array<double, 8>& coefficients) {
   const HapkeH exact(w);
-  for (int i = -1; i <= kCorrectionSteps + 1; ++i) {
-    const double root = static_cast<double>(std::clamp(i, 0, kCorrectionSteps)) / kCorrectionSteps;
+  for (int i = -1; i <= kSteps + 1; ++i) {
+    const double root = static_cast<double>(std::clamp(i, 0, kSteps)) / kSteps;
     const double x = std::max(root * root * root * root, 1e-30);
     ratios_.push_back(exact(x) / fitted_value(coefficients, x));
   }
@@ -101,16 +100,6 @@ HapkeHCorrection::HapkeHCorrection(double w, const std::array<double, 8>& coeffi
   const std::size_t last = ratios_.size() - 1;
   ratios_[0] = 3 * (ratios_[1] - ratios_[2]) + ratios_[3];
   ratios_[last] = 3 * (ratios_[last - 1] - ratios_[last - 2]) + ratios_[last - 3];
-}
-
-double HapkeHCorrection::operator()(double x) const {
-  const double at = std::sqrt(std::sqrt(std::clamp(x, 0.0, 1.0))) * kCorrectionSteps;
-  const double whole = std::min(std::floor(at), kCorrectionSteps - 1.0);
-  const double t = at - whole;
-  const double* r = ratios_.data() + static_cast<std::size_t>(whole);
-  // Lagrange's cubic through four nodes
-  return r[0] * (-t * (t - 1) * (t - 2) / 6) + r[1] * ((t + 1) * (t - 1) * (t - 2) / 2) -
-         r[2] * ((t + 1) * t * (t - 2) / 2) + r[3] * ((t + 1) * t * (t - 1) / 6);
 }
 
 void fit_hapke(Material& material) {

@@ -1,7 +1,9 @@
 // Chandrasekhar's H function, for multiple scattering in Hapke's model.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace panwright::materials {
@@ -39,10 +41,19 @@ class HapkeHCorrection {
   HapkeHCorrection(double w, const std::array<double, 8>& coefficients);
 
   // x: cosine, 0..1
-  double operator()(double x) const;
+  double operator()(double x) const {
+    const double at = std::sqrt(std::sqrt(std::clamp(x, 0.0, 1.0))) * kSteps;
+    const int below = static_cast<int>(at), whole = below < kSteps - 1 ? below : kSteps - 1;
+    const double t = at - whole;
+    const double* r = ratios_.data() + whole;
+    // Lagrange's cubic through four nodes
+    return r[0] * (-t * (t - 1) * (t - 2) / 6) + r[1] * ((t + 1) * (t - 1) * (t - 2) / 2) -
+           r[2] * ((t + 1) * t * (t - 2) / 2) + r[3] * ((t + 1) * t * (t - 1) / 6);
+  }
 
  private:
-  std::vector<double> ratios_;  // at even steps of x's fourth root; one more at each end
+  static constexpr int kSteps = 512;  // of the fourth root of x: the slope is infinite at 0
+  std::vector<double> ratios_;        // at even steps of x's fourth root; one more at each end
 };
 
 }  // namespace panwright::materials

@@ -1,10 +1,12 @@
 #include "materials/sample.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "materials/internal/fits.h"
 #include "materials/internal/formulas.h"
+#include "materials/internal/hapke_lanes.h"
 
 namespace panwright::materials {
 namespace {
@@ -303,6 +305,42 @@ Vec3 Scattering::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& n
   f64::Composition composition = parts_->composition;
   return composition.surface_brdf(parts_->at(tangent, tint), f64::from_point(to_light), to_viewer,
                                   normal);
+}
+
+void Scattering::brdf(std::span<const Directions> at, std::span<Vec3> out) const {
+  assert(at.size() == out.size());
+  const BrdfModel& model = parts_->composition.brdf_model;
+  if (model.diffuse != DiffuseModel::hapke || model.specular != SpecularModel::none ||
+      model.coated) {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      out[i] = brdf(at[i].to_light, at[i].to_viewer, at[i].normal, Vec3(0), at[i].tint);
+    return;
+  }
+  const f64::SurfaceFields& s = parts_->surface;
+  static thread_local HapkeLanes lanes;
+  constexpr std::size_t kCount = HapkeLanes::kCount;
+  for (std::size_t first = 0; first < at.size(); first += kCount) {
+    const std::size_t count = std::min(kCount, at.size() - first);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      // those past the end are the last one's
+      const Directions& from = at[first + std::min(i, count - 1)];
+      // as surface_brdf()
+      Vec3 to_viewer = from.to_viewer;
+      const double cos_nv = f64::dot3(from.normal, to_viewer);
+      if (cos_nv < 1e-6) {
+        to_viewer += from.normal * (1e-6 - cos_nv);
+        to_viewer = to_viewer / std::max(f64::length3(to_viewer), 1e-6);
+      }
+      for (int k = 0; k < 3; ++k) {
+        lanes.to_light[k][i] = from.to_light[k];
+        lanes.to_viewer[k][i] = to_viewer[k];
+        lanes.normal[k][i] = from.normal[k];
+      }
+    }
+    hapke(s, lanes);
+    for (std::size_t i = 0; i < count; ++i)
+      out[first + i] = s.weights.x * (s.diffuse * at[first + i].tint * lanes.value[i]);
+  }
 }
 
 double Scattering::pdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,

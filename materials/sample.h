@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "base/math.h"
 #include "materials/material.h"
@@ -77,6 +78,12 @@ class Scattering {
   // Returns f, 1/sr, without mirrors; 0 for light below the horizon.
   Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
             const Vec3& tint) const;
+
+  // The same of many, bit-equal, of isotropic surfaces; Hapke's law alone is some times as fast.
+  struct Directions {
+    Vec3 to_light, to_viewer, normal, tint;
+  };
+  void brdf(std::span<const Directions> at, std::span<Vec3> out) const;
 
   // Returns the density of sample() at to_light, 1/sr. Its integral over the upper hemisphere is
   // the probability of a direction that is not a mirror's.

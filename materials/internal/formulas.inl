@@ -1,20 +1,25 @@
 // The C++ reading of the formulas, included once for each precision inside its namespace, which has
 // Real and Vec3. glm's + - * / on vectors are those of GLSL.
 
-inline Real min(Real a, Real b) { return b < a ? b : a; }
-inline Real max(Real a, Real b) { return a < b ? b : a; }
-inline Real abs(Real a) { return a < Real(0) ? -a : a; }
-inline Real sqrt(Real a) { return std::sqrt(a); }
-inline Real floor(Real a) { return std::floor(a); }
+#if !defined(PANWRIGHT_FORMULA)
+#define PANWRIGHT_FORMULA inline
+#endif
+#define FORMULA PANWRIGHT_FORMULA
+
+FORMULA Real min(Real a, Real b) { return b < a ? b : a; }
+FORMULA Real max(Real a, Real b) { return a < b ? b : a; }
+FORMULA Real abs(Real a) { return a < Real(0) ? -a : a; }
+FORMULA Real sqrt(Real a) { return std::sqrt(a); }
+FORMULA Real floor(Real a) { return std::floor(a); }
 // a·2^k. Expects: 2^k is a normal number.
-inline Real ldexp(Real a, int k) {
+FORMULA Real ldexp(Real a, int k) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   constexpr int kDigits = std::numeric_limits<Real>::digits - 1;
   constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
   return a * std::bit_cast<Real>(static_cast<Bits>(kBias + k) << kDigits);
 }
 // a as f·2^k, f in [1/2, 1). Expects: normal, > 0.
-inline Real frexp(Real a, int& k) {
+FORMULA Real frexp(Real a, int& k) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   constexpr int kDigits = std::numeric_limits<Real>::digits - 1;
   constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
@@ -23,7 +28,6 @@ inline Real frexp(Real a, int& k) {
   return std::bit_cast<Real>((bits & ((Bits(1) << kDigits) - 1)) | Bits(kBias - 1) << kDigits);
 }
 
-#define FORMULA inline
 // BRDFs take their parameters by value in GLSL, by reference here
 #define Surface SurfaceParameters
 #include "materials/internal/generated/parameters.glsl"
@@ -40,8 +44,8 @@ using Incidence = const IncidenceFields&;
 inline IncidenceFields from_point(const Vec3& to_light) {
   return {to_light, Vec3(Real(1)), Real(0), Real(0)};
 }
-inline Real hapke_h_function(Surface s, Real x);
-inline Real hapke_h_of(Surface s, Real x) {
+FORMULA Real hapke_h_function(Surface s, Real x);
+FORMULA Real hapke_h_of(Surface s, Real x) {
   const Real fitted = hapke_h_function(s, x);
   if (!s.exact_h) return fitted;
   return fitted * static_cast<Real>((*s.exact_h)(static_cast<double>(x)));
@@ -49,6 +53,7 @@ inline Real hapke_h_of(Surface s, Real x) {
 #define PANWRIGHT_H hapke_h_of
 #include "materials/internal/generated/formula_includes.inl"
 #undef FORMULA
+#undef PANWRIGHT_FORMULA
 #undef PANWRIGHT_H
 
 // surface_brdf and surface_radiance of any BRDFs.

@@ -65,6 +65,7 @@ struct GroundView {
     trace::Hit hit;
     std::uint32_t column, row, number;
     Vec2 sun;  // place on the disc
+    Vec3 light{0};
   };
 
   void add_samples(std::uint32_t column, std::uint32_t row, std::vector<Sample>& out) const {
@@ -108,18 +109,12 @@ struct GroundView {
                                      *target);
   }
 
-  Sums pixel(std::span<const Sample> samples, double depth, const PathOptions& lit) const {
+  Sums pixel(std::span<const Sample> samples, double depth) const {
     Sums sums;
     const double count = options.samples * options.samples;
-    RayCounts counts;
     for (const Sample& sample : samples) {
       if (!sample.hit) continue;
-      FirstRandoms first;
-      first.sun = sample.sun;
-      const std::uint32_t number = sample.row * camera.width + sample.column;
-      const Vec3 light = traced_from(scene, suns, bodies, sample.hit, first,
-                                     {number, 0, sample.number, 0}, lit, counts)
-                             .radiance;
+      const Vec3& light = sample.light;
       const geometry::Ray& ray = sample.ray;
       const bool before = ray.origin.z + sample.hit.distance * ray.direction.z < depth;
       (before ? sums.before : sums.behind) += light / count;
@@ -143,13 +138,14 @@ struct GroundView {
     const trace::GroundBeams to_sun = sun_beams(samples);
     PathOptions lit = path;
     lit.beams = &to_sun;
+    light(samples, lit);
     static thread_local std::vector<Sample> centres;
     centres.clear();
     for (auto next = samples.begin(); next != samples.end();) {
       const auto begin = next;
       while (next != samples.end() && next->column == begin->column && next->row == begin->row)
         ++next;
-      if (!add_pixel({begin, next}, lit, depths, image) || !options.truth) continue;
+      if (!add_pixel({begin, next}, depths, image) || !options.truth) continue;
       if (const auto ray = view_ray(camera, {begin->column + 0.5, begin->row + 0.5}))
         centres.push_back(
             {{*ray, trace::Ray::kObserver}, begin->hit, begin->column, begin->row, 0, Vec2(0)});
@@ -169,13 +165,38 @@ struct GroundView {
     for (std::size_t i = 0; i < hits.size(); ++i) samples[i].hit = hits[i];
   }
 
+  void light(std::span<Sample> samples, const PathOptions& lit) const {
+    static thread_local std::vector<SunSample> seen;
+    static thread_local std::vector<Vec3> radiances;
+    seen.clear();
+    for (const Sample& sample : samples)
+      if (sample.hit) seen.push_back({&sample.hit, sample.sun});
+    radiances.resize(seen.size());
+    if (lit.lamps == nullptr && bodies.empty() && sunlit(scene, suns, seen, lit, radiances)) {
+      auto next = radiances.begin();
+      for (Sample& sample : samples)
+        if (sample.hit) sample.light = *next++;
+      return;
+    }
+    RayCounts counts;
+    for (Sample& sample : samples) {
+      if (!sample.hit) continue;
+      FirstRandoms first;
+      first.sun = sample.sun;
+      const std::uint32_t number = sample.row * camera.width + sample.column;
+      sample.light = traced_from(scene, suns, bodies, sample.hit, first,
+                                 {number, 0, sample.number, 0}, lit, counts)
+                         .radiance;
+    }
+  }
+
   // Returns whether terrain is in it.
-  bool add_pixel(std::span<const Sample> samples, const PathOptions& lit,
-                 std::span<const float> depths, image::Image& image) const {
+  bool add_pixel(std::span<const Sample> samples, std::span<const float> depths,
+                 image::Image& image) const {
     const std::uint32_t column = samples[0].column, row = samples[0].row;
     const std::size_t pixel = std::size_t{row} * image.width + column;
     const float covered = image.coverage[pixel];
-    const Sums sums = this->pixel(samples, covered > 0 ? double(depths[pixel]) : 0, lit);
+    const Sums sums = this->pixel(samples, covered > 0 ? double(depths[pixel]) : 0);
     if (sums.before_share + sums.behind_share == 0) return false;
     const double left = 1 - sums.before_share, open = 1 - double(covered);
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,8 +1,10 @@
 #include "preview/reference/internal/path.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "base/random.h"
 #include "preview/reference/internal/disc_places.h"
@@ -201,6 +203,57 @@ bool is_behind_body(std::span<const Bodies> bodies, const trace::Ray& ray, doubl
 }
 
 }  // namespace
+
+bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const SunSample> samples,
+            const PathOptions& options, std::span<Vec3> radiances) {
+  assert(samples.size() == radiances.size());
+  // the light of a sample, and where that of its facets begins
+  struct Light {
+    Point point;
+    Sun::Sample sun;
+    std::size_t first;
+  };
+  static thread_local std::vector<Light> lights;
+  static thread_local std::vector<materials::Scattering::Directions> directions;
+  static thread_local std::vector<double> factors;
+  static thread_local std::vector<Vec3> brdfs;
+  lights.clear();
+  directions.clear();
+  factors.clear();
+  const Scatter* scatter = nullptr;  // of all
+  for (const SunSample& sample : samples) {
+    const trace::Hit& hit = *sample.hit;
+    Light& light = lights.emplace_back(
+        Light{scene.point(hit, options.flat, options.footprint.of(hit.distance)),
+              suns[hit.target].sample(sample.sun), directions.size()});
+    const Point& point = light.point;
+    if (scatter == nullptr) scatter = &point.surface();
+    if (&point.surface() != scatter || scatter->is_narrow() || scatter->has_mirror) return false;
+    const auto add = [&](const Vec3& normal, double weight) {
+      const double cosine = glm::dot(normal, light.sun.to_light);
+      if (!(cosine > 0)) return;
+      directions.push_back({light.sun.to_light, -hit.direction, normal, point.tint});
+      factors.push_back(weight * cosine);
+    };
+    if (!point.facets) add(point.normal, 1);
+    for (std::size_t k = 0; point.facets && k < point.facets->count; ++k)
+      add(point.facets->normals[k], point.facets->weights[k]);
+  }
+  brdfs.resize(directions.size());
+  if (scatter != nullptr) scatter->scattering.brdf(directions, brdfs);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Light& light = lights[i];
+    const std::size_t end = i + 1 < lights.size() ? lights[i + 1].first : directions.size();
+    Vec3 result(0);
+    for (std::size_t k = light.first; k < end; ++k) result += factors[k] * brdfs[k];
+    result *= light.sun.irradiance;
+    const Lit lit{scene,       samples[i].hit->target, suns[samples[i].hit->target], nullptr,
+                  light.point, options.beams};
+    if (!is_black(result) && !lit.open(light.sun.to_light)) result = Vec3(0);
+    radiances[i] = light.point.emitted * options.white + result;
+  }
+  return true;
+}
 
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns,
                   std::span<const Bodies> bodies, const trace::Ray& ray, const FirstRandoms& first,

@@ -73,6 +73,17 @@ PathResult traced_from(const TraceScene& scene, std::span<const Sun> suns,
                        const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                        RayCounts& counts);
 
+// Hit of the camera's ray, and a place on the Sun's disc, in the unit square.
+struct SunSample {
+  const trace::Hit* hit;
+  Vec2 sun;
+};
+
+// Sets the radiances of traced_from() where there are no bounces, lamps and bodies, bit-equal;
+// BRDFs are evaluated together. False: a surface needs more than that; some are set then.
+bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const SunSample> samples,
+            const PathOptions& options, std::span<Vec3> radiances);
+
 // BRDF times the cosine of incidence, the mean of facets.
 Vec3 reflected(const Point& point, const Vec3& to_light, const Vec3& to_viewer);
 
