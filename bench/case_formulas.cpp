@@ -6,6 +6,7 @@
 #include "bench/bench.h"
 
 #include "materials/brdf.h"
+#include "materials/sample.h"
 #include "tests/support/hard_cases.h"
 
 namespace panwright::bench::case_formulas {
@@ -120,9 +121,46 @@ void run_pairs(Context& context) {
     }
 }
 
+// Hapke's law as the CPU renderer has it, one direction after the other and many together.
+void run_many(Context& context) {
+  const std::vector<Inputs> cases = hard_cases::random_pairs(0.01, context.quick() ? 2000 : 100000);
+  Material m = material(DiffuseModel::hapke, SpecularModel::blinn_phong);
+  m.weights = {1, 0, 0};
+  m.specular_brdf = {};
+  materials::fit(m);
+  const materials::Scattering scattering(m);
+  std::vector<materials::Scattering::Directions> at;
+  for (const Inputs& i : cases)
+    at.push_back({Vec3(i.l), glm::normalize(Vec3(i.v)), Vec3(i.n), Vec3(1)});
+  std::vector<Vec3> alone(at.size()), together(at.size());
+  const auto one_by_one = [&] {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      alone[i] =
+          scattering.brdf(at[i].to_light, at[i].to_viewer, at[i].normal, Vec3(0), at[i].tint);
+  };
+  const auto timings =
+      interleaved({{"alone", one_by_one}, {"together", [&] { scattering.brdf(at, together); }}},
+                  context.runs());
+  Row row{.case_name = "formulas",
+          .setting = "hapke, H exact, one by one",
+          .speed_unit = "ns/evaluation",
+          .error_unit = "evaluations of other bits",
+          .reference = "one by one",
+          .must_is_least = false,
+          .must_error = 0};
+  const double factor = 1e9 / static_cast<double>(at.size());
+  set_time(row, timings[0], factor);
+  context.add(row);
+  row.setting = "hapke, H exact, many together";
+  for (std::size_t i = 0; i < at.size(); ++i) row.error += alone[i] != together[i];
+  set_time(row, timings[1], factor);
+  context.add(row);
+}
+
 void run(Context& context) {
   run_formulas(context);
   run_pairs(context);
+  run_many(context);
 }
 
 const bool kAdded = add_case({"formulas", "reflectance formulas, float against double", run});

@@ -192,6 +192,51 @@ bool add_frames(Context& context, const fs::path& tool, const fs::path& pan, con
   return true;
 }
 
+// A frame of a descent from 100 km to 2 km with shadows, of one process for twelve.
+bool add_descent(Context& context, const fs::path& tool, const fs::path& pan, const char* form) {
+  constexpr int kFrames = 12;
+  constexpr double kMoon = 1737400;
+  const fs::path views = context.scratch() / "descent.jsonl";
+  std::vector<Hash128> hashes;
+  Row row;
+  for (const bool first : {true, false}) {
+    std::ofstream out(views);
+    std::vector<fs::path> images;
+    for (int k = 0; k < kFrames; ++k) {
+      const double height = 2e3 + 1e5 * std::pow(0.6, k);
+      images.push_back(context.scratch() / fmt::format("descent_{}_{}.png", k, int(first)));
+      out << fmt::format(
+          "{{\"output\": \"{}\", \"camera\": [{}, 0, 0], \"look-at\": [{}, {}, {}], \"up\": "
+          "[1, 0, 0], \"fov\": 42, \"size\": [{}], \"ev\": 12, \"sun\": [0.35, -1, 0.1]}}\n",
+          images.back().string(), kMoon + height, kMoon, 0.35 * height, 0.35 * height,
+          context.quick() ? "160, 90" : "1280, 720");
+    }
+    out.close();
+    const Cost cost = cost_of(
+        tool, {"render", pan.string(), "--views", views.string(), "--samples", "1", "--quiet"});
+    if (!cost.good) return false;
+    for (std::size_t k = 0; k < images.size(); ++k) {
+      DiagnosticLog log;
+      const auto image = MappedFile::open(images[k], log);
+      if (!image) return false;
+      const Hash128 hash = hash128(image->bytes());
+      if (first)
+        hashes.push_back(hash);
+      else
+        row.error += !(hash == hashes[k]);
+    }
+    if (first) continue;
+    row.setting = fmt::format("{}, descent, frame {} x 1 rays, of {}", form,
+                              context.quick() ? "160x90, 1" : "1280x720, 1", kFrames);
+    row.error_unit = "images with other bytes";
+    row.reference = "the same again";
+    row.must_error = 0.5;
+    add_times(context, row, {cost.seconds / kFrames, cost.of_processors / kFrames, cost.peak, true},
+              1.0 / 3);
+  }
+  return true;
+}
+
 void run(Context& context) {
   const fs::path tool = context.program("panwright");
   if (tool.empty()) {
@@ -229,7 +274,7 @@ void run(Context& context) {
       add_times(context, check, checked, 1e-9 * bytes);
       if (!cold) add_size(context, check, "peak memory", checked.peak, 0);
     }
-    if (!add_frames(context, tool, pan, form.name))
+    if (!add_frames(context, tool, pan, form.name) || !add_descent(context, tool, pan, form.name))
       context.note("no frames: an image could not be drawn");
   }
 }

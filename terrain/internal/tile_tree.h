@@ -109,7 +109,7 @@ class TileTree {
   AxisBox build_square(const Lattice& lattice, std::uint32_t x, std::uint32_t y);
   // Sets a ray in the axes of the tile; false: it does not come near.
   bool place(const GroundWalk& walk, Local& local) const;
-  // Whether all rays of a beam rise faster than the ground of a square.
+  // Returns whether all rays of a beam rise faster than the ground of a square.
   bool falls_behind(const Square& square, const std::array<float, 3>& axis, double sine) const;
   void cast_square(GroundWalk& walk, const Local& local, std::uint32_t code, std::uint32_t x,
                    std::uint32_t y, float most) const;

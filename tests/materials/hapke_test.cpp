@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include "base/random.h"
 #include "materials/brdf.h"
 #include "materials/hapke_h.h"
+#include "materials/internal/hapke_lanes.h"
+#include "materials/sample.h"
 #include "tests/materials/quadrature.h"
 #include "tests/support/hard_cases.h"
 
@@ -155,6 +158,81 @@ TEST(Hapke, Porosity) {
   const double h = hapke_h(l.z / dense, 0.7) * hapke_h(v.z / dense, 0.7);
   EXPECT_NEAR(f64::brdf(m, l, v, kNormal).x / (dense * 0.7 / (4 * kPi) / (l.z + v.z) * h), 1,
               1e-6);  // measured 2.0e-7, the error of the fit
+}
+
+// Directions all about, those below the horizon too, along the normal, opposed and equal.
+std::vector<Scattering::Directions> all_directions() {
+  std::vector<Scattering::Directions> out;
+  const auto drawn = [](std::uint32_t i, std::uint32_t use) {
+    const auto words = philox({i, use, 0, 0}, {5, 0});
+    return glm::normalize(Vec3(in_unit(words[0]), in_unit(words[1]), in_unit(words[2])) - 0.5);
+  };
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    const Vec3 normal = i % 3 == 0 ? kNormal : drawn(i, 0);
+    // most above the horizon; one in ten at it
+    const double up = i % 10 == 0 ? 1e-7 : 0.8;
+    const Vec3 l = glm::normalize(drawn(i, 1) + up * normal),
+               v = glm::normalize(drawn(i, 2) + up * normal);
+    const Vec3 viewers[] = {v, v, v, l, normal, -v, glm::normalize(l + 1e-9 * v)};
+    out.push_back({l, viewers[i % 7], normal, Vec3(1, 0.5, 0.25 * (i % 5))});
+  }
+  return out;
+}
+
+TEST(Hapke, ManyHaveTheBitsOfOne) {
+  const std::vector<Scattering::Directions> at = all_directions();
+  std::vector<Material> all{
+      fitted(0.384, {.h = 0.052, .b0 = 1.7, .roughness = 0.41, .b = 0.229, .c = 0.426}),
+      fitted(0.95, {.h = 0.3, .b0 = 0.5, .h_c = 0.02, .b_c0 = 0.8, .porosity = 0.3}), fitted(0),
+      fitted(1, {.roughness = 1.2, .b = 0.9, .c = -1})};
+  // others go one by one
+  all.push_back(fitted(0.3));
+  all.back().diffuse_brdf = OrenNayar{0.4};
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    all[m].weights = {0.9, 0, 0};
+    const Scattering scattering(all[m]);
+    std::vector<Vec3> out(at.size());
+    scattering.brdf(at, out);
+    int lit = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const Vec3 one =
+          scattering.brdf(at[i].to_light, at[i].to_viewer, at[i].normal, Vec3(0), at[i].tint);
+      ASSERT_EQ(out[i], one) << m << ", " << i;
+      lit += one.x > 0;
+    }
+    EXPECT_GT(lit, m == 2 ? -1 : 1000);
+    // few, and none
+    out.resize(3);
+    scattering.brdf(std::span(at).first(3), out);
+    EXPECT_EQ(out[2],
+              scattering.brdf(at[2].to_light, at[2].to_viewer, at[2].normal, Vec3(0), at[2].tint));
+    scattering.brdf({}, {});
+  }
+}
+
+// Processors without wide registers give the same bits.
+TEST(Hapke, PlainLanesHaveTheBitsOfWideOnes) {
+  const std::vector<Scattering::Directions> at = all_directions();
+  const f64::SurfaceFields s = f64::hapke_surface(0.384, 0.052, 1.7, 0.41, 0.229, 0.426, 1);
+  HapkeLanes wide;
+  for (std::size_t first = 0; first + HapkeLanes::kCount <= at.size();
+       first += HapkeLanes::kCount) {
+    for (int i = 0; i < HapkeLanes::kCount; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const auto& from = at[first + static_cast<std::size_t>(i)];
+        wide.to_light[k][i] = from.to_light[k];
+        wide.to_viewer[k][i] = from.to_viewer[k];
+        wide.normal[k][i] = from.normal[k];
+      }
+    HapkeLanes plain = wide;
+    hapke(s, wide);
+    plain_hapke(s, plain);
+    for (int i = 0; i < HapkeLanes::kCount; ++i) {
+      const auto& from = at[first + static_cast<std::size_t>(i)];
+      ASSERT_EQ(wide.value[i], f64::hapke(s, from.to_light, from.to_viewer, from.normal));
+      ASSERT_EQ(plain.value[i], wide.value[i]);
+    }
+  }
 }
 
 // Rough surfaces are continuous where angles vanish: the limits that public code gets wrong.
