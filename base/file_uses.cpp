@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <compare>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -29,7 +31,7 @@ std::optional<Identity> identity_of(const struct stat& status) {
 struct Place {
   Identity folder;
   std::string name;
-  bool operator==(const Place&) const = default;
+  auto operator<=>(const Place&) const = default;
 };
 
 struct Declared {
@@ -64,10 +66,6 @@ std::optional<Declared> declared(const fs::path& path) {
   return out;
 }
 
-bool same_file(const Declared& a, const Declared& b) {
-  return a.place == b.place || (a.identity && a.identity == b.identity);
-}
-
 std::string named(const Declared& output) {
   return output.what.empty() ? in_quotes(output.path)
                              : fmt::format("{} {}", output.what, in_quotes(output.path));
@@ -78,14 +76,28 @@ std::string named(const Declared& output) {
 struct FileUses::State {
   std::mutex mutex;
   std::map<Identity, std::string> inputs;  // and the name by which each was read first
+  std::vector<Identity> new_inputs;        // since outputs were last looked at
   std::vector<Declared> outputs;
+  // indices of outputs; of those to be replaced
+  std::multimap<Place, std::size_t> by_place;
+  std::multimap<Identity, std::size_t> by_identity;
+  bool stopped = false;  // an output that was declared before anything was written is refused
 
-  void refuse_input(Declared& output, DiagnosticLog& log) const {
+  void add_input(const Identity& identity, const fs::path& path) {
+    if (inputs.emplace(identity, path.string()).second) new_inputs.push_back(identity);
+  }
+
+  void refuse(Declared& output) {
+    output.refused = true;
+    stopped = stopped || output.foretold;
+  }
+
+  void refuse_input(Declared& output, DiagnosticLog& log) {
     if (output.refused || output.begun || output.kind == Output::in_place || !output.identity)
       return;
     const auto input = inputs.find(*output.identity);
     if (input == inputs.end()) return;
-    output.refused = true;
+    refuse(output);
     const bool renamed = input->second != output.path;
     log.report(Code("E0206"), {},
                fmt::format("{} names an input{}: it would be overwritten", named(output),
@@ -93,25 +105,59 @@ struct FileUses::State {
                "choose another output");
   }
 
+  void refuse_new_inputs(DiagnosticLog& log) {
+    for (const Identity& input : std::exchange(new_inputs, {})) {
+      const auto [begin, end] = by_identity.equal_range(input);
+      for (auto each = begin; each != end; ++each) refuse_input(outputs[each->second], log);
+    }
+  }
+
+  // Returns the index of the first output of the same file that `counts` is true of; none: -1.
+  template <class Counts>
+  std::size_t same_as(const Declared& output, const Counts& counts) const {
+    std::size_t found = kNone;
+    const auto look = [&](const auto& range) {
+      for (auto each = range.first; each != range.second; ++each)
+        if (each->second < found && counts(outputs[each->second])) found = each->second;
+    };
+    look(by_place.equal_range(output.place));
+    if (output.identity) look(by_identity.equal_range(*output.identity));
+    return found;
+  }
+
   // Returns its index.
   std::size_t add(Declared&& output, DiagnosticLog& log) {
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-      Declared& other = outputs[i];
-      if (same_file(other, output)) {
-        if (other.kind == Output::in_place && output.kind == Output::in_place) return i;
-        log.report(Code("E0206"), {},
-                   fmt::format("{} and {} are one file: one would overwrite the other",
-                               named(other), named(output)),
-                   "choose another output");
-        output.refused = true;
-        other.refused = !other.begun;
-        break;
-      }
+    const std::size_t same = same_as(output, [](const Declared&) { return true; });
+    if (same != kNone) {
+      Declared& other = outputs[same];
+      if (other.kind == Output::in_place && output.kind == Output::in_place) return same;
+      log.report(Code("E0206"), {},
+                 fmt::format("{} and {} are one file: one would overwrite the other", named(other),
+                             named(output)),
+                 "choose another output");
+      refuse(output);
+      if (!other.begun) refuse(other);
     }
+    const std::size_t index = outputs.size();
+    by_place.emplace(output.place, index);
+    if (output.identity) by_identity.emplace(*output.identity, index);
     outputs.push_back(std::move(output));
     refuse_input(outputs.back(), log);
-    return outputs.size() - 1;
+    return index;
   }
+
+  // From here on the name of an output stands for another file.
+  void begin(std::size_t index) {
+    Declared& output = outputs[index];
+    output.begun = true;
+    if (!output.identity) return;
+    const auto [begin, end] = by_identity.equal_range(*output.identity);
+    by_identity.erase(
+        std::find_if(begin, end, [&](const auto& each) { return each.second == index; }));
+    output.identity.reset();
+  }
+
+  static constexpr std::size_t kNone = ~std::size_t{0};
 };
 
 FileUses::FileUses(Job job) : state_(std::make_unique<State>()), job_(std::move(job)) {}
@@ -151,7 +197,7 @@ void FileUses::will_read(const fs::path& path) {
   const auto identity = identity_of(status);
   if (!identity) return;
   const std::lock_guard lock(state_->mutex);
-  state_->inputs.emplace(*identity, path.string());
+  state_->add_input(*identity, path);
 }
 
 void FileUses::was_opened(int descriptor, const fs::path& path) {
@@ -160,7 +206,7 @@ void FileUses::was_opened(int descriptor, const fs::path& path) {
   const auto identity = identity_of(status);
   if (!identity) return;
   const std::lock_guard lock(state_->mutex);
-  state_->inputs.emplace(*identity, path.string());
+  state_->add_input(*identity, path);
 }
 
 bool FileUses::may_write(const fs::path& path, DiagnosticLog& log) {
@@ -168,25 +214,15 @@ bool FileUses::may_write(const fs::path& path, DiagnosticLog& log) {
   if (!output) return true;
   const std::lock_guard lock(state_->mutex);
   // an output that is declared is the same file, and has not been begun
-  std::optional<std::size_t> own;
-  for (std::size_t i = 0; i < state_->outputs.size() && !own; ++i) {
-    const Declared& other = state_->outputs[i];
-    if (!other.begun && same_file(other, *output)) own = i;
-  }
-  if (!own) {
+  std::size_t own = state_->same_as(*output, [](const Declared& other) { return !other.begun; });
+  if (own == State::kNone) {
     output->foretold = false;
     own = state_->add(*std::move(output), log);
   }
-  bool all = true;
-  for (Declared& each : state_->outputs) {
-    state_->refuse_input(each, log);
-    all = all && !(each.refused && each.foretold);
-  }
-  Declared& mine = state_->outputs[*own];
-  if (mine.refused || (!all && mine.kind != Output::diagnostics)) return false;
-  mine.begun = true;
-  // from here on its name stands for another file
-  mine.identity.reset();
+  state_->refuse_new_inputs(log);
+  Declared& mine = state_->outputs[own];
+  if (mine.refused || (state_->stopped && mine.kind != Output::diagnostics)) return false;
+  state_->begin(own);
   return true;
 }
 
