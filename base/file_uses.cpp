@@ -106,10 +106,13 @@ struct FileUses::State {
   }
 
   void refuse_new_inputs(DiagnosticLog& log) {
+    std::vector<std::size_t> found;
     for (const Identity& input : std::exchange(new_inputs, {})) {
       const auto [begin, end] = by_identity.equal_range(input);
-      for (auto each = begin; each != end; ++each) refuse_input(outputs[each->second], log);
+      for (auto each = begin; each != end; ++each) found.push_back(each->second);
     }
+    std::sort(found.begin(), found.end());
+    for (const std::size_t index : found) refuse_input(outputs[index], log);
   }
 
   // Returns the index of the first output of the same file that `counts` is true of; none: -1.

@@ -130,7 +130,11 @@ struct Ground::State {
     if (cell.tile == RayGrid::Cell::kNone) return {};
     auto c = static_cast<std::uint32_t>(charts.size() - 1);
     while (cell.tile < charts[c].record().first_tile) --c;
-    GroundWalk walk{ray, false, nullptr, ray.most, {}};
+    const auto is_open = [&](const TriangleHit& hit) {
+      return !is_covered(c, ray.origin + hit.distance * ray.direction);
+    };
+    const AcceptHit accept = std::cref(is_open);
+    GroundWalk walk{ray, false, c > 0 ? &accept : nullptr, ray.most, {}};
     trees.of(cell.tile, charts[c]).cast(walk, cell.x, cell.y);
     // an edge that only its wider neighbour's grid has
     if (!walk.best) return cast(ray, false, levels, &beam);

@@ -71,7 +71,7 @@ struct RayBeam {
   Vec3 axis{0};       // unit
   double angle = 0;   // radians, between directions and the axis
   // They start on the ground or above it: those that rise faster than it can are not blocked, nor
-  // are those that come up through a gap between levels.
+  // are those that come up through a gap, between levels or of voids.
   bool leaves_ground = false;
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "terrain/internal/tile_tree.h"
 #include "terrain/internal/tree_cache.h"
 
@@ -60,6 +61,8 @@ ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t 
   if (map_.kind == Map::Kind::cylindrical) {
     scale_ = 1 / det::cos(map_.standard_latitude * kDegree);
     const double along = map_.radius * det::cos(map_.standard_latitude * kDegree);
+    columns_.reserve(record_->width);
+    rows_.reserve(record_->height);
     for (std::uint32_t i = 0; i < record_->width; ++i) {
       const auto [s, c] =
           det::sincos(map_.center_longitude * kDegree + (record_->left + i * record_->dx) / along);
@@ -73,8 +76,13 @@ ChartSurface::ChartSurface(const Tiles& tiles, std::uint32_t chart, std::size_t 
       if (!is_sphere_) row_radii_.push_back(radius({c, 0, s}));
     }
   }
-  for (std::uint32_t t = 0; t < record_->tile_count; ++t)
-    boxes_.push_back(box_of(record_->first_tile + t));
+  boxes_.resize(record_->tile_count);
+  constexpr std::size_t kBatch = 256;
+  parallel_for((boxes_.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    const std::size_t end = std::min(boxes_.size(), (batch + 1) * kBatch);
+    for (std::size_t t = batch * kBatch; t < end; ++t)
+      boxes_[t] = box_of(record_->first_tile + static_cast<std::uint32_t>(t));
+  });
 }
 
 Vec3 ChartSurface::vertical(PostIndex index) const {
@@ -415,6 +423,8 @@ void ChartSurface::set_normals(const GroundPoint& point, CellPosts& cell) const 
     const double length = std::sqrt(glm::dot(normal, normal));
     if (!(length > 0)) cell.state = CellPosts::Normals::none;
     cell.normals[k] = normal / length;
+    // posts on the border of a damaged tile are missing here, not in the cell's own tile
+    if (std::isnan(here.z)) cell.surface = 0;
   }
 }
 

@@ -107,7 +107,7 @@ bool RayGrid::range_of(const SeenPost& a, const SeenPost& b, const SeenPost& c, 
   if (!(nearest > 0)) {
     // beside the origin, or across its plane: all rays that look ahead
     out = {0, 0, kSide - 1, kSide - 1};
-    return std::max({a.ahead, b.ahead, c.ahead}) > 0;
+    return std::max({a.ahead, b.ahead, c.ahead}) >= 0;
   }
   constexpr double kSlack = 1e-3;  // buckets: far past widened edges and rounding
   const double left = std::min({a.u, b.u, c.u}) - kSlack,
@@ -125,8 +125,12 @@ void RayGrid::meet(const SeenPost& a, const SeenPost& b, const SeenPost& c, doub
                    const Cell& cell, const AcceptPoint* accepts) {
   Range range;
   if (!range_of(a, b, c, range)) return;
-  // volumes of the direction with each side, in shares of their sum
-  const Vec3 sides[3] = {glm::cross(b.at, c.at), glm::cross(c.at, a.at), glm::cross(a.at, b.at)};
+  // twice the volumes of the direction with each side, in shares of their sum; by the side itself,
+  // as products of two far posts lose its digits
+  const auto side = [](const SeenPost& p, const SeenPost& q) {
+    return glm::cross(p.at + q.at, q.at - p.at);
+  };
+  const Vec3 sides[3] = {side(b, c), side(c, a), side(a, b)};
   const double whole = glm::dot(a.at, sides[0]);
   const auto look = [&](std::uint32_t i, double x, double y, double z) {
     const double e0 = x * sides[0].x + y * sides[0].y + z * sides[0].z,

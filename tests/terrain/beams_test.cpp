@@ -202,6 +202,83 @@ TEST(GroundBeam, SquaresOnMapsThatOverlap) {
   expect_squares(Ground(std::make_shared<const Tiles>(*std::move(tiles))), Kind::plane, 350, 330);
 }
 
+std::optional<Dem> plane_of(const TemporaryFolder& folder, const std::string& name, int side,
+                            const std::string& map, const std::function<float(int, int)>& height,
+                            DiagnosticLog& log) {
+  std::string data;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) data += bytes_of(height(x, y), false);
+  (void)folder.write(name + ".dat", data);
+  const std::string posts = std::to_string(side);
+  const auto path =
+      folder.write(name + ".hdr", "ENVI\nsamples = " + posts + "\nlines = " + posts +
+                                      "\nbands = 1\ndata type = 4\nbyte order = 0\nmap info = "
+                                      "{Local, 1, 1, " +
+                                      map + "}\n");
+  DemOptions reading;
+  reading.unit = 1;
+  reading.quantity = Quantity::height;
+  auto dem = Dem::open(path, reading, log);
+  if (!dem) return {};
+  return *std::move(dem);
+}
+
+// A cell of the second map with a ridge: its near side is covered by the first map, its far side is
+// not.
+TEST(GroundBeam, SquaresOnACellThatAMapCoversInPart) {
+  const TemporaryFolder folder;
+  DiagnosticLog log;
+  std::vector<Dem> dems;
+  auto flat = plane_of(
+      folder, "flat", 101, "-5, 505, 10, 10", [](int, int) { return 0.f; }, log);
+  auto ridge = plane_of(
+      folder, "ridge", 9, "900, 150, 100, 100",
+      [](int x, int y) { return (x == 0 && y == 0) || (x == 1 && y == 1) ? 40.f : 0.f; }, log);
+  ASSERT_TRUE(flat && ridge) << to_text(log);
+  dems.push_back(*std::move(flat));
+  dems.push_back(*std::move(ridge));
+  ASSERT_TRUE(write_tiles(dems, folder / "c.pan", {}, log)) << to_text(log);
+  auto tiles = Tiles::open(folder / "c.pan", log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  const Ground ground(std::make_shared<const Tiles>(*std::move(tiles)));
+  const Vec3 eye(900, -50, 30), aim(1000, 50, 15);
+  const auto hit = ground.nearest(eye, glm::normalize(aim - eye));
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.position.x, 1038.46, 0.01);
+  Counts counts;
+  expect_together(ground, eye, aim, 1e-4, nullptr, 1e9, counts);
+  EXPECT_EQ(counts.hits, 256);
+}
+
+// Cells beside a damaged tile keep their own posts, whatever was shaded before.
+TEST(GroundBeam, ShadingBesideADamagedTileMakesNoHoles) {
+  const auto sound = hills(Kind::plane, kWidth, kHeight, 60);
+  ASSERT_TRUE(sound);
+  const auto all = sound->model().bytes();
+  std::string bytes(reinterpret_cast<const char*>(all.data()), all.size());
+  for (const TileRecord& record : sound->records())
+    if (record.level == 0 && record.column == 0 && record.row == 0)
+      bytes[128 + record.offset + 5000] ^= 1;
+  const TemporaryFolder folder;
+  DiagnosticLog log;
+  auto tiles = Tiles::open(folder.write("damaged.pan", bytes), log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  const Ground ground(std::make_shared<const Tiles>(*std::move(tiles)));
+  int hits = 0;
+  for (const auto& [x, y] : {std::pair(256, 100), {100, 256}, {256, 256}, {257, 100}}) {
+    const Vec3 above(10 * x + 8, -10 * y - 8, 1000);
+    const auto first = ground.nearest(above, {0, 0, -1});
+    ASSERT_TRUE(first) << x;
+    (void)ground.smooth(first->point);
+    const auto again = ground.nearest(above, {0, 0, -1});
+    ASSERT_TRUE(again) << x;
+    EXPECT_EQ(again->distance, first->distance);
+    ++hits;
+  }
+  EXPECT_EQ(hits, 4);
+  EXPECT_FALSE(ground.nearest({1000, -1000, 1000}, {0, 0, -1}));
+}
+
 // Rays to a light, from the ground: those that rise faster than it are not looked for, and the
 // others are blocked as ever.
 void expect_light(Kind kind, double size) {

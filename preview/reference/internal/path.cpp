@@ -215,7 +215,7 @@ bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const 
   };
   static thread_local std::vector<Light> lights;
   static thread_local std::vector<materials::Scattering::Directions> directions;
-  static thread_local std::vector<double> factors;
+  static thread_local std::vector<Vec2> factors;  // weight, cosine
   static thread_local std::vector<Vec3> brdfs;
   lights.clear();
   directions.clear();
@@ -233,7 +233,7 @@ bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const 
       const double cosine = glm::dot(normal, light.sun.to_light);
       if (!(cosine > 0)) return;
       directions.push_back({light.sun.to_light, -hit.direction, normal, point.tint});
-      factors.push_back(weight * cosine);
+      factors.push_back({weight, cosine});
     };
     if (!point.facets) add(point.normal, 1);
     for (std::size_t k = 0; point.facets && k < point.facets->count; ++k)
@@ -245,11 +245,12 @@ bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const 
     const Light& light = lights[i];
     const std::size_t end = i + 1 < lights.size() ? lights[i + 1].first : directions.size();
     Vec3 result(0);
-    for (std::size_t k = light.first; k < end; ++k) result += factors[k] * brdfs[k];
+    for (std::size_t k = light.first; k < end; ++k)
+      result += factors[k].x * (factors[k].y * brdfs[k]);
     result *= light.sun.irradiance;
     const Lit lit{scene,       samples[i].hit->target, suns[samples[i].hit->target], nullptr,
                   light.point, options.beams};
-    if (!is_black(result) && !lit.open(light.sun.to_light)) result = Vec3(0);
+    if (is_black(result) || !lit.open(light.sun.to_light)) result = Vec3(0);
     radiances[i] = light.point.emitted * options.white + result;
   }
   return true;
