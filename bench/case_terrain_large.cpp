@@ -207,7 +207,7 @@ bool add_descent(Context& context, const fs::path& tool, const fs::path& pan, co
       images.push_back(context.scratch() / fmt::format("descent_{}_{}.png", k, int(first)));
       out << fmt::format(
           "{{\"output\": \"{}\", \"camera\": [{}, 0, 0], \"look-at\": [{}, {}, {}], \"up\": "
-          "[1, 0, 0], \"fov\": 42, \"size\": [{}], \"ev\": 12, \"sun\": [0.35, -1, 0.1]}}\n",
+          "[1, 0, 0], \"fov\": 42, \"size\": [{}], \"ev\": \"auto\", \"sun\": [0.35, -1, 0.1]}}\n",
           images.back().string(), kMoon + height, kMoon, 0.35 * height, 0.35 * height,
           context.quick() ? "160, 90" : "1280, 720");
     }
