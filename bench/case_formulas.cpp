@@ -121,7 +121,7 @@ void run_pairs(Context& context) {
     }
 }
 
-// Hapke's law as the CPU renderer has it, one direction after the other and many together.
+// Hapke's BRDF as the CPU renderer has it, one direction after the other and many together.
 void run_many(Context& context) {
   const std::vector<Inputs> cases = hard_cases::random_pairs(0.01, context.quick() ? 2000 : 100000);
   Material m = material(DiffuseModel::hapke, SpecularModel::blinn_phong);

@@ -79,7 +79,7 @@ class Scattering {
   Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
             const Vec3& tint) const;
 
-  // The same of many, bit-equal, of isotropic surfaces; Hapke's law alone is some times as fast.
+  // The same of many, bit-equal, of isotropic surfaces; Hapke's alone is four times as fast.
   struct Directions {
     Vec3 to_light, to_viewer, normal, tint;
   };

@@ -1,4 +1,4 @@
-// Hapke's law for many directions at once. Private to materials.
+// Hapke's BRDF for many directions at once. Private to materials.
 #pragma once
 
 #include "materials/internal/formulas.h"

@@ -169,39 +169,6 @@ TEST(GroundBeam, SquaresOnAPolarMap) {
   expect_squares(Ground(hills(Kind::polar, kWidth, kHeight, 300)), Kind::polar, kWidth, kHeight);
 }
 
-// Of two maps that overlap, the lower one with voids, the first counts.
-TEST(GroundBeam, SquaresOnMapsThatOverlap) {
-  const TemporaryFolder folder;
-  DiagnosticLog log;
-  std::vector<Dem> dems;
-  for (int k = 0; k < 2; ++k) {
-    std::string data;
-    for (int y = 0; y < 300; ++y)
-      for (int x = 0; x < 300; ++x) {
-        const double z = 40 * std::sin(x * 0.11) * std::cos(y * 0.07) + 25 * k;
-        data += bytes_of(k == 0 && x % 37 == 5 && y % 11 < 6 ? NAN : static_cast<float>(z), false);
-      }
-    const std::string name = k == 0 ? "a" : "b";
-    (void)folder.write(name + ".dat", data);
-    const std::string corner = k == 0 ? "0, 0" : "1000, -700";
-    const auto path = folder.write(name + ".hdr",
-                                   "ENVI\nsamples = 300\nlines = 300\nbands = 1\ndata type = 4\n"
-                                   "byte order = 0\nmap info = {Local, 1, 1, " +
-                                       corner + ", 10, 10}\n");
-    DemOptions reading;
-    reading.unit = 1;
-    reading.quantity = Quantity::height;
-    auto dem = Dem::open(path, reading, log);
-    ASSERT_TRUE(dem) << to_text(log);
-    dems.push_back(*std::move(dem));
-  }
-  ASSERT_TRUE(write_tiles(dems, folder / "c.pan", {}, log)) << to_text(log);
-  auto tiles = Tiles::open(folder / "c.pan", log);
-  ASSERT_TRUE(tiles) << to_text(log);
-  ASSERT_EQ(tiles->charts().size(), 2u);
-  expect_squares(Ground(std::make_shared<const Tiles>(*std::move(tiles))), Kind::plane, 350, 330);
-}
-
 std::optional<Dem> plane_of(const TemporaryFolder& folder, const std::string& name, int side,
                             const std::string& map, const std::function<float(int, int)>& height,
                             DiagnosticLog& log) {
@@ -221,6 +188,28 @@ std::optional<Dem> plane_of(const TemporaryFolder& folder, const std::string& na
   auto dem = Dem::open(path, reading, log);
   if (!dem) return {};
   return *std::move(dem);
+}
+
+// Of two maps that overlap, the lower one with voids, the first counts.
+TEST(GroundBeam, SquaresOnMapsThatOverlap) {
+  const TemporaryFolder folder;
+  DiagnosticLog log;
+  std::vector<Dem> dems;
+  for (int k = 0; k < 2; ++k) {
+    const auto height = [&](int x, int y) {
+      if (k == 0 && x % 37 == 5 && y % 11 < 6) return NAN;
+      return static_cast<float>(40 * std::sin(x * 0.11) * std::cos(y * 0.07) + 25 * k);
+    };
+    auto dem = plane_of(folder, k == 0 ? "a" : "b", 300,
+                        k == 0 ? "0, 0, 10, 10" : "1000, -700, 10, 10", height, log);
+    ASSERT_TRUE(dem) << to_text(log);
+    dems.push_back(*std::move(dem));
+  }
+  ASSERT_TRUE(write_tiles(dems, folder / "c.pan", {}, log)) << to_text(log);
+  auto tiles = Tiles::open(folder / "c.pan", log);
+  ASSERT_TRUE(tiles) << to_text(log);
+  ASSERT_EQ(tiles->charts().size(), 2u);
+  expect_squares(Ground(std::make_shared<const Tiles>(*std::move(tiles))), Kind::plane, 350, 330);
 }
 
 // A cell of the second map with a ridge: its near side is covered by the first map, its far side is

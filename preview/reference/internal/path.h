@@ -80,7 +80,7 @@ struct SunSample {
 };
 
 // Sets the radiances of traced_from() where there are no bounces, lamps and bodies, bit-equal;
-// BRDFs are evaluated together. False: a surface needs more than that; some are set then.
+// BRDFs are evaluated together. False: a surface needs more than that; none is set then.
 bool sunlit(const TraceScene& scene, std::span<const Sun> suns, std::span<const SunSample> samples,
             const PathOptions& options, std::span<Vec3> radiances);
 
